@@ -194,9 +194,9 @@ class Design:
         return bool(self.minimum.certified)
 
     @property
-    def proven(self) -> bool:
+    def scan_found_nothing_better(self) -> bool:
         """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
-        return bool(self.minimum.proven)
+        return bool(self.minimum.scan_found_nothing_better)
 
     @property
     def rival(self) -> dict[str, float] | None:
@@ -293,7 +293,7 @@ def _states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, L
 
 
 @record
-class Course:
+class ObjectiveCurve:
     """The objective as one variable of a design changes and the others stay.
 
     Attributes:
@@ -306,7 +306,7 @@ class Course:
 
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
-def along(found: Design, name: str, values: ArrayLike) -> Course:
+def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     """The objective of a design as one of its variables changes and the others stay, for pictures.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -327,14 +327,14 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
     bounds = {name: (np.min(values, initial=lowest), np.max(values, initial=highest))}
     question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
     at = evaluate(question, points)
-    return Course(at.objective, keeps(at.values[:, 1:]))
+    return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
 
 
 # --- another load -----------------------------------------------------------------------------------------------------
 
 
 @record
-class Misjudged:
+class UnderOtherLoad:
     """What a design loses under a load that it was not made for.
 
     Attributes:
@@ -354,7 +354,7 @@ class Misjudged:
 
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
-def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
+def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     """What a design loses if all amplitudes are `factor` times those that it was made for.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -384,13 +384,13 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     at = evaluate(question, found.variables, known)
     value = float(at.objective[0])
     states = _states(question, at, np.zeros(len(question.limits)))
-    return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
+    return UnderOtherLoad(factor, value, best, value / float(best.value) - 1.0, states)
 
 
 # --- the steady state after a life ------------------------------------------------------------------------------------
 
 
-class ForEver(NamedTuple):
+class InSteadyState(NamedTuple):
     """What a design for a life wears in the steady state, compared with the design that wears least there.
 
     Attributes:
@@ -415,7 +415,7 @@ _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
-def for_ever(found: Design) -> ForEver:
+def in_steady_state(found: Design) -> InSteadyState:
     """Compare a design for a life with the best one for the steady state.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -432,13 +432,15 @@ def for_ever(found: Design) -> ForEver:
     """
     load, question = found.load, found.question
     if question.scenarios is not None:
-        raise ValueError("for_ever takes a design for one contact; each scenario has a steady state of its own")
+        raise ValueError("in_steady_state takes a design for one contact; each scenario has a steady state of its own")
     if question.objective not in BY_THEN:
-        raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
+        raise ValueError(f"in_steady_state takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
     if load is None or question.horizon is None:
-        raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
+        raise ValueError("in_steady_state takes a design for a number of cycles; this one is for the steady state")
     if not question.by_force:
-        raise ValueError("for_ever takes a design under force control; under displacement control wear ends elsewhere")
+        raise ValueError(
+            "in_steady_state takes a design under force control; under displacement control wear ends elsewhere"
+        )
     best = answered(dataclasses.replace(question, horizon=None))
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
@@ -452,7 +454,7 @@ def for_ever(found: Design) -> ForEver:
 
     ours, theirs = map(over_lives, (found.contact, best.contact))
     flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
-    return ForEver(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
+    return InSteadyState(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
 
 
 def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:
@@ -498,7 +500,7 @@ def _in_words(found: Design) -> str:
             side = ">=" if state.lowest else "<="
             limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
-    lines.append(certainty(found, ("converged", "certified", "proven")))
+    lines.append(certainty(found, ("converged", "certified", "scan_found_nothing_better")))
     return "\n  ".join(["Design:", *lines])
 
 
@@ -1577,7 +1579,7 @@ class Designs:
         saving: The share by which it is less than that of the reference.
         converged: The search ended at a minimum.
         certified: Converged, within the limits, and nothing better was found; see `Design`.
-        proven: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
+        scan_found_nothing_better: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
     """
 
     variables: dict[str, Array]
@@ -1585,7 +1587,7 @@ class Designs:
     saving: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
 
 
 def designs(
@@ -1696,7 +1698,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
             continue
         weighted = weighted_load(contact, load.load, load.weight, level, one.horizon is None)
         best = answered(dataclasses.replace(one, load=weighted))
-        known = best.converged, best.certified, best.proven
+        known = best.converged, best.certified, best.scan_found_nothing_better
         found.append((best.variables, float(best.value), best.saving, *known))
     # The first one says of which kind the entries are, also of no design at all.
     of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(batch.shape)), *found)
@@ -1724,7 +1726,7 @@ def _designs(question: Question, level: Array) -> Designs:
             saving=defined * -jnp.expm1(found.value),
             converged=found.converged & worn,
             certified=found.certified & worn,
-            proven=found.proven & worn,
+            scan_found_nothing_better=found.scan_found_nothing_better & worn,
         )
 
     if not solved_one_by_one(question) or read_from_runs(question):

@@ -590,7 +590,7 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         limits=at.values[0, 1:],
         multipliers=multipliers,
         certified=best.certified & all_known,
-        proven=best.proven & all_known & (len(choices) == 1),
+        scan_found_nothing_better=best.scan_found_nothing_better & all_known & (len(choices) == 1),
     )
 
 

@@ -40,7 +40,8 @@ class OptimalExponent:
         at_bound: It lies on one of the bounds.
         converged: The search ended at a minimum.
         certified: Converged, and no scanned exponent and no other minimum that was found wears less: no proof.
-        proven: No exponent between two scanned ones is expected to wear less; no proof, see `Minimum`.
+        scan_found_nothing_better: No exponent between two scanned ones is expected to wear less; no proof, see
+            `Minimum`.
         rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
         rival_wear_volume: The wear volume there; infinite if there is none.
     """
@@ -50,7 +51,7 @@ class OptimalExponent:
     at_bound: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
     rival: Array
     rival_wear_volume: Array
 
@@ -160,7 +161,7 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
         at_bound=(found.side["k"] != 0) & valid,
         converged=found.converged & valid,
         certified=found.certified & valid,
-        proven=found.proven & valid,
+        scan_found_nothing_better=found.scan_found_nothing_better & valid,
         rival=xp.where(valid, found.rival["k"], np.nan),
         rival_wear_volume=xp.where(valid, found.rival_value, np.nan),
     )

@@ -182,7 +182,7 @@ class Solution(NamedTuple):
     residual: Any
     converged: Any
     certified: Any
-    proven: Any
+    scan_found_nothing_better: Any
     has_rival: Any
     steps: Any
 
@@ -830,12 +830,12 @@ def conclude(plan: Plan, state: State) -> Solution:
 
     converged = good[best]
     certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
-    proven = xp.zeros((), bool)
+    scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
         scanned, inclined = (x.reshape(-1, 1 + plan.limits)[: plan.samples] / scale for x in state.scanned)
         u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
         with np.errstate(all="ignore"):
-            proven = certified & _nothing_hides(
+            scan_found_nothing_better = certified & _nothing_hides(
                 xp.asarray(plan.axis_points()), scanned, inclined, u, values, multipliers, slack
             )
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
@@ -850,7 +850,7 @@ def conclude(plan: Plan, state: State) -> Solution:
         residual=points.residual[best],
         converged=converged,
         certified=certified,
-        proven=proven,
+        scan_found_nothing_better=scan_found_nothing_better,
         has_rival=has_rival,
         steps=state.descent.steps.max(),
     )
@@ -958,7 +958,8 @@ class Minimum:
         converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
         certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
             was found. This is what a global search can say, and no proof.
-        proven: For one variable: nothing lower is expected between two points of the scan. This holds as long as the
+        scan_found_nothing_better: For one variable: nothing lower is expected between two points of the scan.
+            This holds as long as the
             second derivative between them leaves the range of its means over this and the neighbouring intervals by
             no more than these differ, which is estimated, not bounded: no proof either. For several variables False.
         rival: The next best minimum, by name; NaN if there is none.
@@ -975,7 +976,7 @@ class Minimum:
     projected_gradient: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
     rival: Variables
     rival_value: Array
     steps: Array
@@ -1174,7 +1175,7 @@ def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any,
         projected_gradient=found.residual,
         converged=found.converged,
         certified=found.certified,
-        proven=found.proven,
+        scan_found_nothing_better=found.scan_found_nothing_better,
         rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
         rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
         steps=found.steps,
@@ -1276,7 +1277,7 @@ def _given(at: Minimum, posed: _Posed) -> Solution:
         residual=jnp.asarray(at.projected_gradient),
         converged=jnp.asarray(at.converged),
         certified=jnp.asarray(at.certified),
-        proven=jnp.asarray(at.proven),
+        scan_found_nothing_better=jnp.asarray(at.scan_found_nothing_better),
         has_rival=has_rival,
         steps=jnp.asarray(at.steps),
     )

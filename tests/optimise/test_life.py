@@ -39,7 +39,7 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
     worn = [float(x.over_cycles(FORCE, COEFFICIENT).volume(5e5)) for x in (short.contact, CONTACT)]
     np.testing.assert_allclose([short.value, short.reference_value], worn, rtol=1e-9)
 
-    ever = optimise.for_ever(short)
+    ever = optimise.in_steady_state(short)
     steady = optimise.design(CONTACT, FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius")
     assert ever.best.variables == steady.variables and float(ever.best.value) == float(steady.value)
     assert ever.volume > ever.reference_volume > float(steady.value) and ever.best_by_then > 2.0 * float(short.value)
@@ -51,9 +51,9 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
 
     long = optimise.design(CONTACT, FORCE, **ASKED, cycles=1e9)
     assert long.variables == steady.variables and float(long.value) == pytest.approx(float(steady.value), rel=1e-3)
-    assert optimise.for_ever(long).flips_at is None
-    with pytest.raises(ValueError, match="for_ever takes a design for a number of cycles"):
-        optimise.for_ever(steady)
+    assert optimise.in_steady_state(long).flips_at is None
+    with pytest.raises(ValueError, match="in_steady_state takes a design for a number of cycles"):
+        optimise.in_steady_state(steady)
 
 
 @pytest.mark.parametrize(

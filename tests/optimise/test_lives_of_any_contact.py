@@ -98,13 +98,13 @@ def test_a_held_displacement():
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
     assert np.any(np.asarray(scanned.steady(0.0).gross_slip_displacement) < np.asarray(moved.displacement_amplitude))
     is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05)
-    harder = optimise.misjudged(found, 1.1)
+    harder = optimise.under_other_load(found, 1.1)
     assert harder.best.load is not None
     np.testing.assert_allclose(
         harder.best.load.amplitudes, [1.1 * np.asarray(moved.displacement_amplitude)], rtol=1e-12
     )
-    with pytest.raises(ValueError, match="for_ever takes a design under force control"):
-        optimise.for_ever(found)
+    with pytest.raises(ValueError, match="in_steady_state takes a design under force control"):
+        optimise.in_steady_state(found)
 
 
 ONSET = float(RIGID.steady(0.0).gross_slip_displacement)
@@ -126,7 +126,7 @@ def test_loads_other_than_the_force(name):
         loaded = loads.Displacement(np.array([3.0 * ONSET]))
         many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
         np.testing.assert_allclose(many.value, [float(found.value)], rtol=1e-9)
-        harder = optimise.misjudged(found, 1.1)
+        harder = optimise.under_other_load(found, 1.1)
         assert harder.best.load is not None
         np.testing.assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
 
@@ -180,7 +180,7 @@ def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
     np.testing.assert_allclose(slopes.saving["cycles"], (upper.saving - lower.saving) / (2.0 * step), rtol=1e-4)
     np.testing.assert_allclose(slopes.saving["cycles"], slopes.saving["wear_coefficient"], rtol=1e-4)
 
-    true = optimise.misjudged(one, 1.05)
+    true = optimise.under_other_load(one, 1.05)
     best = optimise.design(RIGID, 1.05 * FORCE, RANGE, limits=limit, **asked)
     np.testing.assert_allclose(true.best.value, best.value, rtol=1e-9)
 

@@ -98,7 +98,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     is_least(found, volumes.max(0), within=0.01)
     there = dataclasses.replace(scenarios, material=dataclasses.replace(scenarios.material, k=found.variables["k"]))
     np.testing.assert_allclose(there.steady(FORCE).wear_volume, float(found.value), rtol=1e-8)
-    assert found.at_bound["k"] is None and not found.proven
+    assert found.at_bound["k"] is None and not found.scan_found_nothing_better
 
 
 @pytest.mark.compiled
@@ -158,7 +158,7 @@ def test_scenarios_and_amplitudes_count_together():
     volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
     is_least(found, over(volumes, weight, 0.8), within=1e-4)
-    harder = optimise.misjudged(found, 1.05)
+    harder = optimise.under_other_load(found, 1.05)
     again = optimise.design(
         RIGID, 1.05 * force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
     )
