@@ -15,7 +15,6 @@ from jax import Array
 from jax.core import Tracer
 from jax.tree_util import tree_flatten_with_path
 
-from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
 from plgwear_jax._core.numbers import for_numbers, refuse_traced
 from plgwear_jax._core.record import record, static
@@ -42,7 +41,6 @@ from plgwear_jax.optimise.evaluation import (
     search_over_scenarios,
     shared_of,
     space,
-    tells_states,
     valued,
 )
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
@@ -270,7 +268,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
     """The design that answers a question; what is evaluated on the way is put to what is known."""
     known = {} if known is None else known
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
-    evaluator = Evaluator(question, plan_for(question).lanes, known)
+    evaluator = Evaluator(question, known)
     at = evaluator.evaluate(found.variables)
     contact = evaluator.contact(found.variables)
     return Design(
@@ -591,20 +589,10 @@ def compared(found: Design) -> Comparison:
     elif not question.by_force:
         both = _worn_by_then(pair, question, depths)
     else:
-        force, distance = concrete(load.amplitudes)[0], concrete(question.distance)
-        if not is_closed(question.contact):
-            if tells_states(question):
-                known = {name: np.array([found.variables[name], x]) for name, x in found.reference_variables.items()}
-                states = Evaluator(question, plan_for(question).lanes).states(known)
-            else:
-                from plgwear_jax.steady import state  # which closed forms do without
-                from plgwear_jax.surfaces.effort import effort_of
-
-                states = state.states_of(pair, force, effort_of(None))
-            both = _numeric_rings(pair, states, distance, depths)
-        else:
-            others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-            both = _rings(others, pair, force, distance, depths)
+        others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+        # Closed forms make one program; numerical contacts call their own.
+        rings = _rings if is_closed(question.contact) else _rings.function
+        both = rings(others, pair, concrete(load.amplitudes)[0], concrete(question.distance), depths)
     both = jax.device_get(both)
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(both, quantities=both.quantities | objective)
@@ -618,45 +606,26 @@ def _depths_shown(question: Question) -> np.ndarray:
 
 @program(static=1)
 def _rings(
-    others: tuple[str, ...],
-    pair: Any,  # a FrettingContact of two
-    force: Array,
-    distance: ArrayLike | None,
-    shown: Array,
+    others: tuple[str, ...], pair: Any, force: ArrayLike, distance: ArrayLike | None, shown: ArrayLike
 ) -> Comparison:
-    steady = pair.steady(force)
-    quantities: dict[str, Any] = {name: getattr(steady, name) for name in others}
+    column = _columns(pair)  # a FrettingContact of two
+    steady = column.steady(force)
+    names = "contact_radius", "stick_radius", "worn_radius", *others
     # Materialised, since many results use them.
-    for name in ("contact_radius", "stick_radius", "worn_radius"):
-        quantities[name] = materialised(getattr(steady, name), pair.material.k)
-    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
+    quantities = {name: materialised(getattr(steady, name), column.radius) for name in names}
+    radius, inner, outer = (quantities[name] for name in names[:3])
+    inside = 0.01 * radius[1, 0] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = steady.edge_pressure(inside)
-    inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    # The steady state would compute the contact radius again, to fewer digits.
-    a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    phi = steady.amplitude[:, None]
-    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
-    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+    if is_closed(pair):  # where a picture does with fewer digits
+        steady = column.steady(force, digits=_FOR_A_PICTURE).with_contact_radius(radius)
+    quantities = {name: value[:, 0] for name, value in quantities.items()}
+    return _with_moduli(pair, quantities, radius, inside, radii, steady.wear_depth(radii), shown)
 
 
-@program(level=1)
-def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Array) -> Comparison:
-    from plgwear_jax.steady import numeric  # which closed forms do without
-    from plgwear_jax.surfaces.effort import effort_of
-
-    names = "wear_volume", "contact_radius", "stick_radius", "worn_radius"
-    quantities = {name: getattr(states.results, name) for name in names}
-    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
-
-    def ring(state: Any) -> tuple[Array, Array, Array]:
-        inner, outer = state.results.stick_radius, state.results.worn_radius
-        radii, effort = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES), effort_of(None)
-        pressure = numeric.edge_pressure_of(effort, state, inside[None])[0]
-        return pressure, radii, numeric.worn_depth_at(effort, state, radii)
-
-    quantities["edge_pressure"], radii, depth = jax.lax.map(ring, states)
-    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+def _columns(pair: Any) -> Any:
+    """Two contacts, along the first of two axes."""
+    return jax.tree.map(lambda field: field[:, None], pair)
 
 
 def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Comparison:
@@ -664,33 +633,32 @@ def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Compariso
     horizon, load = question.horizon, question.load
     assert horizon is not None and load is not None
     one = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
-    run = jax.tree.map(lambda field: field[:, None], pair).over_cycles(one, horizon.law)
+    column = _columns(pair)
+    run = column.over_cycles(one, horizon.law)
     radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
+    radius = column.steady(0.0).contact_radius
     depth = run.depth(radii, horizon.cycles)
-    quantities = {"contact_radius": pair.steady(0.0).contact_radius}
-    return _with_moduli(pair, quantities, quantities["contact_radius"], jnp.nan, radii, depth, jnp.asarray(shown))
+    return _with_moduli(pair, {"contact_radius": radius[:, 0]}, radius, jnp.nan, radii, depth, shown)
 
 
 @program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
-    steady = pair.steady()
-    quantities = {name: getattr(steady, name) for name in ("volume_change", "force_drop")}
-    radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
-    single = jax.tree.map(lambda field: field[:, None], pair)
-    depth = single.depth - single.steady(digits=_FOR_A_PICTURE).steady_displacement(radii)
-    return _with_moduli(pair, quantities, pair.radius, jnp.nan, radii, depth, shown)
+    column = _columns(pair)
+    steady = column.steady()
+    quantities = {name: getattr(steady, name)[:, 0] for name in ("volume_change", "force_drop")}
+    radii = column.radius * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
+    depth = column.depth - column.steady(digits=_FOR_A_PICTURE).steady_displacement(radii)
+    return _with_moduli(pair, quantities, column.radius, jnp.nan, radii, depth, shown)
 
 
 def _with_moduli(
-    pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Any, shown: Array
+    pair: Any, quantities: dict[str, Any], edge: Any, distance: Any, radii: Any, depth: Any, shown: Any
 ) -> Comparison:
-    power, ends = isinstance(pair.material, PowerLawGraded), (0.01 * edge[1], 10.0 * edge[1])
-    depths = jnp.geomspace(jnp.minimum(ends[0], shown[0]), jnp.maximum(ends[1], shown[1]), 2 if power else _SAMPLES)
-    at = jnp.concatenate([edge[:, None], jnp.broadcast_to(depths, (2, depths.size))], axis=1)
-    if power:
-        modulus = jax.tree.map(lambda field: field[:, None], pair.material).modulus(at)
-    else:
-        modulus = jax.lax.map(lambda one: one[0].modulus_at(one[1]), (pair.material, at))
+    power, last = isinstance(pair.material, PowerLawGraded), edge[1, 0]
+    ends = jnp.minimum(0.01 * last, shown[0]), jnp.maximum(10.0 * last, shown[1])
+    depths = jnp.geomspace(*ends, 2 if power else _SAMPLES)
+    at = jnp.concatenate([edge, jnp.broadcast_to(depths, (2, depths.size))], axis=1)
+    modulus = jnp.stack([jax.tree.map(lambda x, i=i: x[i], pair.material).modulus_at(at[i]) for i in range(2)])
     quantities["modulus_at_radius"] = modulus[:, 0]
     return Comparison(quantities, distance, radii, depth, depths, modulus[:, 1:])
 
@@ -841,20 +809,26 @@ def front(
     others = [other for other in range(len(question.limits)) if other != row]
     known: dict[Any, Any] = {}
 
-    def best(change: Any) -> Minimum:
-        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-            if "y" in larger:
-                values[:, 0], slopes[:, 0] = -values[:, 0], -slopes[:, 0]
-            return change(values, slopes)
+    def best(x_weight: float, y_weight: float, most: float | None = None) -> Minimum:
+        """The least mean of x and y, of those within a limit of log(x) if there is one."""
 
-        return search(question, changed, known)
+        def asked(values: np.ndarray, slopes: np.ndarray) -> Rows:
+            for part in (values, slopes):
+                part[:, 0] *= -1.0 if "y" in larger else 1.0
+                part[:, 0] = x_weight * part[:, 1 + row] + y_weight * part[:, 0]
+            if most is None:
+                return _instead(None, others, values, slopes)
+            values[:, 1 + row] -= most
+            return values, slopes
 
-    of_x, of_y = (best(functools.partial(_end, row, weights, others)) for weights in ((1.0, _TIE), (_TIE, 1.0)))
+        return search(question, asked, known)
+
+    of_x, of_y = best(1.0, _TIE), best(_TIE, 1.0)
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
     first, last = ends.values[:, 1 + row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
-    inner = [best(functools.partial(_allowing, row, one)) for one in allowed[1:-1]]
+    inner = [best(0.0, 1.0, one) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
@@ -877,20 +851,7 @@ def front(
     )
 
 
-def _allowing(row: int, most: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """With another limit of x."""
-    values[:, 1 + row] -= most
-    return values, slopes
-
-
 _TIE = 1e-6  # weight of the other quantity at the ends of a front, which chooses among designs with the best one
-
-
-def _end(row: int, weights: tuple[float, float], kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """x and y by their weights in place of the objective, without the limit of x."""
-    for rows in (values, slopes):
-        rows[:, 0] = weights[0] * rows[:, 1 + row] + weights[1] * rows[:, 0]
-    return _instead(None, kept, values, slopes)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:
@@ -1023,82 +984,48 @@ def sensitivities(found: Design) -> Sensitivities:
     """
     if found.question.scenarios is not None:
         raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
-    minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
-    here, changes, curvatures = _by_differences(found, all_inputs)
-    side = np.array([int(side) for side in minimum.side.values()])
-    u = np.where(side == 0, 0.0, side)
-    state = conditions(here.values, here.slopes, curvatures, u, np.asarray(minimum.multipliers))
-    variables, saving = {}, {}
+    minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
+    multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
+    at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
+    here = _at(question, at[None], runs)
+    curvatures = _curvatures(question, at, runs)
+    state = conditions(*(part[0] for part in here), curvatures, np.where(side == 0, 0.0, side), multipliers)
     share = float(found.value / found.reference_value)
-    for one, change in zip(all_inputs, changes, strict=True):
-        moved = np.zeros(len(u))
-        if one.path[0] == "bounds":  # a bound moves only a variable that lies on it
+    for one in inputs(question):
+        # By its change the values and slopes change; a bound moves only a variable that lies on it.
+        moved, values, slopes = np.zeros(at.size), *(np.zeros(part.shape[1:]) for part in here)
+        if one.path[0] == "bounds":
             _, variable, end = one.path
             moved[[*question.bounds].index(variable)] = 1.0
             moved *= side == (-1, 1)[end]
-        inclined = inclination(change.slopes, np.asarray(minimum.multipliers))
-        of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
-        dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
+        else:
+            steps = _steps(question, one)
+            beside = zip(*(_at(changed(question, one, step), at[None], runs) for step in steps), strict=True)
+            # Values are subtracted first, so that the derivative of what does not change is exactly 0.
+            parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
+            values, slopes = (np.tensordot(_weights(steps), part, 1) for part in parts)
+        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
+        of_limits = np.where(state.active > 0.0, values[1:], 0.0)
+        dx = -solved(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
         variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
-        saving[one.name] = -share * float(change.values[0] + here.slopes[0] @ dx)
+        saving[one.name] = -share * float(values[0] + here[1][0, 0] @ dx)
     return Sensitivities(variables, saving)
 
 
-class _AtPoint(NamedTuple):
-    """Values and slopes at the best point."""
-
-    values: Any  # (1 + m,), the objective over that of the reference
-    slopes: Any  # (1 + m, n)
-
-
-# At the best point, their derivatives by each input, and the second derivatives by the variables (1 + m, n, n).
-Changes = tuple[_AtPoint, list[_AtPoint], np.ndarray]
-
-
-def _at(found: Design) -> np.ndarray:
-    return np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
-
-
-# --- differences ------------------------------------------------------------------------------------------------------
-
-
-def _by_differences(found: Design, given: "list[Input]") -> Changes:
-    """By differences of the values and slopes that the search has."""
-    runs: Known = {}
-    here = _at_best(found, found.question, runs)
-    nothing = _AtPoint(*(np.zeros_like(part) for part in here))
-    changes = [nothing if by.path[0] == "bounds" else _change(found, here, by, runs) for by in given]
-    return here, changes, _curvatures(found, runs)
-
-
-def _evaluated(question: Question, at: np.ndarray, known: Known) -> _AtPoint:
-    """Values and slopes at several points, (points, n)."""
+def _at(question: Question, at: np.ndarray, known: Known) -> Rows:
+    """Values, (points, 1 + m), and slopes at several points, (points, n), on the scale of the search."""
     names = enumerate(question.bounds)
     found = evaluate(question, {name: at[:, i] if is_linear(name) else np.exp(at[:, i]) for i, name in names}, known)
-    return _AtPoint(found.values, found.slopes)
+    return found.values, found.slopes
 
 
-def _at_best(found: Design, question: Question, known: Known) -> _AtPoint:
-    return _AtPoint(*(part[0] for part in _evaluated(question, _at(found)[None], known)))
-
-
-def _change(found: Design, here: _AtPoint, by: "Input", runs: Known) -> _AtPoint:
-    """The derivatives of these values with respect to an input."""
-    steps = _steps(found.question, by)
-    at = [_at_best(found, changed(found.question, by, step), runs) for step in steps]
-    # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-    parts = (np.stack(part) - now for now, part in zip(here, zip(*at, strict=True), strict=True))
-    return _AtPoint(*(np.tensordot(_weights(steps), part, 1) for part in parts))
-
-
-def _curvatures(found: Design, runs: Known) -> np.ndarray:
+def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
     """Second derivatives, (1 + m, n, n)."""
-    at, n = _at(found), len(found.variables)
     room = {"k": lambda k: 1.0 - abs(k), "nu": lambda nu: min(1.0 + nu, 0.5 - nu)}  # within the range of the variable
-    inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(found.variables, at, strict=True))
+    inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(question.bounds, at, strict=True))
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found.question, stencil, runs).slopes.reshape(_NODES.size, n, -1, n)
+    slopes = _at(question, stencil, runs)[1].reshape(_NODES.size, at.size, -1, at.size)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 
@@ -1369,7 +1296,7 @@ class _Problem:
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
         self.known: Known = {}
-        self.evaluator, self.held = Evaluator(question, 1, self.known), held
+        self.evaluator, self.held = Evaluator(question, self.known, lanes=1), held
         self.depth, self.steepness = np.asarray(profile.at), profile.steepness
         self.low, self.high = np.log(profile.lower), np.log(profile.upper)
 

@@ -11,6 +11,8 @@ import numpy as np
 import optax
 import oracle
 import pytest
+from coated import COATING as REFERENCE
+from coated import RIGID as CONTACT
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -28,8 +30,6 @@ from plgwear_jax.optimise import (
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
 
-REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
-CONTACT = FrettingContact(REFERENCE, radius=5e-3, normal_force=10.0, friction=0.4)
 SQUARE = {"x": Interval(-2.0, 2.0), "y": Interval(0.1, 10.0, "logarithmic")}
 
 

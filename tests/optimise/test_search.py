@@ -6,16 +6,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from coated import RIGID as CONTACT
 from functions import fretting
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax import optimise
 from plgwear_jax.optimise.scenarios import padded
 from plgwear_jax.optimise.search import DONE, begin, conclude, plan_of, tell, tolerance
-
-CONTACT = FrettingContact(
-    PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4
-)
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
