@@ -1141,6 +1141,9 @@ def plan_of(
     return Plan(n, limits, along, begun, max_steps, noise, dtype)
 
 
+_ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what is said of a minimum
+
+
 def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
     return np.array([interval.scale == "logarithmic" for interval in space.values()])
 
@@ -1168,12 +1171,9 @@ def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any,
         limits=values[0, 1:],
         multipliers=multipliers,
         projected_gradient=found.residual,
-        converged=found.converged,
-        certified=found.certified,
-        scan_found_nothing_better=found.scan_found_nothing_better,
         rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
         rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
-        steps=found.steps,
+        **{name: getattr(found, name) for name in _ENDED},
     )
 
 
@@ -1270,9 +1270,6 @@ def _given(at: Minimum, posed: _Posed) -> Solution:
         side=side,
         scale=jnp.ones(values.shape[1], dtype),
         residual=jnp.asarray(at.projected_gradient),
-        converged=jnp.asarray(at.converged),
-        certified=jnp.asarray(at.certified),
-        scan_found_nothing_better=jnp.asarray(at.scan_found_nothing_better),
         has_rival=has_rival,
-        steps=jnp.asarray(at.steps),
+        **{name: jnp.asarray(getattr(at, name)) for name in _ENDED},
     )
