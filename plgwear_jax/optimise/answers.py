@@ -41,6 +41,7 @@ from plgwear_jax.optimise.evaluation import (
     search_over_scenarios,
     shared_of,
     space,
+    tells_states,
     valued,
 )
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
@@ -589,10 +590,20 @@ def compared(found: Design) -> Comparison:
     elif not question.by_force:
         both = _worn_by_then(pair, question, depths)
     else:
-        others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-        # Closed forms make one program; numerical contacts call their own.
-        rings = _rings if is_closed(question.contact) else _rings.function
-        both = rings(others, pair, concrete(load.amplitudes)[0], concrete(question.distance), depths)
+        force, distance = concrete(load.amplitudes)[0], concrete(question.distance)
+        if not is_closed(question.contact):
+            if tells_states(question):
+                known = {name: np.array([found.variables[name], x]) for name, x in found.reference_variables.items()}
+                states = Evaluator(question).states(known)
+            else:
+                from plgwear_jax.steady import state  # which closed forms do without
+                from plgwear_jax.surfaces.effort import effort_of
+
+                states = state.states_of(pair, force, effort_of(None))
+            both = _numeric_rings(pair, states, distance, depths)
+        else:
+            others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+            both = _rings(others, pair, force, distance, depths)
     both = jax.device_get(both)
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(both, quantities=both.quantities | objective)
@@ -617,8 +628,8 @@ def _rings(
     inside = 0.01 * radius[1, 0] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = steady.edge_pressure(inside)
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    if is_closed(pair):  # where a picture does with fewer digits
-        steady = column.steady(force, digits=_FOR_A_PICTURE).with_contact_radius(radius)
+    # A picture does with fewer digits.
+    steady = column.steady(force, digits=_FOR_A_PICTURE).with_contact_radius(radius)
     quantities = {name: value[:, 0] for name, value in quantities.items()}
     return _with_moduli(pair, quantities, radius, inside, radii, steady.wear_depth(radii), shown)
 
@@ -626,6 +637,25 @@ def _rings(
 def _columns(pair: Any) -> Any:
     """Two contacts, along the first of two axes."""
     return jax.tree.map(lambda field: field[:, None], pair)
+
+
+@program(level=1)
+def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Array) -> Comparison:
+    from plgwear_jax.steady import numeric  # which closed forms do without
+    from plgwear_jax.surfaces.effort import effort_of
+
+    names = "wear_volume", "contact_radius", "stick_radius", "worn_radius"
+    quantities = {name: getattr(states.results, name) for name in names}
+    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
+
+    def ring(state: Any) -> tuple[Array, Array, Array]:
+        inner, outer = state.results.stick_radius, state.results.worn_radius
+        radii, effort = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES), effort_of(None)
+        pressure = numeric.edge_pressure_of(effort, state, inside[None])[0]
+        return pressure, radii, numeric.worn_depth_at(effort, state, radii)
+
+    quantities["edge_pressure"], radii, depth = jax.lax.map(ring, states)
+    return _with_moduli(pair, quantities, quantities["contact_radius"][:, None], inside, radii, depth, shown)
 
 
 def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Comparison:

@@ -278,40 +278,45 @@ class Evaluation(NamedTuple):
         return np.exp(self.values[:, 0]) * self.scale
 
 
-def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array]:
-    """Values of `Candidate.rows`, and last log(E0) where it holds the contact radius; slopes of them."""
+def tells_states(question: Question) -> bool:
+    """Whether the state of each contact at the largest amplitude is solved, and told besides the rows."""
+    return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
+
+
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array, Any]:
+    """Values of `Candidate.rows`, and last log(E0) where it holds the contact radius; slopes of them; the state."""
     here = dict(zip(names, point, strict=True))
     outside = question.hold and not is_closed(question.contact)
     modulus = Candidate(question, here, shared).contact.material.E0 if question.hold else None
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here["E0"], shared = modulus, shared._replace(radius=None)
 
-    def there(steps: Array) -> Array:
+    def there(steps: Array) -> tuple[Array, Any]:
         candidate = Candidate(question, moved(here, dict(zip(here, steps, strict=True))), shared)
         rows = candidate.rows()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
-        return rows
+        return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes = with_slopes(there)(jnp.zeros(len(here), point.dtype))
+    values, slopes, state = with_slopes(there, True)(jnp.zeros(len(here), point.dtype))
     if modulus is None:
-        return values, slopes
+        return values, slopes, state
     if outside:  # E0 moves with the others, so that the contact radius stays
         along = slopes[-1, :-1] / slopes[-1, -1]
         values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
-    return jnp.append(values, jnp.log(modulus)), slopes
+    return jnp.append(values, jnp.log(modulus)), slopes, state
 
 
 @program(static=1)
-def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array]:
+def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array, Any]:
     return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
 @program(static=1, level=1)
 def _in_turn(
     names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, Any]:
     """The first `count` points, one after the other: contacts that are solved numerically."""
     one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
 
@@ -348,7 +353,7 @@ class Evaluator:
                 np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
             )
             point = self.points(reference_variables(question))
-            (worth,) = self._over_scenarios(*self._without_modulus(*self._solved(point, shared)))[0][:, 0]
+            (worth,) = self._over_scenarios(*self._without_modulus(*self._solved(point, shared)[:2]))[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))
         return self.known[self.key]
 
@@ -365,7 +370,7 @@ class Evaluator:
             self.known[key] = runs_of(question)
         return self.known[key]
 
-    def _solved(self, points: np.ndarray, shared: Shared) -> Rows:
+    def _solved(self, points: np.ndarray, shared: Shared) -> tuple[np.ndarray, np.ndarray, Any]:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
         in_turn = solved_one_by_one(self.question) and shared.runs is None
         found = []
@@ -377,7 +382,7 @@ class Evaluator:
             found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
         return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
 
-    def _told(self, points: np.ndarray) -> Rows:
+    def _told(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, Any]:
         """What `_at_point` tells at points; of contacts that are solved numerically it is kept."""
         if not solved_one_by_one(self.question) or self.shared.runs is not None:
             return self._solved(points, self.shared)
@@ -388,12 +393,16 @@ class Evaluator:
             self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
         return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
 
+    def states(self, variables: Mapping[str, ArrayLike]) -> Any:
+        """The states at the largest amplitude, where they are told."""
+        return self._told(self.points(variables))[2]
+
     def _without_modulus(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
         return values[:, :-1] if self.question.hold else values, slopes
 
     def rows(self, points: np.ndarray) -> Rows:
         """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
-        return self._without_modulus(*self._told(points))
+        return self._without_modulus(*self._told(points)[:2])
 
     def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return (

@@ -324,13 +324,18 @@ def solved(matrix: Any, right: Any) -> Any:
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def with_slopes(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array]]:
-    """Values and Jacobian."""
+def with_slopes(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
+    """Values and Jacobian, and what the function tells besides its values if it does."""
 
-    def first(u: Array) -> tuple[Array, Array]:
+    def first(u: Array) -> Any:
         jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
-        slopes, values = jacobian(lambda u: (function(u),) * 2, has_aux=True)(u)
-        return materialised(values, u[0]), materialised(slopes, u[0])
+
+        def twice(u: Array) -> Any:
+            found = function(u)
+            return (found[0], found) if has_more else (found, (found,))
+
+        slopes, (values, *more) = jacobian(twice, has_aux=True)(u)
+        return materialised(values, u[0]), materialised(slopes, u[0]), *more
 
     return first
 
