@@ -1019,7 +1019,7 @@ def sensitivities(found: Design) -> Sensitivities:
     at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
     here = _at(question, at[None], runs)
     curvatures = _curvatures(question, at, runs)
-    state = conditions(*(part[0] for part in here), curvatures, np.where(side == 0, 0.0, side), multipliers)
+    state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
     share = float(found.value / found.reference_value)
     for one in inputs(question):
         # By its change the values and slopes change; a bound moves only a variable that lies on it.
