@@ -86,7 +86,10 @@ def _median(seconds: Iterable[float]) -> str:
 
 
 def _row(name: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    known = (sum(bool(getattr(one.design, what)) for one in outcomes) for what in ("converged", "certified", "proven"))
+    known = (
+        sum(bool(getattr(one.design, what)) for one in outcomes)
+        for what in ("converged", "certified", "scan_found_nothing_better")
+    )
     missed = max((one.mine.violation for one in outcomes if one.problem.limited), default=None)
     return (
         name,
@@ -118,7 +121,7 @@ def problems(report: Report, quick: bool) -> None:
         rows += [_row(name, [one for one in outcomes if group(one.problem) == name]) for name in names]
         rows.append(())
     columns = ["", "problems", "worst excess", "SciPy's best worse", "limits missed by"]
-    columns += ["converged, certified, proven", "ms", "ms, SciPy's best"]
+    columns += ["converged, certified, scan_found_nothing_better", "ms", "ms, SciPy's best"]
     report.table("What plgwear finds, against the best of SciPy from many starts", columns, rows[:-1])
     rows = []
     for method in scipy_designs.METHODS:
@@ -180,7 +183,10 @@ def amplitudes(report: Report, quick: bool) -> None:
         rows.append((name, f"{excess.size:,}", short(each * 1e6), worst, wrong, short(each * DESIGNS / seconds)))
     columns = ("the best exponent", "designs", "us a design", "worst excess", "wrong optimum", "x plgwear")
     report.table(f"k from {BOUNDS[0]} to {BOUNDS[1]}, {DESIGNS:,} amplitudes from 0.001 to 0.9999", columns, rows)
-    told = [f"{int(np.sum(getattr(best, name))):,} {name}" for name in ("converged", "certified", "proven")]
+    told = [
+        f"{int(np.sum(getattr(best, name))):,} {name}"
+        for name in ("converged", "certified", "scan_found_nothing_better")
+    ]
     report.print(
         f"plgwear: first call {first:.2f} s, later ones {seconds * 1e3:.0f} ms; {', '.join(told)}.\n"
         "excess: of the volume over the lowest of a dense scan, relative; SciPy's exponents are valued by plgwear.\n"

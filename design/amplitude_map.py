@@ -42,7 +42,7 @@ def main(out: Path, points: int = 10_000) -> None:
         best = optimise.optimal_exponent(phi, (-end, end))
         saving = 100.0 * (1.0 - np.asarray(best.wear_volume / homogeneous))
         gains.append(float(np.interp(GAIN, phi, saving)))
-        certain, proven = (int(jnp.sum(x)) for x in (best.certified, best.proven))
+        certain, proven = (int(jnp.sum(x)) for x in (best.certified, best.scan_found_nothing_better))
         print(f"abs(k) up to {end:g}: {points} designs; nothing better found for {certain}, nor expected for {proven}")
         for axes, values in ((above, best.k), (above_end, best.k), (below, saving), (below_end, saving)):
             axes.plot(phi, values, color=colour, linestyle=dashes, linewidth=1.4)

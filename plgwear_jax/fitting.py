@@ -316,114 +316,107 @@ def fit_wear_coefficient(
     References:
         Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
     """
-    doubt(*of_contact(contact))
-    with own_numbers():  # wear coefficients with which it searches
-        return _fitted(contact, load, cycles, volume, deviation, relative, exponent)
-
-
-def _fitted(
-    contact: FrettingContact,
-    load: Any,
-    cycles: ArrayLike,
-    volume: ArrayLike,
-    deviation: ArrayLike | None,
-    relative: bool,
-    exponent: float,
-) -> Fit:
     from scipy import optimize, special
 
-    check("exponent", exponent, POSITIVE)
-    if relative and deviation is None:
-        raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
-    cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
-    given = 1.0 if deviation is None else np.asarray(deviation, float)
-    whole = Measurements(load, cycles, volume, given)
-    worn = cycles > 0.0
-    if not np.any(volume[worn] > 0.0):
-        raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+    doubt(*of_contact(contact))
+    with own_numbers():  # wear coefficients with which it searches
+        check("exponent", exponent, POSITIVE)
+        if relative and deviation is None:
+            raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
+        cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
+        given = 1.0 if deviation is None else np.asarray(deviation, float)
+        whole = Measurements(load, cycles, volume, given)
+        worn = cycles > 0.0
+        if not np.any(volume[worn] > 0.0):
+            raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
 
-    N, deviations = cycles[worn], given * (volume if relative else np.ones_like(volume))
-    if not np.all(deviations[worn] > 0.0):
-        raise ValueError(f"volume = 0 after {N[deviations[worn] <= 0.0][0]:g} cycles: has no relative deviation")
+        N, deviations = cycles[worn], given * (volume if relative else np.ones_like(volume))
+        if not np.all(deviations[worn] > 0.0):
+            raise ValueError(f"volume = 0 after {N[deviations[worn] <= 0.0][0]:g} cycles: has no relative deviation")
 
-    def run_with(coefficient: Any) -> Run:
-        law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
-        return whole.run(contact, law)
+        def run_with(coefficient: Any) -> Run:
+            law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
+            return whole.run(contact, law)
 
-    if not whole.load.lasts:
-        least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
-        model = _ManyRuns(run_with, least, N, volume[worn])
-    else:
-        model = _OneRun(run_with(1.0), N)
-    target, ends = volume[worn] / model.unit, model.ends
-    known = model.unit * np.ones_like(target) if deviation is None else deviations[worn]
-    data = dataclasses.replace(whole, cycles=N, measured=volume[worn], deviation=known)
+        if not whole.load.lasts:
+            least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
+            model = _ManyRuns(run_with, least, N, volume[worn])
+        else:
+            model = _OneRun(run_with(1.0), N)
+        target, ends = volume[worn] / model.unit, model.ends
+        known = model.unit * np.ones_like(target) if deviation is None else deviations[worn]
+        data = dataclasses.replace(whole, cycles=N, measured=volume[worn], deviation=known)
 
-    def residuals(x: np.ndarray) -> np.ndarray:
-        return data.residuals(model.unit * model(float(x[0]))[0])
+        def residuals(x: np.ndarray) -> np.ndarray:
+            return data.residuals(model.unit * model(float(x[0]))[0])
 
-    def slopes(x: np.ndarray) -> np.ndarray:
-        return (model.unit * model(float(x[0]))[1] / data.deviations)[:, None]
+        def slopes(x: np.ndarray) -> np.ndarray:
+            return (model.unit * model(float(x[0]))[1] / data.deviations)[:, None]
 
-    # Points early and late in a test can each have a minimum: the search begins at the best of many coefficients.
-    tried = np.concatenate([np.linspace(*ends, _TRIED), model.guesses(volume[worn])]).clip(
-        ends[0] + 1e-6, ends[1] - 1e-6
-    )
-    start = min(tried, key=lambda log: np.sum(residuals(np.array([log])) ** 2))
-    found = optimize.least_squares(residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12)
-    best, freedom = float(found.x[0]), N.size - 1
-    share = model(best)[0]
-    scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
-    # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the normal
-    # distribution if the deviations are known.
-    if deviation is not None:
-        rise = float(special.ndtri(0.5 + 0.5 * _LEVEL)) ** 2
-    else:
-        rise = (scatter * float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL))) ** 2 if freedom else math.nan
-
-    def excess(x: float) -> float:
-        return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
-
-    low, high = (math.nan, math.nan) if math.isnan(rise) else (_crossing(excess, best, end) for end in ends)
-    doubt = None
-    if math.isnan(rise):
-        doubt = "one point and one unknown: without its deviation the data tell no interval"
-    elif low == -math.inf:
-        doubt = "the scatter is too large: the data do not tell the wear coefficient"
-    elif high == math.inf and model.steady is None:
-        doubt = "the data do not bound the wear coefficient from above"
-    elif model.steady is not None and (high == math.inf or share.min() > _STEADY):
-        doubt = (
-            f"all points lie beyond {share.min():.0%} of the steady state: they tell little but the least coefficient"
+        # Points early and late in a test can each have a minimum: the search begins at the best of many coefficients.
+        tried = np.concatenate([np.linspace(*ends, _TRIED), model.guesses(volume[worn])]).clip(
+            ends[0] + 1e-6, ends[1] - 1e-6
         )
-    elif high - low > math.log(100.0):
-        doubt = "the scatter is too large: the data hardly tell the wear coefficient"
-    elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
-        doubt = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
-    if model.steady is not None and target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
-        more = f"up to {target.max():.3g} times the volume of the steady state is measured"
-        doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-    if model.steady is None and np.any(target > _EXCESS * model.most):
-        doubt = "more is measured than any wear coefficient explains: the test is another than given"
-    interval = math.exp(low), math.exp(high)
-    highest = 2.0 * cycles.max()
-    if not whole.load.lasts:
-        highest = min(highest, sum(float(stage.cycles) for stage in whole.load.stages()))
-    curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
-    fitted = np.zeros_like(volume)
-    fitted[worn] = model.unit * model(best)[0]
-    return Fit(
-        wear_coefficient=math.exp(best),
-        interval=interval,
-        cycles=cycles,
-        volume=volume,
-        fitted=fitted,
-        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviations,
-        steady_volume=model.steady,
-        doubt=doubt,
-        curve_cycles=curve_cycles,
-        curve=model.unit * model.curve((math.exp(best), *interval), curve_cycles),
-    )
+        start = min(tried, key=lambda log: np.sum(residuals(np.array([log])) ** 2))
+        found = optimize.least_squares(
+            residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12
+        )
+        best, freedom = float(found.x[0]), N.size - 1
+        share = model(best)[0]
+        scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
+        # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the
+        # normal distribution if the deviations are known.
+        if deviation is not None:
+            rise = float(special.ndtri(0.5 + 0.5 * _LEVEL)) ** 2
+        else:
+            rise = (scatter * float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL))) ** 2 if freedom else math.nan
+
+        def excess(x: float) -> float:
+            return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
+
+        low, high = (math.nan, math.nan) if math.isnan(rise) else (_crossing(excess, best, end) for end in ends)
+        said = None
+        if math.isnan(rise):
+            said = "one point and one unknown: without its deviation the data tell no interval"
+        elif low == -math.inf:
+            said = "the scatter is too large: the data do not tell the wear coefficient"
+        elif high == math.inf and model.steady is None:
+            said = "the data do not bound the wear coefficient from above"
+        elif model.steady is not None and (high == math.inf or share.min() > _STEADY):
+            beyond = f"all points lie beyond {share.min():.0%} of the steady state"
+            said = f"{beyond}: they tell little but the least coefficient"
+        elif high - low > math.log(100.0):
+            said = "the scatter is too large: the data hardly tell the wear coefficient"
+        elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
+            said = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
+        if (
+            model.steady is not None
+            and target.max() > _EXCESS
+            and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS
+        ):
+            more = f"up to {target.max():.3g} times the volume of the steady state is measured"
+            said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
+        if model.steady is None and np.any(target > _EXCESS * model.most):
+            said = "more is measured than any wear coefficient explains: the test is another than given"
+        interval = math.exp(low), math.exp(high)
+        highest = 2.0 * cycles.max()
+        if not whole.load.lasts:
+            highest = min(highest, sum(float(stage.cycles) for stage in whole.load.stages()))
+        curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
+        fitted = np.zeros_like(volume)
+        fitted[worn] = model.unit * model(best)[0]
+        return Fit(
+            wear_coefficient=math.exp(best),
+            interval=interval,
+            cycles=cycles,
+            volume=volume,
+            fitted=fitted,
+            deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviations,
+            steady_volume=model.steady,
+            doubt=said,
+            curve_cycles=curve_cycles,
+            curve=model.unit * model.curve((math.exp(best), *interval), curve_cycles),
+        )
 
 
 def _crossing(excess: Callable[[float], float], best: float, end: float) -> float:

@@ -45,7 +45,7 @@ class Findings(NamedTuple):
     words: dict[str, str]
     limited: dict[str, str]
     why: optimise.Conflict | None
-    forever: optimise.ForEver | None
+    forever: optimise.InSteadyState | None
     higher: Higher | None
 
 
@@ -59,7 +59,7 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     why = optimise.conflict(found)
     question = found.question
     steady = question.horizon is not None and question.by_force and found.keeps_limits and question.scenarios is None
-    forever = optimise.for_ever(found) if steady else None
+    forever = optimise.in_steady_state(found) if steady else None
     limited = {
         one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else words[one.quantity]
         for one in question.limits
@@ -103,7 +103,7 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str], limi
     said = f"at a 10 % higher {'force' if question.by_force else 'displacement'} amplitude"
     said = "with all amplitudes 10 % higher" if blocks else said
     try:
-        higher = optimise.misjudged(found, 1.1)
+        higher = optimise.under_other_load(found, 1.1)
     except ValueError:
         return Higher(f"{said} the contact is in gross slip")
     for name, state in higher.limits.items():
@@ -137,7 +137,7 @@ def _verdict(found: optimise.Design) -> str:
     if not found.certified:
         return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
     said = "the search converged; global search found nothing better"
-    if found.proven:
+    if found.scan_found_nothing_better:
         return f"{said}, none expected between the points of the scan (curvature is estimated, not bounded)"
     return f"{said}, but the scan has too few points to say what lies between them"
 
@@ -184,7 +184,7 @@ def tell_design(report: Report, one: Findings) -> None:
     _tell_allowed(report, one)
     report.put(
         less_wear_percent=100.0 * found.saving,
-        **fields(found, "hold", "converged", "certified", "proven"),
+        **fields(found, "hold", "converged", "certified", "scan_found_nothing_better"),
         conflict=one.why and fields(one.why, "allowed", "reachable"),
         verdict=_verdict(found),
         **fields(found.minimum, "projected_gradient", "steps"),

@@ -23,7 +23,7 @@ from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.curves import Shares, run, share_at
 from plgwear_jax.transient.grid import march_effort_of
 
-_NODES = 33  # exponents: between them the wear is off by some 1e-6, by up to 6e-5 where abs(k) > 0.95
+NODES = 33  # exponents: between them the wear is off by some 1e-6, by up to 6e-5 where abs(k) > 0.95
 _ROOM = 0.1  # share of the way to abs(k) = 1 by which they reach beyond, for the differences of `sensitivities`
 
 
@@ -41,7 +41,7 @@ class RunsAlongExponent(NamedTuple):
         Both arguments have the same shape.
         """
         shape = self.log_volume.shape
-        among = _between(self.ends, k, shape[1])
+        among = shares_of_nodes(self.ends, k, shape[1])
         n = jnp.exp(log_n + jnp.log1p(k) + among @ self.log_ratio)
         runs = jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), self.shares)
         share = share_at(runs, np.arange(self.log_volume.size).reshape(shape), n[..., None, None])
@@ -49,7 +49,7 @@ class RunsAlongExponent(NamedTuple):
         return jnp.sum(logs * among[..., None, :], axis=-1)
 
 
-def _between(ends: Array, k: Array, count: int) -> Array:
+def shares_of_nodes(ends: Array, k: Array, count: int) -> Array:
     """The share of each node in the polynomial through all of them, along a last axis: a mean of T_j(x_i) T_j(x)."""
     if count == 1:
         return jnp.ones((*jnp.shape(k), 1), ends.dtype)
@@ -67,8 +67,19 @@ def ends_of(question: Question) -> Any:
         return k, k
     low, high = question.bounds["k"]
     xp = namespace(k, low, high)
-    highest, lowest = xp.maximum(high, k), xp.minimum(low, k)
-    return highest + _ROOM * (1.0 - xp.abs(highest)), lowest - _ROOM * (1.0 - xp.abs(lowest))
+    return with_room(xp.maximum(high, k), xp.minimum(low, k))
+
+
+def with_room(highest: Any, lowest: Any) -> tuple[Any, Any]:
+    """Two exponents, and a part of the way from there to 1 and to -1."""
+    return highest + _ROOM * (1.0 - abs(highest)), lowest - _ROOM * (1.0 - abs(lowest))
+
+
+def nodes_of(ends: Array, count: int) -> Array:
+    """Chebyshev's nodes between two ends, of shape (2, ...), along a last axis."""
+    highest, lowest = ends[..., None]
+    at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
+    return 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, ends.dtype)
 
 
 class _Nodes(NamedTuple):
@@ -85,14 +96,13 @@ def _nodes(question: Question) -> _Nodes:
     assert question.load is not None
     phi, count = (
         solved_at(without_padding(question.phi, question.load.weight))[0],
-        _NODES if "k" in question.bounds else 1,
+        NODES if "k" in question.bounds else 1,
     )
-    highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
-    at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
-    k = 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, phi.dtype)
+    ends = jnp.stack([jnp.asarray(end, phi.dtype) for end in ends_of(question)])
+    k = nodes_of(ends, count)
     ratio = dataclasses.replace(question.contact.material, k=k).tangential_ratio()
     log_volume = jnp.log(fretting.wear_volume(k, phi[:, None]))
-    return _Nodes(jnp.stack([highest, lowest]), k, phi, log_volume, jnp.log(ratio) - jnp.log1p(k))
+    return _Nodes(ends, k, phi, log_volume, jnp.log(ratio) - jnp.log1p(k))
 
 
 @program(level=1)

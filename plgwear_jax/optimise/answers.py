@@ -15,7 +15,6 @@ from jax import Array
 from jax.core import Tracer
 from jax.tree_util import tree_flatten_with_path
 
-from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record, static
@@ -194,9 +193,9 @@ class Design:
         return bool(self.minimum.certified)
 
     @property
-    def proven(self) -> bool:
+    def scan_found_nothing_better(self) -> bool:
         """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
-        return bool(self.minimum.proven)
+        return bool(self.minimum.scan_found_nothing_better)
 
     @property
     def rival(self) -> dict[str, float] | None:
@@ -270,7 +269,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
     """The design that answers a question; what is evaluated on the way is put to what is known."""
     known = {} if known is None else known
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
-    evaluator = Evaluator(question, plan_for(question).lanes, known)
+    evaluator = Evaluator(question, known)
     at = evaluator.evaluate(found.variables)
     contact = evaluator.contact(found.variables)
     return Design(
@@ -293,7 +292,7 @@ def _states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, L
 
 
 @record
-class Course:
+class ObjectiveCurve:
     """The objective as one variable of a design changes and the others stay.
 
     Attributes:
@@ -306,7 +305,7 @@ class Course:
 
 
 @concrete_only("optimise.designs works there for contacts with closed forms")
-def along(found: Design, name: str, values: ArrayLike) -> Course:
+def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     """The objective of a design as one of its variables changes and the others stay, for pictures.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -327,14 +326,14 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
     bounds = {name: (np.min(values, initial=lowest), np.max(values, initial=highest))}
     question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
     at = evaluate(question, points)
-    return Course(at.objective, keeps(at.values[:, 1:]))
+    return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
 
 
 # --- another load -----------------------------------------------------------------------------------------------------
 
 
 @record
-class Misjudged:
+class UnderOtherLoad:
     """What a design loses under a load that it was not made for.
 
     Attributes:
@@ -354,7 +353,7 @@ class Misjudged:
 
 
 @concrete_only("optimise.designs works there for contacts with closed forms")
-def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
+def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     """What a design loses if all amplitudes are `factor` times those that it was made for.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -384,13 +383,13 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     at = evaluate(question, found.variables, known)
     value = float(at.objective[0])
     states = _states(question, at, np.zeros(len(question.limits)))
-    return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
+    return UnderOtherLoad(factor, value, best, value / float(best.value) - 1.0, states)
 
 
 # --- the steady state after a life ------------------------------------------------------------------------------------
 
 
-class ForEver(NamedTuple):
+class InSteadyState(NamedTuple):
     """What a design for a life wears in the steady state, compared with the design that wears least there.
 
     Attributes:
@@ -415,7 +414,7 @@ _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 
 @concrete_only("optimise.designs works there for contacts with closed forms")
-def for_ever(found: Design) -> ForEver:
+def in_steady_state(found: Design) -> InSteadyState:
     """Compare a design for a life with the best one for the steady state.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -432,13 +431,15 @@ def for_ever(found: Design) -> ForEver:
     """
     load, question = found.load, found.question
     if question.scenarios is not None:
-        raise ValueError("for_ever takes a design for one contact; each scenario has a steady state of its own")
+        raise ValueError("in_steady_state takes a design for one contact; each scenario has a steady state of its own")
     if question.objective not in BY_THEN:
-        raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
+        raise ValueError(f"in_steady_state takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
     if load is None or question.horizon is None:
-        raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
+        raise ValueError("in_steady_state takes a design for a number of cycles; this one is for the steady state")
     if not question.by_force:
-        raise ValueError("for_ever takes a design under force control; under displacement control wear ends elsewhere")
+        raise ValueError(
+            "in_steady_state takes a design under force control; under displacement control wear ends elsewhere"
+        )
     best = answered(dataclasses.replace(question, horizon=None))
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
@@ -452,7 +453,7 @@ def for_ever(found: Design) -> ForEver:
 
     ours, theirs = map(over_lives, (found.contact, best.contact))
     flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
-    return ForEver(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
+    return InSteadyState(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
 
 
 def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:
@@ -498,7 +499,7 @@ def _in_words(found: Design) -> str:
             side = ">=" if state.lowest else "<="
             limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
-    lines.append(certainty(found, ("converged", "certified", "proven")))
+    lines.append(certainty(found, ("converged", "certified", "scan_found_nothing_better")))
     return "\n  ".join(["Design:", *lines])
 
 
@@ -593,7 +594,7 @@ def compared(found: Design) -> Comparison:
         if not is_closed(question.contact):
             if tells_states(question):
                 known = {name: np.array([found.variables[name], x]) for name, x in found.reference_variables.items()}
-                states = Evaluator(question, plan_for(question).lanes).states(known)
+                states = Evaluator(question).states(known)
             else:
                 from plgwear_jax.steady import state  # which closed forms do without
                 from plgwear_jax.surfaces.effort import effort_of
@@ -616,26 +617,26 @@ def _depths_shown(question: Question) -> np.ndarray:
 
 @program(static=1)
 def _rings(
-    others: tuple[str, ...],
-    pair: Any,  # a FrettingContact of two
-    force: Array,
-    distance: ArrayLike | None,
-    shown: Array,
+    others: tuple[str, ...], pair: Any, force: ArrayLike, distance: ArrayLike | None, shown: ArrayLike
 ) -> Comparison:
-    steady = pair.steady(force)
-    quantities: dict[str, Any] = {name: getattr(steady, name) for name in others}
+    column = _columns(pair)  # a FrettingContact of two
+    steady = column.steady(force)
+    names = "contact_radius", "stick_radius", "worn_radius", *others
     # Materialised, since many results use them.
-    for name in ("contact_radius", "stick_radius", "worn_radius"):
-        quantities[name] = materialised(getattr(steady, name), pair.material.k)
-    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
+    quantities = {name: materialised(getattr(steady, name), column.radius) for name in names}
+    radius, inner, outer = (quantities[name] for name in names[:3])
+    inside = 0.01 * radius[1, 0] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = steady.edge_pressure(inside)
-    inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    # The steady state would compute the contact radius again, to fewer digits.
-    a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    phi = steady.amplitude[:, None]
-    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
-    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+    # A picture does with fewer digits.
+    steady = column.steady(force, digits=_FOR_A_PICTURE).with_contact_radius(radius)
+    quantities = {name: value[:, 0] for name, value in quantities.items()}
+    return _with_moduli(pair, quantities, radius, inside, radii, steady.wear_depth(radii), shown)
+
+
+def _columns(pair: Any) -> Any:
+    """Two contacts, along the first of two axes."""
+    return jax.tree.map(lambda field: field[:, None], pair)
 
 
 @program(level=1)
@@ -654,7 +655,7 @@ def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Ar
         return pressure, radii, numeric.worn_depth_at(effort, state, radii)
 
     quantities["edge_pressure"], radii, depth = jax.lax.map(ring, states)
-    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+    return _with_moduli(pair, quantities, quantities["contact_radius"][:, None], inside, radii, depth, shown)
 
 
 def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Comparison:
@@ -662,33 +663,32 @@ def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Compariso
     horizon, load = question.horizon, question.load
     assert horizon is not None and load is not None
     one = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
-    run = jax.tree.map(lambda field: field[:, None], pair).over_cycles(one, horizon.law)
+    column = _columns(pair)
+    run = column.over_cycles(one, horizon.law)
     radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
+    radius = column.steady(0.0).contact_radius
     depth = run.depth(radii, horizon.cycles)
-    quantities = {"contact_radius": pair.steady(0.0).contact_radius}
-    return _with_moduli(pair, quantities, quantities["contact_radius"], jnp.nan, radii, depth, jnp.asarray(shown))
+    return _with_moduli(pair, {"contact_radius": radius[:, 0]}, radius, jnp.nan, radii, depth, shown)
 
 
 @program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
-    steady = pair.steady()
-    quantities = {name: getattr(steady, name) for name in ("volume_change", "force_drop")}
-    radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
-    single = jax.tree.map(lambda field: field[:, None], pair)
-    depth = single.depth - single.steady(digits=_FOR_A_PICTURE).steady_displacement(radii)
-    return _with_moduli(pair, quantities, pair.radius, jnp.nan, radii, depth, shown)
+    column = _columns(pair)
+    steady = column.steady()
+    quantities = {name: getattr(steady, name)[:, 0] for name in ("volume_change", "force_drop")}
+    radii = column.radius * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
+    depth = column.depth - column.steady(digits=_FOR_A_PICTURE).steady_displacement(radii)
+    return _with_moduli(pair, quantities, column.radius, jnp.nan, radii, depth, shown)
 
 
 def _with_moduli(
-    pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Any, shown: Array
+    pair: Any, quantities: dict[str, Any], edge: Any, distance: Any, radii: Any, depth: Any, shown: Any
 ) -> Comparison:
-    power, ends = isinstance(pair.material, PowerLawGraded), (0.01 * edge[1], 10.0 * edge[1])
-    depths = jnp.geomspace(jnp.minimum(ends[0], shown[0]), jnp.maximum(ends[1], shown[1]), 2 if power else _SAMPLES)
-    at = jnp.concatenate([edge[:, None], jnp.broadcast_to(depths, (2, depths.size))], axis=1)
-    if power:
-        modulus = jax.tree.map(lambda field: field[:, None], pair.material).modulus(at)
-    else:
-        modulus = jax.lax.map(lambda one: one[0].modulus_at(one[1]), (pair.material, at))
+    power, last = isinstance(pair.material, PowerLawGraded), edge[1, 0]
+    ends = jnp.minimum(0.01 * last, shown[0]), jnp.maximum(10.0 * last, shown[1])
+    depths = jnp.geomspace(*ends, 2 if power else _SAMPLES)
+    at = jnp.concatenate([edge, jnp.broadcast_to(depths, (2, depths.size))], axis=1)
+    modulus = jnp.stack([jax.tree.map(lambda x, i=i: x[i], pair.material).modulus_at(at[i]) for i in range(2)])
     quantities["modulus_at_radius"] = modulus[:, 0]
     return Comparison(quantities, distance, radii, depth, depths, modulus[:, 1:])
 
@@ -839,20 +839,26 @@ def front(
     others = [other for other in range(len(question.limits)) if other != row]
     known: dict[Any, Any] = {}
 
-    def best(change: Any) -> Minimum:
-        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-            if "y" in larger:
-                values[:, 0], slopes[:, 0] = -values[:, 0], -slopes[:, 0]
-            return change(values, slopes)
+    def best(x_weight: float, y_weight: float, most: float | None = None) -> Minimum:
+        """The least mean of x and y, of those within a limit of log(x) if there is one."""
 
-        return search(question, changed, known)
+        def asked(values: np.ndarray, slopes: np.ndarray) -> Rows:
+            for part in (values, slopes):
+                part[:, 0] *= -1.0 if "y" in larger else 1.0
+                part[:, 0] = x_weight * part[:, 1 + row] + y_weight * part[:, 0]
+            if most is None:
+                return _instead(None, others, values, slopes)
+            values[:, 1 + row] -= most
+            return values, slopes
 
-    of_x, of_y = (best(functools.partial(_end, row, weights, others)) for weights in ((1.0, _TIE), (_TIE, 1.0)))
+        return search(question, asked, known)
+
+    of_x, of_y = best(1.0, _TIE), best(_TIE, 1.0)
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
     first, last = ends.values[:, 1 + row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
-    inner = [best(functools.partial(_allowing, row, one)) for one in allowed[1:-1]]
+    inner = [best(0.0, 1.0, one) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
@@ -875,20 +881,7 @@ def front(
     )
 
 
-def _allowing(row: int, most: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """With another limit of x."""
-    values[:, 1 + row] -= most
-    return values, slopes
-
-
 _TIE = 1e-6  # weight of the other quantity at the ends of a front, which chooses among designs with the best one
-
-
-def _end(row: int, weights: tuple[float, float], kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """x and y by their weights in place of the objective, without the limit of x."""
-    for rows in (values, slopes):
-        rows[:, 0] = weights[0] * rows[:, 1 + row] + weights[1] * rows[:, 0]
-    return _instead(None, kept, values, slopes)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:
@@ -1021,82 +1014,48 @@ def sensitivities(found: Design) -> Sensitivities:
     """
     if found.question.scenarios is not None:
         raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
-    minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
-    here, changes, curvatures = _by_differences(found, all_inputs)
-    side = np.array([int(side) for side in minimum.side.values()])
-    u = np.where(side == 0, 0.0, side)
-    state = conditions(here.values, here.slopes, curvatures, u, np.asarray(minimum.multipliers))
-    variables, saving = {}, {}
+    minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
+    multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
+    at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
+    here = _at(question, at[None], runs)
+    curvatures = _curvatures(question, at, runs)
+    state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
     share = float(found.value / found.reference_value)
-    for one, change in zip(all_inputs, changes, strict=True):
-        moved = np.zeros(len(u))
-        if one.path[0] == "bounds":  # a bound moves only a variable that lies on it
+    for one in inputs(question):
+        # By its change the values and slopes change; a bound moves only a variable that lies on it.
+        moved, values, slopes = np.zeros(at.size), *(np.zeros(part.shape[1:]) for part in here)
+        if one.path[0] == "bounds":
             _, variable, end = one.path
             moved[[*question.bounds].index(variable)] = 1.0
             moved *= side == (-1, 1)[end]
-        inclined = inclination(change.slopes, np.asarray(minimum.multipliers))
-        of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
-        dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
+        else:
+            steps = _steps(question, one)
+            beside = zip(*(_at(changed(question, one, step), at[None], runs) for step in steps), strict=True)
+            # Values are subtracted first, so that the derivative of what does not change is exactly 0.
+            parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
+            values, slopes = (np.tensordot(_weights(steps), part, 1) for part in parts)
+        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
+        of_limits = np.where(state.active > 0.0, values[1:], 0.0)
+        dx = -solved(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
         variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
-        saving[one.name] = -share * float(change.values[0] + here.slopes[0] @ dx)
+        saving[one.name] = -share * float(values[0] + here[1][0, 0] @ dx)
     return Sensitivities(variables, saving)
 
 
-class _AtPoint(NamedTuple):
-    """Values and slopes at the best point."""
-
-    values: Any  # (1 + m,), the objective over that of the reference
-    slopes: Any  # (1 + m, n)
-
-
-# At the best point, their derivatives by each input, and the second derivatives by the variables (1 + m, n, n).
-Changes = tuple[_AtPoint, list[_AtPoint], np.ndarray]
-
-
-def _at(found: Design) -> np.ndarray:
-    return np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
-
-
-# --- differences ------------------------------------------------------------------------------------------------------
-
-
-def _by_differences(found: Design, given: "list[Input]") -> Changes:
-    """By differences of the values and slopes that the search has."""
-    runs: Known = {}
-    here = _at_best(found, found.question, runs)
-    nothing = _AtPoint(*(np.zeros_like(part) for part in here))
-    changes = [nothing if by.path[0] == "bounds" else _change(found, here, by, runs) for by in given]
-    return here, changes, _curvatures(found, runs)
-
-
-def _evaluated(question: Question, at: np.ndarray, known: Known) -> _AtPoint:
-    """Values and slopes at several points, (points, n)."""
+def _at(question: Question, at: np.ndarray, known: Known) -> Rows:
+    """Values, (points, 1 + m), and slopes at several points, (points, n), on the scale of the search."""
     names = enumerate(question.bounds)
     found = evaluate(question, {name: at[:, i] if is_linear(name) else np.exp(at[:, i]) for i, name in names}, known)
-    return _AtPoint(found.values, found.slopes)
+    return found.values, found.slopes
 
 
-def _at_best(found: Design, question: Question, known: Known) -> _AtPoint:
-    return _AtPoint(*(part[0] for part in _evaluated(question, _at(found)[None], known)))
-
-
-def _change(found: Design, here: _AtPoint, by: "Input", runs: Known) -> _AtPoint:
-    """The derivatives of these values with respect to an input."""
-    steps = _steps(found.question, by)
-    at = [_at_best(found, changed(found.question, by, step), runs) for step in steps]
-    # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-    parts = (np.stack(part) - now for now, part in zip(here, zip(*at, strict=True), strict=True))
-    return _AtPoint(*(np.tensordot(_weights(steps), part, 1) for part in parts))
-
-
-def _curvatures(found: Design, runs: Known) -> np.ndarray:
+def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
     """Second derivatives, (1 + m, n, n)."""
-    at, n = _at(found), len(found.variables)
     room = {"k": lambda k: 1.0 - abs(k), "nu": lambda nu: min(1.0 + nu, 0.5 - nu)}  # within the range of the variable
-    inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(found.variables, at, strict=True))
+    inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(question.bounds, at, strict=True))
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found.question, stencil, runs).slopes.reshape(_NODES.size, n, -1, n)
+    slopes = _at(question, stencil, runs)[1].reshape(_NODES.size, at.size, -1, at.size)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 
@@ -1367,7 +1326,7 @@ class _Problem:
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
         self.known: Known = {}
-        self.evaluator, self.held = Evaluator(question, 1, self.known), held
+        self.evaluator, self.held = Evaluator(question, self.known, lanes=1), held
         self.depth, self.steepness = np.asarray(profile.at), profile.steepness
         self.low, self.high = np.log(profile.lower), np.log(profile.upper)
 
@@ -1577,7 +1536,7 @@ class Designs:
         saving: The share by which it is less than that of the reference.
         converged: The search ended at a minimum.
         certified: Converged, within the limits, and nothing better was found; see `Design`.
-        proven: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
+        scan_found_nothing_better: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
     """
 
     variables: dict[str, Array]
@@ -1585,7 +1544,7 @@ class Designs:
     saving: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
 
 
 def designs(
@@ -1696,7 +1655,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
             continue
         weighted = weighted_load(contact, load.load, load.weight, level, one.horizon is None)
         best = answered(dataclasses.replace(one, load=weighted))
-        known = best.converged, best.certified, best.proven
+        known = best.converged, best.certified, best.scan_found_nothing_better
         found.append((best.variables, float(best.value), best.saving, *known))
     # The first one says of which kind the entries are, also of no design at all.
     of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(batch.shape)), *found)
@@ -1724,7 +1683,7 @@ def _designs(question: Question, level: Array) -> Designs:
             saving=defined * -jnp.expm1(found.value),
             converged=found.converged & worn,
             certified=found.certified & worn,
-            proven=found.proven & worn,
+            scan_found_nothing_better=found.scan_found_nothing_better & worn,
         )
 
     if not solved_one_by_one(question) or read_from_runs(question):

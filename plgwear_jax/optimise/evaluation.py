@@ -337,8 +337,8 @@ def concrete(tree: Any) -> Any:
 class Evaluator:
     """Evaluates a question at concrete choices of the variables, by one program; no point is solved twice."""
 
-    def __init__(self, question: Question, lanes: int, known: Known | None = None) -> None:
-        self.given, self.question, self.lanes = question, concrete(question), lanes
+    def __init__(self, question: Question, known: Known | None = None, lanes: int | None = None) -> None:
+        self.given, self.question, self.lanes = question, concrete(question), lanes or plan_for(question).lanes
         self.names, self.known = tuple(question.bounds), {} if known is None else known
         self.key = b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self.question))
 
@@ -445,7 +445,7 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again. Of scenarios the values are those over all of them.
     """
-    return Evaluator(question, plan_for(question).lanes, known).evaluate(variables)
+    return Evaluator(question, known).evaluate(variables)
 
 
 def search(
@@ -463,7 +463,7 @@ def search(
         limits: How many limits there are in what `changed` returns; by default those of the question.
     """
     plan = plan_for(question)
-    evaluator = Evaluator(question, plan.lanes, known)
+    evaluator = Evaluator(question, known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
         values, slopes = evaluator.rows(evaluator.points(variables))
@@ -552,7 +552,7 @@ _CLOSED = 1e-9  # of the logarithm of the objective
 
 def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, plan_for(question).lanes, known)
+    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, known)
 
     def worst_at(variables: Mapping[str, ArrayLike]) -> Worst:
         return over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
@@ -590,7 +590,7 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         limits=at.values[0, 1:],
         multipliers=multipliers,
         certified=best.certified & all_known,
-        proven=best.proven & all_known & (len(choices) == 1),
+        scan_found_nothing_better=best.scan_found_nothing_better & all_known & (len(choices) == 1),
     )
 
 

@@ -40,7 +40,8 @@ class OptimalExponent:
         at_bound: It lies on one of the bounds.
         converged: The search ended at a minimum.
         certified: Converged, and no scanned exponent and no other minimum that was found wears less: no proof.
-        proven: No exponent between two scanned ones is expected to wear less; no proof, see `Minimum`.
+        scan_found_nothing_better: No exponent between two scanned ones is expected to wear less; no proof, see
+            `Minimum`.
         rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
         rival_wear_volume: The wear volume there; infinite if there is none.
     """
@@ -50,7 +51,7 @@ class OptimalExponent:
     at_bound: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
     rival: Array
     rival_wear_volume: Array
 
@@ -160,18 +161,21 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
         at_bound=(found.side["k"] != 0) & valid,
         converged=found.converged & valid,
         certified=found.certified & valid,
-        proven=found.proven & valid,
+        scan_found_nothing_better=found.scan_found_nothing_better & valid,
         rival=xp.where(valid, found.rival["k"], np.nan),
         rival_wear_volume=xp.where(valid, found.rival_value, np.nan),
     )
 
 
-_EXPONENTS = 33  # exponents at which the wear in a life is computed; a polynomial goes through its logarithm
-
-
 @functools.partial(jax.jit, static_argnums=5)
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax.transient.amount import wear_volume  # seldom needed, and takes time
+    from plgwear_jax.optimise.along_exponent import (  # seldom needed, and take time
+        NODES,
+        nodes_of,
+        shares_of_nodes,
+        with_room,
+    )
+    from plgwear_jax.transient.amount import wear_volume
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     phi, lower, upper, life, nu = (
@@ -179,36 +183,24 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     )
     valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
     valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
-    place = jnp.asarray(np.cos(np.pi * (np.arange(_EXPONENTS) + 0.5) / _EXPONENTS), phi.dtype)
-    place = place.reshape(-1, *(1,) * len(shape))
-    k = 0.5 * (lower + upper) + 0.5 * (upper - lower) * place
+    ends = jnp.stack(with_room(upper, lower))
+    k = jnp.moveaxis(nodes_of(ends, NODES), -1, 0)
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.005)
     volume = wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits)
-    # By their sums over the nodes the Chebyshev polynomials are orthogonal.
-    order = np.arange(_EXPONENTS)
-    by_order = (
-        np.cos(np.pi * np.outer(order, order + 0.5) / _EXPONENTS) * np.where(order == 0, 1.0, 2.0)[:, None] / _EXPONENTS
-    )
-    height = jnp.log(jnp.broadcast_to(volume, (_EXPONENTS, *shape)))
-    coefficients = jnp.moveaxis(jnp.tensordot(jnp.asarray(by_order, phi.dtype), height, 1), 0, -1)
+    heights = jnp.moveaxis(jnp.log(jnp.broadcast_to(volume, (NODES, *shape))), 0, -1)
 
-    def best(lower: Array, upper: Array, coefficients: Array) -> Minimum:
+    def best(lower: Array, upper: Array, heights: Array) -> Minimum:
+        ends = jnp.stack(with_room(upper, lower))
+
         def wear(variables: dict[str, Array]) -> Array:
-            x = (2.0 * variables["k"] - lower - upper) / (upper - lower)
-
-            def clenshaw(two: tuple[Array, Array], coefficient: Array) -> tuple[tuple[Array, Array], None]:
-                return (coefficient + 2.0 * x * two[0] - two[1], two[0]), None
-
-            zero = jnp.zeros_like(x)
-            (one, other), _ = jax.lax.scan(clenshaw, (zero, zero), coefficients[:0:-1])
-            return jnp.exp(coefficients[0] + x * one - other)
+            return jnp.exp(shares_of_nodes(ends, variables["k"], NODES) @ heights)
 
         noise = 10.0 ** -(4 if digits is None else digits)
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
     bounds = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _exponent_of(in_chunks(best, shape, *bounds, coefficients), valid)
+    found = _exponent_of(in_chunks(best, shape, *bounds, heights), valid)
     worn = jnp.broadcast_to(worn, shape)
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)

@@ -7,7 +7,7 @@ weights that do not depend on the design, and smooth functions of it.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple, TypedDict, Unpack
+from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 from jax.core import Tracer
@@ -268,13 +268,6 @@ def with_leaf(contact: Any, name: str, value: Any) -> Any:
 # --- from the arguments of `design` -----------------------------------------------------------------------------------
 
 
-class _Parts(NamedTuple):
-    """A question without its load, and what was said of the load."""
-
-    question: Question
-    load: Load | None
-
-
 def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Unpack[Keywords]) -> Question:
     """The question of these arguments of `design`, or a ValueError. A question is handed back as it is."""
     if isinstance(contact, Question):
@@ -323,8 +316,8 @@ def checked_kind_of(contact: Any) -> Kind:
     return kind_of(contact)
 
 
-def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> _Parts:
-    """The question without its load and scenarios, or a ValueError; it may be one for a batch of contacts."""
+def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> tuple[Question, Load | None]:
+    """The question without its load and scenarios, and the load, or a ValueError; it may be one for a batch."""
     for name in keywords.keys() - Keywords.__annotations__.keys():
         raise TypeError(f"a design takes no {name}{near_or_all(name, [*Keywords.__annotations__])}")
     kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), keywords.get("hold")
@@ -347,7 +340,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
     names = [one.quantity for one in limits]
     horizon = _horizon_of(objective, names, keywords.get("cycles"), keywords.get("law"), load)
-    return _Parts(Question(contact, None, bounds, limits, places, horizon, None, objective, bool(hold)), load)
+    return Question(contact, None, bounds, limits, places, horizon, None, objective, bool(hold)), load
 
 
 def _horizon_of(objective: str, limits: list[str], cycles: Any, law: Any, load: Load | None) -> WearHorizon | None:

@@ -182,7 +182,7 @@ class Solution(NamedTuple):
     residual: Any
     converged: Any
     certified: Any
-    proven: Any
+    scan_found_nothing_better: Any
     has_rival: Any
     steps: Any
 
@@ -830,12 +830,12 @@ def conclude(plan: Plan, state: State) -> Solution:
 
     converged = good[best]
     certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
-    proven = xp.zeros((), bool)
+    scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
         scanned, inclined = (x.reshape(-1, 1 + plan.limits)[: plan.samples] / scale for x in state.scanned)
         u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
         with np.errstate(all="ignore"):
-            proven = certified & _nothing_hides(
+            scan_found_nothing_better = certified & _nothing_hides(
                 xp.asarray(plan.axis_points()), scanned, inclined, u, values, multipliers, slack
             )
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
@@ -850,7 +850,7 @@ def conclude(plan: Plan, state: State) -> Solution:
         residual=points.residual[best],
         converged=converged,
         certified=certified,
-        proven=proven,
+        scan_found_nothing_better=scan_found_nothing_better,
         has_rival=has_rival,
         steps=state.descent.steps.max(),
     )
@@ -958,7 +958,8 @@ class Minimum:
         converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
         certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
             was found. This is what a global search can say, and no proof.
-        proven: For one variable: nothing lower is expected between two points of the scan. This holds as long as the
+        scan_found_nothing_better: For one variable: nothing lower is expected between two points of the scan.
+            This holds as long as the
             second derivative between them leaves the range of its means over this and the neighbouring intervals by
             no more than these differ, which is estimated, not bounded: no proof either. For several variables False.
         rival: The next best minimum, by name; NaN if there is none.
@@ -975,7 +976,7 @@ class Minimum:
     projected_gradient: Array
     converged: Array
     certified: Array
-    proven: Array
+    scan_found_nothing_better: Array
     rival: Variables
     rival_value: Array
     steps: Array
@@ -1145,6 +1146,9 @@ def plan_of(
     return Plan(n, limits, along, begun, max_steps, noise, dtype)
 
 
+_ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what is said of a minimum
+
+
 def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
     return np.array([interval.scale == "logarithmic" for interval in space.values()])
 
@@ -1172,12 +1176,9 @@ def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any,
         limits=values[0, 1:],
         multipliers=multipliers,
         projected_gradient=found.residual,
-        converged=found.converged,
-        certified=found.certified,
-        proven=found.proven,
         rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
         rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
-        steps=found.steps,
+        **{name: getattr(found, name) for name in _ENDED},
     )
 
 
@@ -1274,9 +1275,6 @@ def _given(at: Minimum, posed: _Posed) -> Solution:
         side=side,
         scale=jnp.ones(values.shape[1], dtype),
         residual=jnp.asarray(at.projected_gradient),
-        converged=jnp.asarray(at.converged),
-        certified=jnp.asarray(at.certified),
-        proven=jnp.asarray(at.proven),
         has_rival=has_rival,
-        steps=jnp.asarray(at.steps),
+        **{name: jnp.asarray(getattr(at, name)) for name in _ENDED},
     )

@@ -399,7 +399,10 @@ _FLAGS = _fields(
     {
         "converged": ("1", "the search ended at a minimum"),
         "certified": ("1", "converged, and nothing better was found"),
-        "proven": ("1", "none expected between the exponents scanned (curvature is estimated, not bounded)"),
+        "scan_found_nothing_better": (
+            "1",
+            "none expected between the exponents scanned (curvature is estimated, not bounded)",
+        ),
     },
     smooth=False,
 )

@@ -101,7 +101,11 @@ class Search:
         best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=self.modulus))
         forces = np.atleast_1d(load)
         weight = np.ones(len(forces)) / len(forces)
-        minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
+        minimum = {
+            "variables": {"k": jnp.asarray(-0.816)},
+            "side": {"k": jnp.asarray(0)},
+            "scan_found_nothing_better": jnp.asarray(True),
+        }
         minimum |= {"rival_value": jnp.inf} | self.ended
         question = question_of(contact, load, vary, **asked)
         values = (np.vdot(weight, one.steady(forces).wear_volume) for one in (best, contact))
@@ -117,22 +121,22 @@ class Search:
 def higher(loss: float, converged: bool = True, pressure: float | None = None):
     """In place of the search for the best coating under a higher load."""
 
-    def misjudged(found: optimise.Design, factor: float) -> optimise.Misjudged:
+    def under_other_load(found: optimise.Design, factor: float) -> optimise.UnderOtherLoad:
         minimum = dataclasses.replace(found.minimum, converged=jnp.asarray(converged))
         states = (
             {}
             if pressure is None
             else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, "edge_pressure", False)}
         )
-        return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, states)
+        return optimise.UnderOtherLoad(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, states)
 
-    return misjudged
+    return under_other_load
 
 
 @pytest.fixture
 def search(monkeypatch: pytest.MonkeyPatch) -> Search:
     slipping()  # while the search is still there
-    monkeypatch.setattr(optimise, "misjudged", higher(0.00148))
+    monkeypatch.setattr(optimise, "under_other_load", higher(0.00148))
     monkeypatch.setattr(optimise, "design", Search())
     return optimise.design  # pyright: ignore[reportReturnType]
 
@@ -246,7 +250,8 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     found = json.loads(result.stdout)
     assert found.keys() == {
         "scene", "best", "reference", "units", "edge_distance", "objective", "load", "less_wear_percent", "vary",
-        "hold", "limits", "conflict", "verdict", "converged", "certified", "proven", "projected_gradient", "steps",
+        "hold", "limits", "conflict", "verdict", "converged", "certified", "scan_found_nothing_better",
+        "projected_gradient", "steps",
         "rival", "if_10_percent_higher", "picture",
     }  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
@@ -370,7 +375,7 @@ def test_numbers_beside_each_other_have_one_prefix():
 
 
 def test_what_is_not_proven_is_not_claimed(folder, search):
-    search.ended = {"proven": False}
+    search.ended = {"scan_found_nothing_better": False}
     lines = plgwear("design", "contact.toml").stdout.splitlines()
     said = "the scan has too few points to say what lies between them"
     assert f"the search converged; global search found nothing better, but {said}" in lines
@@ -392,7 +397,7 @@ limits.contact_radius = { above = 5e-5, below = 8e-5 }
 
 
 def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
-    monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
+    monkeypatch.setattr(optimise, "under_other_load", higher(0.00148, pressure=7e8))
     rewrite('hold = "contact_radius"', LIMITS)
     search.limits = {
         "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), "edge_pressure", False),
@@ -453,7 +458,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, told):
     def slips(*_):
         raise ValueError("factor * tangential_force/(friction * normal_force) = 1.045 is outside its range")
 
-    monkeypatch.setattr(optimise, "misjudged", replacement or slips)
+    monkeypatch.setattr(optimise, "under_other_load", replacement or slips)
     line = f"at a 10 % higher force amplitude {told}"
     assert line in plgwear("design", "contact.toml").stdout.splitlines()
 
@@ -794,7 +799,7 @@ def test_process_designs_the_electrical_contact(folder):
     assert best["contact_radius"] == pytest.approx(reference["contact_radius"], rel=1e-13)
     assert best["k"] == pytest.approx(-0.81598, abs=1e-4) and found["vary"]["k"]["at_bound"] is None
     assert found["less_wear_percent"] == pytest.approx(18.449, abs=1e-3)
-    assert found["proven"] and found["rival"] is None
+    assert found["scan_found_nothing_better"] and found["rival"] is None
     # k from 40 digits at 1.1 times the amplitude is -0.7519, and dV/dk between them is small.
     assert found["if_10_percent_higher"]["loss"] == pytest.approx(0.00148, rel=0.1)
     # A contact of some tens of micrometres that loses some cubic micrometres.

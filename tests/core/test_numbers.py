@@ -23,7 +23,16 @@ REFUSING = {
     "coating": {"fit_power_law", "idealised", "where_it_counts"},
     "contact": {"slip_regimes"},
     "fitting": {"fit_wear_coefficient"},
-    "optimise": {"along", "compared", "conflict", "design", "for_ever", "free_design", "front", "misjudged"}
+    "optimise": {
+        "along",
+        "compared",
+        "conflict",
+        "design",
+        "in_steady_state",
+        "free_design",
+        "front",
+        "under_other_load",
+    }
     | {"sensitivities"},
     "plots": {"blocks_picture", "coating_picture", "design_picture", "fit_picture", "free_picture", "front_picture"}
     | {"regimes_picture", "wear_picture"},

@@ -627,7 +627,7 @@ def optima():
 @pytest.mark.long
 def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
     found, _, _ = optima()
-    assert np.all(found.converged[GOOD] & found.certified[GOOD] & found.proven[GOOD])
+    assert np.all(found.converged[GOOD] & found.certified[GOOD] & found.scan_found_nothing_better[GOOD])
     np.testing.assert_array_equal(found.at_bound[GOOD], [True, False, False, False, False, True])
     assert found.k[0] == LOWEST and found.k[5] == HIGHEST
     np.testing.assert_allclose(found.wear_volume[GOOD], fretting.wear_volume(found.k[GOOD], GOOD_PHI), rtol=64 * EPS)
@@ -646,7 +646,7 @@ def test_an_optimum_does_not_depend_on_its_neighbours_in_the_batch():
 def test_a_traced_amplitude_or_bound_outside_gives_nan():
     found, by_k, by_volume = optima()
     assert np.all(np.isnan(found.k[6:])) and np.all(np.isnan(found.wear_volume[6:]))
-    for flag in (found.converged, found.certified, found.proven, found.at_bound):
+    for flag in (found.converged, found.certified, found.scan_found_nothing_better, found.at_bound):
         assert not np.any(flag[6:])
     for name, slopes in (("k", by_k), ("wear_volume", by_volume)):
         assert np.all(np.isnan(slopes[0][6:])), name

@@ -6,17 +6,17 @@ import json
 import jax
 import numpy as np
 import pytest
+from coated import RIGID as CONTACT
 from scipy import optimize
 from typer.testing import CliRunner
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise
+from plgwear_jax import DepthGraded, Elastic, GrossSlipContact, PowerLawGraded, cli, optimise
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of, with_leaf
 
-CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = Elastic(210e9, 0.3)
-PLACES = {"distance": 2e-6, "r": 6.6e-5}  # within the worn ring
+PLACES = {"distance": 2e-6, "r": 6.6e-5, "z": 1e-5}  # within the worn ring
 POSITIVE = [name for name in FRETTING | TANGENTIAL if name not in ("initial_displacement", "steady_displacement")]
 
 

@@ -2,31 +2,17 @@
 
 import dataclasses
 import json
-from typing import Any
 
 import numpy as np
 import pytest
+from coated import HOLD, LIFE, RIGID, STEEL, held
 from test_designs_of_any_quantity import SCENE
 from typer.testing import CliRunner
 
-from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, cli, optimise
+from plgwear_jax import GrossSlipContact, PowerLawGraded, catalogue, cli, optimise
 
-RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
 FORCE = 1.0
-LIFE: dict[str, Any] = {"cycles": 4e5, "law": 1e-14}
 K, FRICTION = np.linspace(-0.5, 0.5, 201), np.geomspace(0.3, 0.8, 41)
-
-HOLD = "contact_radius"
-
-
-def held(k: np.ndarray) -> FrettingContact:
-    """Contacts with these exponents and the contact radius of `RIGID`."""
-    free = np.asarray(
-        dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(0.0).contact_radius
-    )
-    modulus = 110e9 * (free / float(RIGID.steady(0.0).contact_radius)) ** (3.0 + k)
-    return dataclasses.replace(RIGID, material=PowerLawGraded(modulus, 1e-4, k, 0.3))
 
 
 def is_the_envelope(curve: optimise.Front, x: np.ndarray, y: np.ndarray, within: float, rounding=1e-9) -> None:

@@ -11,6 +11,8 @@ import numpy as np
 import optax
 import oracle
 import pytest
+from coated import COATING as REFERENCE
+from coated import RIGID as CONTACT
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -28,8 +30,6 @@ from plgwear_jax.optimise import (
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
 
-REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
-CONTACT = FrettingContact(REFERENCE, radius=5e-3, normal_force=10.0, friction=0.4)
 SQUARE = {"x": Interval(-2.0, 2.0), "y": Interval(0.1, 10.0, "logarithmic")}
 
 
@@ -61,7 +61,7 @@ def test_any_optax_transformation_finds_the_minimum(solver, in_square):
     assert float(found.variables["x"]) == pytest.approx(0.3, abs=1e-9)
     assert float(found.variables["y"]) == pytest.approx(1.09, abs=1e-9)
     assert bool(found.converged) and bool(found.certified)
-    assert not bool(found.proven)  # nothing is proven about several variables
+    assert not bool(found.scan_found_nothing_better)  # nothing is said of several variables
 
 
 def hilly(v):
@@ -149,7 +149,7 @@ def test_the_rival_is_the_other_valley(between):
     assert float(found.variables["x"]) == pytest.approx(-0.7308931031862214, abs=1e-9)  # 4x^3 - 2x + 0.1 = 0
     assert float(found.rival["x"]) == pytest.approx(0.6806392764236684, abs=1e-9)
     assert found.rival_value == pytest.approx(two_valleys({"x": 0.6806392764236684}))
-    assert bool(found.proven)
+    assert bool(found.scan_found_nothing_better)
     assert np.isnan(alone.rival["x"]) and np.isinf(alone.rival_value)
 
 
@@ -185,9 +185,11 @@ def test_a_limit_that_shuts_one_valley_leaves_the_other():
         return minimise(two_valleys, {"x": Interval(-1.0, 1.0)}, limits=lambda v: (least - v["x"])[None])
 
     right, edge = above(0.3), above(-0.5)
-    assert float(right.variables["x"]) == pytest.approx(0.6806392764236684, abs=1e-9) and bool(right.proven)
+    assert float(right.variables["x"]) == pytest.approx(0.6806392764236684, abs=1e-9) and bool(
+        right.scan_found_nothing_better
+    )
     assert float(edge.variables["x"]) == pytest.approx(-0.5, abs=1e-10)
-    assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.proven)
+    assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.scan_found_nothing_better)
 
 
 @pytest.mark.compiled
@@ -203,13 +205,13 @@ def test_more_valleys_than_starts_are_not_certified(between):
 
 def test_proof_is_not_given_where_something_can_hide(between):
     coarse = entry(between, DIP)
-    assert not bool(coarse.proven) or float(coarse.variables["x"]) == pytest.approx(0.5144, abs=1e-3)
+    assert not bool(coarse.scan_found_nothing_better) or float(coarse.variables["x"]) == pytest.approx(0.5144, abs=1e-3)
 
 
 @pytest.mark.compiled
 def test_with_more_points_nothing_hides():
     fine = searched(dip, {"x": Interval(-1.0, 1.0)}, samples=1025)
-    assert bool(fine.proven) and fine.value < -0.2
+    assert bool(fine.scan_found_nothing_better) and fine.value < -0.2
 
 
 @example(coefficients=[2e-9, 0.0, 0.0, 1.0, 0.0])  # its lowest place is flat to the fourth order
@@ -221,8 +223,8 @@ def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coeffic
     x = float(found.variables["x"])
     bend = np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyder([0.0, *coefficients], 2))
     # Where it hardly bends, the value is known, but not the place; then the search says that it did not converge.
-    assert bool(found.converged) or (abs(bend) < 1e-3 and not bool(found.proven))
-    if bool(found.proven):
+    assert bool(found.converged) or (abs(bend) < 1e-3 and not bool(found.scan_found_nothing_better))
+    if bool(found.scan_found_nothing_better):
         assert float(found.value) <= lowest + 1e-12
 
 
@@ -306,7 +308,7 @@ def many():
 
 def test_every_amplitude_converges_and_is_proven(many):
     _, best = many
-    assert bool(jnp.all(best.converged & best.certified & best.proven))
+    assert bool(jnp.all(best.converged & best.certified & best.scan_found_nothing_better))
 
 
 def test_no_exponent_of_a_dense_scan_wears_less(many):
@@ -473,7 +475,7 @@ def test_design_at_held_contact_radius(held):
     assert held.value == pytest.approx(float(held.contact.steady(1.0).wear_volume))
     assert held.reference_value == pytest.approx(float(CONTACT.steady(1.0).wear_volume), rel=1e-13)
     assert 0.0 < held.saving < 1.0 and held.at_bound == {"k": None} and held.rival is None
-    assert held.converged and held.certified and held.proven and held.keeps_limits
+    assert held.converged and held.certified and held.scan_found_nothing_better and held.keeps_limits
 
 
 def test_a_design_is_a_pytree_with_public_numbers(held):
@@ -506,14 +508,14 @@ def test_what_python_prints_of_a_design_fits_a_screen(held):
 
 
 def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
-    told = optimise.misjudged(held, 1.1)
+    told = optimise.under_other_load(held, 1.1)
     again = optimise.design(CONTACT, 1.1, **HELD)
     assert told.value == pytest.approx(float(held.contact.steady(1.1).wear_volume))
     assert told.best.variables["k"] == pytest.approx(again.variables["k"], abs=1e-9)
     assert told.loss == pytest.approx(float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rel=1e-6)
     assert told.loss > 0.0
     with pytest.raises(ValueError, match="beyond which the slip is gross"):
-        optimise.misjudged(held, 4.0)
+        optimise.under_other_load(held, 4.0)
 
 
 @pytest.mark.parametrize("hold", [None, "contact_radius"])
@@ -786,7 +788,7 @@ def test_a_table_of_loads_and_other_objectives():
     a_0 = CONTACT.steady(0.0).contact_radius
     assert float(found.value * 5e-3 / a_0**2) <= np.min(dense) * (1.0 + 1e-12)
     assert abs(found.variables["k"] - k[np.argmin(dense)]) < 2e-3
-    assert found.proven
+    assert found.scan_found_nothing_better
 
 
 @pytest.mark.compiled
@@ -812,7 +814,7 @@ def test_gross_slip_hangs_on_the_exponent():
     drop = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
     assert drop.variables["k"] == 0.9 and drop.rival_value == pytest.approx(float(gross_slip.force_drop(-0.5)))
     with pytest.raises(ValueError, match="no amplitude to misjudge"):
-        optimise.misjudged(drop)
+        optimise.under_other_load(drop)
 
 
 @pytest.mark.parametrize(

@@ -6,16 +6,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from coated import RIGID as CONTACT
 from functions import fretting
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax import optimise
 from plgwear_jax.optimise.scenarios import padded
 from plgwear_jax.optimise.search import DONE, begin, conclude, plan_of, tell, tolerance
-
-CONTACT = FrettingContact(
-    PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4
-)
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
@@ -118,9 +115,9 @@ def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     np.testing.assert_allclose(few.wear_volume, many.wear_volume, rtol=1e-13)
     np.testing.assert_allclose(few.rival, many.rival, atol=1e-8)
     np.testing.assert_allclose(few.rival_wear_volume, many.rival_wear_volume, rtol=1e-13)
-    for flag in ("at_bound", "converged", "certified", "proven"):
+    for flag in ("at_bound", "converged", "certified", "scan_found_nothing_better"):
         np.testing.assert_array_equal(getattr(few, flag), getattr(many, flag), err_msg=flag)
-    assert np.any(few.at_bound) and not np.all(few.at_bound) and np.all(few.proven)
+    assert np.any(few.at_bound) and not np.all(few.at_bound) and np.all(few.scan_found_nothing_better)
 
 
 WINDOW = [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
@@ -137,7 +134,10 @@ def test_a_design_over_two_variables_within_a_limit_is_that_of_a_batch():
         assert float(many.variables[variable]) == pytest.approx(value, rel=1e-9), variable
     assert float(many.value) == pytest.approx(float(one.value), rel=1e-11)
     assert float(many.saving) == pytest.approx(one.saving, rel=1e-9)
-    assert bool(many.converged) is one.converged is True and bool(many.proven) is one.proven is False
+    assert (
+        bool(many.converged) is one.converged is True
+        and bool(many.scan_found_nothing_better) is one.scan_found_nothing_better is False
+    )
 
 
 # --- loads of a few sizes ---------------------------------------------------------------------------------------------

@@ -163,7 +163,7 @@ def test_yes_and_no_are_two_colours():
     figure = map_picture(made(shown, "optimal_exponent.certified", k=K, phi=PHI))
     np.testing.assert_array_equal(mesh(figure).get_array(), shown)
     assert [text.get_text() for text in figure.axes[1].get_yticklabels()] == ["no", "yes"]
-    axes = map_picture(made(PHI > 0.5, "optimal_exponent.proven", phi=PHI)).axes[0]
+    axes = map_picture(made(PHI > 0.5, "optimal_exponent.scan_found_nothing_better", phi=PHI)).axes[0]
     assert [text.get_text() for text in axes.get_yticklabels()] == ["no", "yes"]
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), PHI > 0.5)
 

@@ -62,7 +62,7 @@ def questions():
         "a design": first_design,
         "a design with other numbers": other_numbers,
         "sensitivities": lambda: optimise.sensitivities(found[0]),
-        "misjudged": lambda: optimise.misjudged(found[1], 1.1),
+        "under_other_load": lambda: optimise.under_other_load(found[1], 1.1),
         "along": lambda: optimise.along(found[0], "k", np.linspace(-0.5, 0.5, 50)),
         "limits that cannot be kept": lambda: optimise.conflict(
             optimise.design(CONTACT, FORCE, **HELD, limits=TOO_LOW)

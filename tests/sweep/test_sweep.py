@@ -149,7 +149,7 @@ def survives_netcdf(ds, folder):
 
 @pytest.mark.compiled
 def test_the_optimal_exponent_with_its_certificate(tmp_path):
-    fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "proven")]
+    fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "scan_found_nothing_better")]
     ds = sweep.sweep(fields, phi=PHI, bounds=(-0.5, 0.5))
     best = optima(PHI, (-0.5, 0.5))
     np.testing.assert_allclose(ds.optimal_exponent_k, best.k, rtol=1e-12)
@@ -190,7 +190,11 @@ def test_loads_are_an_axis_and_quantities_their_means():
 @pytest.mark.long  # one amplitude is a load of one
 def test_designs_are_those_of_optimise():
     ds = sweep.sweep(
-        ["design.k", "design.saving", "design.proven"], contact=CONTACT, design=DESIGN, z0=[1e-5], phi=[0.02, 0.2]
+        ["design.k", "design.saving", "design.scan_found_nothing_better"],
+        contact=CONTACT,
+        design=DESIGN,
+        z0=[1e-5],
+        phi=[0.02, 0.2],
     )
     contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
     for phi in (0.02, 0.2):
@@ -198,13 +202,13 @@ def test_designs_are_those_of_optimise():
         found = ds.sel(phi=phi)
         np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
         np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
-        assert bool(found.design_proven) is best.proven is True
+        assert bool(found.design_scan_found_nothing_better) is best.scan_found_nothing_better is True
 
 
 @pytest.mark.compiled
 def test_designs_of_loads_are_those_of_optimise():
     ds = sweep.sweep(
-        ["design.k", "design.wear_volume", "design.saving", "design.certified", "design.proven"],
+        ["design.k", "design.wear_volume", "design.saving", "design.certified", "design.scan_found_nothing_better"],
         contact=CONTACT,
         loads=LOADS,
         design={**DESIGN, "level": 0.5},
@@ -217,7 +221,10 @@ def test_designs_of_loads_are_those_of_optimise():
         np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
         np.testing.assert_allclose(found.design_wear_volume, best.value, rtol=1e-12)
         np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
-        assert bool(found.design_certified) is best.certified and bool(found.design_proven) is best.proven
+        assert (
+            bool(found.design_certified) is best.certified
+            and bool(found.design_scan_found_nothing_better) is best.scan_found_nothing_better
+        )
     assert ds.design_wear_volume.attrs["units"] == "m^3"
 
 
@@ -352,7 +359,7 @@ WEAR = "wear_volume"
         ("contact_radius", AXES, None),
         ("optimal_exponent", AXES, None),
         ("optimal_exponent.l", AXES, None),
-        ("optimal_exponent.proven.dphi", AXES, "optimal_exponent.proven: has no derivative by phi"),
+        ("optimal_exponent.certified.dphi", AXES, "optimal_exponent.certified: has no derivative by phi"),
         ("h_N.dnu", {"k": K, "nu": "holl"}, "h_N: has no derivative by nu; it has those by k"),
         ("design.k", AXES, None),
         (WEAR, {"k": K}, "wear_volume: needs phi"),
