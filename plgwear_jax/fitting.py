@@ -21,7 +21,7 @@ from plgwear_jax.loads import Block, Load, load_of
 from plgwear_jax.steady.arguments import NUMBER
 from plgwear_jax.wear import Run
 from plgwear_jax.wear.marched import MarchedRun
-from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
+from plgwear_jax.wear_laws import WearLaw, law_of
 
 __all__ = ["Fit", "Measurements", "fit_wear_coefficient", "log_likelihood"]
 
@@ -335,8 +335,7 @@ def fit_wear_coefficient(
             raise ValueError(f"volume = 0 after {N[deviations[worn] <= 0.0][0]:g} cycles: has no relative deviation")
 
         def run_with(coefficient: Any) -> Run:
-            law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
-            return whole.run(contact, law)
+            return whole.run(contact, law_of(coefficient, exponent))
 
         if not whole.load.lasts:
             least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)

@@ -122,6 +122,8 @@ class PressurePower(WearLaw):
         return guarded("coefficient", self.coefficient, POSITIVE) * power * slip
 
 
-def law_of(given: Any) -> WearLaw:
-    """The law as it is; of a number, Archard's law with this wear coefficient in 1/Pa."""
-    return given if isinstance(given, WearLaw) else Archard(given)
+def law_of(given: Any, exponent: float | None = None) -> WearLaw:
+    """The law as it is; of a number, the law with this wear coefficient and exponent, by default Archard's."""
+    if isinstance(given, WearLaw):
+        return given
+    return Archard(given) if exponent in (None, 1.0) else PressurePower(given, exponent)

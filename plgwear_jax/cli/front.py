@@ -51,17 +51,12 @@ def front(
     Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
     """
     given = asked(scene_file)
-    from plgwear_jax.scene import SceneError
-
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     if distance is not None and not 0.0 < distance < math.inf:
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
-    try:
-        given = given if y is None else given.minimising(given.traded("--y", y))
-        given.traded("--x", x, distance)
-    except SceneError as error:
-        refuse(f"{scene_file}: {error}")
+    given = given if y is None else given.minimising(given.traded("--y", y))
+    given.traded("--x", x, distance)
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
     with computing("looking for the best y for each x", one_question=True):
         import numpy as np

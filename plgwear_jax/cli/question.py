@@ -47,13 +47,10 @@ def words_of(distance: float, variables: Iterable[str] = ()) -> dict[str, str]:
 
 
 def read_scene(scene_file: Path) -> "Scene":
-    """The scene of a file, or a line that refuses it."""
+    """The scene of a file."""
     from plgwear_jax import scene
 
-    try:
-        return scene.load(scene_file)
-    except scene.SceneError as error:
-        refuse(str(error))
+    return scene.load(scene_file)
 
 
 def asked(scene_file: Path) -> "Scene":

@@ -334,7 +334,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
 
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import fit_wear_coefficient
-        from plgwear_jax.wear_laws import Archard, PressurePower
+        from plgwear_jax.wear_laws import law_of
 
         contact, one = given.build_contact(), load.cycles is None
         gross, test = bool(load.in_gross_slip.any()), load.record()
@@ -353,8 +353,8 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         through = []
         if until is not None:
             known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
-            law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
-            through = np.asarray(contact.over_cycles(test, law).cycles_to(depth=until)).tolist()
+            run = contact.over_cycles(test, law_of(known, exponent))
+            through = np.asarray(run.cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)

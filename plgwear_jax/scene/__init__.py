@@ -528,18 +528,18 @@ def load(path: str | os.PathLike[str]) -> Scene:
     Raises:
         SceneError: The file cannot be read or has an error; the first error is reported, in one line.
     """
-    text = read_text(path, "an input file is a TOML file", SceneError)
+    text = read_text(path, "an input file is a TOML file", OtherFileError)
     name = one_line(os.fspath(path))
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         comma = "; decimals are set off by a point" if re.search(r"=\s*[-+]?\d+,\d", text) else ""
-        raise SceneError(f"{name}: is not valid TOML: {one_line(str(error))}{comma}") from None
+        raise OtherFileError(f"{name}: is not valid TOML: {one_line(str(error))}{comma}") from None
     except (ValueError, RecursionError):
-        raise SceneError(f"{name}: is not valid TOML: a number too long or brackets too deep") from None
+        raise OtherFileError(f"{name}: is not valid TOML: a number too long or brackets too deep") from None
     try:
         return Scene.model_validate(document, context={"folder": Path(path).parent})
     except ValidationError as error:
         complaints = [complaint(name, detail, document) for detail in error.errors(include_url=False)]
     _, line = min(complaints, key=lambda found: found[0])
-    raise SceneError(line)
+    raise OtherFileError(line)

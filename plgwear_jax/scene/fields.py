@@ -15,7 +15,7 @@ class SceneError(ValueError):
 
 
 class OtherFileError(SceneError):
-    """An error in a file that a scene names; its line begins with that file."""
+    """An error in the file of a scene, or in another one that it names; its line begins with that file."""
 
 
 class Section(BaseModel):

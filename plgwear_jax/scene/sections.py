@@ -377,10 +377,9 @@ class Wear(Section):
 
     def record(self, friction: float) -> Any:
         """The wear law; its coefficient is the sum over both bodies."""
-        from plgwear_jax.wear_laws import Archard, PressurePower
+        from plgwear_jax.wear_laws import law_of
 
-        total = self._indenter(friction) + (self.half_space_coefficient or 0.0)
-        return Archard(total) if self.exponent in (None, 1.0) else PressurePower(total, self.exponent)
+        return law_of(self._indenter(friction) + (self.half_space_coefficient or 0.0), self.exponent)
 
 
 class Output(Section):

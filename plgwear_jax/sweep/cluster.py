@@ -3,6 +3,7 @@
 Dask decides who computes what and when, and gives the tasks of a worker that died to others.
 """
 
+import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -12,11 +13,12 @@ from distributed.comm.core import CommClosedError
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.plan import Plan, engine_of
+from plgwear_jax.sweep.plan import Plan
 from plgwear_jax.sweep.store import SweepError, SweepStore, arrays_of, holds, remove_partial, write_chunk
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
 _PATIENCE = "10s"  # for the scheduler to answer
+_compiling = threading.Lock()
 
 
 def run(
@@ -83,7 +85,8 @@ def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
     arrays = arrays_of(target, plan)
     missing = [number for number in numbers if not holds(arrays, plan, number)]
     if missing:
-        engine = engine_of(plan)
+        with _compiling:  # the threads of a worker share the plan, and so its program
+            engine = plan.engine
         for batch in engine.batches(missing):
             for number, variables in zip(batch, engine.finish(batch, engine.start(batch)), strict=True):
                 write_chunk(arrays, plan, number, variables)

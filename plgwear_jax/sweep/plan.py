@@ -9,7 +9,6 @@ import functools
 import hashlib
 import json
 import math
-import threading
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -199,6 +198,11 @@ class Plan:
         }
 
     @functools.cached_property
+    def engine(self) -> "Engine":
+        """The program of its chunks, which each process compiles once and keeps as long as the plan."""
+        return Engine(self)
+
+    @functools.cached_property
     def manifest(self) -> dict[str, Any]:
         """A description of the sweep that can be compared with another and read by people."""
         subject = self.subject
@@ -223,11 +227,6 @@ class Plan:
             "axes": list(self.axes),
             "chunk": list(self.chunk),
         }
-
-    @functools.cached_property
-    def key(self) -> str:
-        """The same for the same sweep, in any process."""
-        return hashlib.sha256(json.dumps(self.manifest, sort_keys=True).encode()).hexdigest()
 
 
 def _told(values: np.ndarray) -> str:
@@ -339,16 +338,3 @@ class Engine:
                     kept = tuple(slice(place[dim].stop - place[dim].start) for dim in variable.dims)
                     found[device][variable.name] = np.asarray(shard.data)[0][kept]
         return found
-
-
-_engines: dict[str, Engine] = {}
-_compiling = threading.Lock()
-
-
-def engine_of(plan: Plan) -> Engine:
-    """The program of a plan; a process compiles it once and keeps the last one."""
-    with _compiling:
-        if plan.key not in _engines:
-            _engines.clear()
-            _engines[plan.key] = Engine(plan)
-        return _engines[plan.key]

@@ -37,7 +37,7 @@ from plgwear_jax.sweep.names import (
     unit_of,
     variable_name,
 )
-from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
+from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
 Progress = Callable[[int, int], None]
@@ -177,7 +177,7 @@ def _run(
     done = _report(progress, plan.points - plan.size(numbers), plan)
     if not numbers:
         return
-    engine = engine_of(plan)
+    engine = plan.engine
 
     def finish(some: Sequence[int], started: Any) -> int:
         for number, variables in zip(some, engine.finish(some, started), strict=True):

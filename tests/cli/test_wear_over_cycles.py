@@ -82,7 +82,7 @@ def test_the_course_is_told_written_and_drawn():
     half = np.interp(told["cycles_to"]["0.5"], cycles, volume)
     assert half == pytest.approx(0.5 * end["volume"], rel=2e-3)
     drawn = image.imread("course.png")
-    assert drawn.shape[:2] == (897, 2125) and drawn[..., :3].std() > 0.1
+    assert drawn.shape[:2] == (1003, 2125) and drawn[..., :3].std() > 0.1
 
     table = plgwear("--picture", "course.png")
     assert table.exit_code == 0 and max(map(len, table.stdout.splitlines()[:-3])) <= 80

@@ -316,7 +316,7 @@ def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):
 
 def test_a_sweep_that_is_all_there_is_not_computed(tmp_path, monkeypatch):
     first = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr").load()
-    monkeypatch.setattr("plgwear_jax.sweep.sweeping.engine_of", None)
+    monkeypatch.setattr("plgwear_jax.sweep.plan.Engine", None)
     steps = []
     again = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr", progress=lambda *step: steps.append(step))
     xr.testing.assert_identical(first, again.load())
