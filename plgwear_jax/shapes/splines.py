@@ -10,7 +10,7 @@ and Abel's integral with the exponent a takes (r - b)^m to r^(m+1) Phi_m(b/r),
 
 import dataclasses
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
@@ -139,7 +139,27 @@ class _Splined(Shape):
         return Spline(*given, first, (second - first) / NEAR)
 
 
-class RoundedFlat(_Splined):
+class _Flat(_Splined):
+    """An indenter with a flat face."""
+
+    flat_radius: Numbers
+    steepens = True
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check("flat_radius", self.flat_radius, NUMBER)
+
+    def guarded(self) -> Self:
+        """The shape, with NaN for a traced radius outside its range."""
+        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
+
+    @property
+    def kinks(self) -> Any:
+        """The edge of the flat face."""
+        return (self.flat_radius,)
+
+
+class RoundedFlat(_Flat):
     """A flat face with a round edge: f(r) = 0 up to r = b, (r - b)^2/(2R) beyond, R being the radius of the contact.
 
     The pressure before any wear has a kink at r = b.
@@ -159,22 +179,6 @@ class RoundedFlat(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: Numbers
-    steepens = True
-
-    def __post_init__(self) -> None:
-        """Check the radius."""
-        check("flat_radius", self.flat_radius, NUMBER)
-
-    def guarded(self) -> "RoundedFlat":
-        """The shape, with NaN for a traced radius outside its range."""
-        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
-
-    @property
-    def kinks(self) -> Any:
-        """The edge of the flat face."""
-        return (self.flat_radius,)
-
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m."""
         return 0.5 * jnp.maximum(r - self.flat_radius, 0.0) ** 2 / radius
@@ -183,7 +187,7 @@ class RoundedFlat(_Splined):
         return jnp.asarray(self.flat_radius)[None], jnp.stack([0.0 * radius, 1.0 / radius, 0.0 * radius])[None]
 
 
-class TruncatedSphere(_Splined):
+class TruncatedSphere(_Flat):
     """A sphere worn or ground flat: f(r) = 0 up to r = b, (r^2 - b^2)/(2R) beyond, R being the radius of the contact.
 
     The pressure before any wear is infinite at r = b for k <= 0.
@@ -203,26 +207,10 @@ class TruncatedSphere(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: Numbers
-    steepens = True
-
-    def __post_init__(self) -> None:
-        """Check the radius."""
-        check("flat_radius", self.flat_radius, NUMBER)
-
-    def guarded(self) -> "TruncatedSphere":
-        """The shape, with NaN for a traced radius outside its range."""
-        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
-
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
         """Infinite at the edge of the flat face."""
         corner = (jnp.asarray(self.flat_radius) > 0.0) & (k <= 0.0)
         return jnp.zeros_like(corner), corner
-
-    @property
-    def kinks(self) -> Any:
-        """The edge of the flat face."""
-        return (self.flat_radius,)
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m."""
