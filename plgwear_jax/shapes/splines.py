@@ -84,7 +84,7 @@ class Spline(NamedTuple):
 
 
 _MANY = 32  # rows of a table, from which on kinks are so many that they count no more
-_MOST = 257  # rows of a table that count; see `Profile`
+_MOST = 513  # rows of a table that count; see `Profile`
 _AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
 
 
@@ -228,8 +228,8 @@ class Profile(_Splined):
     The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
 
-    Of a table of more than 257 rows, 257 count: the first, the last, and others at even distances between them, by
-    their number. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
+    Of a table of more than 513 rows, every second, third or further one counts, and the last, so that there are no more
+    than 513. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
 
     Attributes:
         r: Radii in m, shape (..., points), increasing from 0; at least two.
@@ -304,7 +304,8 @@ class Profile(_Splined):
         """The heights; beyond the last radius, where a search may look, the slope stays."""
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
         # Memory grows with the square of the rows.
-        kept = np.linspace(0, r.size - 1, min(r.size, _MOST)).astype(int)
+        every = -(-(r.size - 1) // (_MOST - 1))  # at even distances, since PCHIP is less exact where they alternate
+        kept = np.append(np.arange(0, r.size - 1, every), r.size - 1)
         cubic = pchip(r[kept], jnp.asarray(self.heights, r.dtype)[kept])
         r = cubic.start
         slope, bend, third = cubic.coefficients[1:, -2]
