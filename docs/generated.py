@@ -115,6 +115,21 @@ def fewest_digits() -> str:
     )
 
 
+def random_contacts() -> str:
+    """The errors of random contacts: 95 of 100 are below the first number of a cell, all below the second one."""
+    *errors, (_, refused) = tables("random_contacts")
+    groups = [row[0] for row in refused]
+    titles = "against 5 digits", "balance", "float32, $\\varphi \\ge 0.1$"
+    lines = [f"| quantity | held to | {' | '.join(groups)} |", f"| --- | --- |{' ---: |' * len(groups)}"]
+    for title, (_, rows) in zip(titles, errors, strict=True):
+        found = {(name, group): f"{most}, {worst}" for group, name, _, _, most, worst in rows}
+        for name in dict.fromkeys(name for name, _ in found):
+            cells = (found.get((name, group), "") for group in groups)
+            lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
+    told = (f"{number} of {of}" for _, of, number in refused)
+    return "\n".join([*lines, f"| refused | | {' | '.join(told)} |"])
+
+
 # --- keys of an input file ------------------------------------------------------------------------------------------
 
 SECTIONS = (  # titles and the models that they describe
@@ -290,7 +305,12 @@ def printed(text: str, folder: Path) -> str:
     return PRINTED.sub(fresh, text)
 
 
-GENERATED = {"keys of an input file": input_keys, "quantities": quantities, "fewest digits": fewest_digits}
+GENERATED = {
+    "keys of an input file": input_keys,
+    "quantities": quantities,
+    "fewest digits": fewest_digits,
+    "random contacts": random_contacts,
+}
 
 
 def main() -> int:

@@ -10,7 +10,7 @@ and Abel's integral with the exponent a takes (r - b)^m to r^(m+1) Phi_m(b/r),
 
 import dataclasses
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
@@ -84,7 +84,7 @@ class Spline(NamedTuple):
 
 
 _MANY = 32  # rows of a table, from which on kinks are so many that they count no more
-_MOST = 257  # rows of a table that count; see `Profile`
+_MOST = 513  # rows of a table that count; see `Profile`
 _AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
 
 
@@ -139,7 +139,27 @@ class _Splined(Shape):
         return Spline(*given, first, (second - first) / NEAR)
 
 
-class RoundedFlat(_Splined):
+class _Flat(_Splined):
+    """An indenter with a flat face."""
+
+    flat_radius: Numbers
+    steepens = True
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check("flat_radius", self.flat_radius, NUMBER)
+
+    def guarded(self) -> Self:
+        """The shape, with NaN for a traced radius outside its range."""
+        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
+
+    @property
+    def kinks(self) -> Any:
+        """The edge of the flat face."""
+        return (self.flat_radius,)
+
+
+class RoundedFlat(_Flat):
     """A flat face with a round edge: f(r) = 0 up to r = b, (r - b)^2/(2R) beyond, R being the radius of the contact.
 
     The pressure before any wear has a kink at r = b.
@@ -159,22 +179,6 @@ class RoundedFlat(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: Numbers
-    steepens = True
-
-    def __post_init__(self) -> None:
-        """Check the radius."""
-        check("flat_radius", self.flat_radius, NUMBER)
-
-    def guarded(self) -> "RoundedFlat":
-        """The shape, with NaN for a traced radius outside its range."""
-        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
-
-    @property
-    def kinks(self) -> Any:
-        """The edge of the flat face."""
-        return (self.flat_radius,)
-
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m."""
         return 0.5 * jnp.maximum(r - self.flat_radius, 0.0) ** 2 / radius
@@ -183,7 +187,7 @@ class RoundedFlat(_Splined):
         return jnp.asarray(self.flat_radius)[None], jnp.stack([0.0 * radius, 1.0 / radius, 0.0 * radius])[None]
 
 
-class TruncatedSphere(_Splined):
+class TruncatedSphere(_Flat):
     """A sphere worn or ground flat: f(r) = 0 up to r = b, (r^2 - b^2)/(2R) beyond, R being the radius of the contact.
 
     The pressure before any wear is infinite at r = b for k <= 0.
@@ -203,26 +207,10 @@ class TruncatedSphere(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: Numbers
-    steepens = True
-
-    def __post_init__(self) -> None:
-        """Check the radius."""
-        check("flat_radius", self.flat_radius, NUMBER)
-
-    def guarded(self) -> "TruncatedSphere":
-        """The shape, with NaN for a traced radius outside its range."""
-        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
-
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
         """Infinite at the edge of the flat face."""
         corner = (jnp.asarray(self.flat_radius) > 0.0) & (k <= 0.0)
         return jnp.zeros_like(corner), corner
-
-    @property
-    def kinks(self) -> Any:
-        """The edge of the flat face."""
-        return (self.flat_radius,)
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m."""
@@ -240,8 +228,8 @@ class Profile(_Splined):
     The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
 
-    Of a table of more than 257 rows, 257 count: the first, the last, and others at even distances between them, by
-    their number. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
+    Of a table of more than 513 rows, every second, third or further one counts, and the last, so that there are no more
+    than 513. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
 
     Attributes:
         r: Radii in m, shape (..., points), increasing from 0; at least two.
@@ -316,7 +304,8 @@ class Profile(_Splined):
         """The heights; beyond the last radius, where a search may look, the slope stays."""
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
         # Memory grows with the square of the rows.
-        kept = np.linspace(0, r.size - 1, min(r.size, _MOST)).astype(int)
+        every = -(-(r.size - 1) // (_MOST - 1))  # at even distances, since PCHIP is less exact where they alternate
+        kept = np.append(np.arange(0, r.size - 1, every), r.size - 1)
         cubic = pchip(r[kept], jnp.asarray(self.heights, r.dtype)[kept])
         r = cubic.start
         slope, bend, third = cubic.coefficients[1:, -2]

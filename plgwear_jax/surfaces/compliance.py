@@ -28,6 +28,10 @@ from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
 
 
+def _front(s: Array) -> Array:
+    return jnp.exp2(-s) / gamma(1.0 + s)
+
+
 class OnePower(NamedTuple):
     """g q^(k-1), a power law under a rigid indenter: beside the contact v is 0, and G(1) says all of what is inside."""
 
@@ -39,6 +43,11 @@ class OnePower(NamedTuple):
     def s(self) -> Array:
         """Edge exponent s of the pressure basis."""
         return 0.5 * (1.0 + self.k)
+
+    @property
+    def front(self) -> Array:
+        """The factor e of the pressures."""
+        return _front(self.s)
 
     @property
     def abel(self) -> Array:
@@ -66,6 +75,11 @@ class PowerLaw(NamedTuple):
     power_terms: Array  # matrices of both
     homogeneous_terms: Array
     radius: Array  # an estimate
+
+    @property
+    def front(self) -> Array:
+        """The factor e of the pressures."""
+        return _front(self.s)
 
     @property
     def abel(self) -> Array:
@@ -173,6 +187,8 @@ class Graded(NamedTuple):
     indenter: Array  # the indenter's part of g
     radius: Array  # an estimate
 
+    front = math.sqrt(2.0 / math.pi)  # the factor e of the pressures, for s = 1/2
+
     @property
     def s(self) -> Array:
         """Edge exponent s of the pressure basis."""
@@ -215,11 +231,10 @@ class Graded(NamedTuple):
         springs = constants.terms.of(self.excess(c, effort)[0])
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
-        e = 2.0 * math.sqrt(0.5 / math.pi)  # 2^-s/Gamma(1+s)
         sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
         fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
         change = (fallen * springs) @ factors[0] + (jnp.exp(-apart) * sine * springs) @ factors[1]
-        front = e * self.strength
+        front = self.front * self.strength
         return front * (springs @ factors[0]), front * change
 
 

@@ -23,8 +23,8 @@ from plgwear_jax.special.pchip import Piecewise, horner
 
 _DEEP = 12.0  # in units of 1/q: what is below counts by exp(-24)
 _THICK = 1e3  # a layer that is thicker in units of 1/q counts as this one
-_PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}  # of the depth, besides those for each row of the table
-_EACH = {1: 1, 2: 1, 3: 2, 4: 3, 5: 6}  # for each row
+_PARTS = {1: 12, 2: 16, 3: 20, 4: 28, 5: 44}  # of the depth, besides those for each row of the table
+_EACH = {1: 1, 2: 1, 3: 2, 4: 3, 5: 8}  # for each row
 _LEAST = 1e-4  # of the square of a change of log(E)
 
 

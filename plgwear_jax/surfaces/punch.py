@@ -37,8 +37,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
     if isinstance(compliance, OnePower):
         # The moment of f is G(1) with the exponent s + 1, and that of r f' is 2 s times what G(1) with s is above it.
         depth, mean = outline.firsts(c, s)
-        stiffness = jnp.exp2(2.0 - 2.0 * s) * jnp.pi * s / gamma(1.0 + s) ** 2
-        stiffness = stiffness * jnp.exp(2.0 * s * log_c - compliance.log_g)
+        stiffness = 4.0 * jnp.pi * s * compliance.front**2 * jnp.exp(2.0 * s * log_c - compliance.log_g)
         inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
         return Punch(log_c, None, None, None, *inner)
     matrix, slope = compliance.matrices(c, effort)
@@ -50,7 +49,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
     bent = force - found.T @ slope @ found
-    unit = jnp.exp2(1.0 - 2.0 * s) * jnp.pi / gamma(1.0 + s) ** 2 * c
+    unit = 2.0 * jnp.pi * compliance.front**2 * c
     depth = (bent[0, 1] + found[:, 0] @ rising) / bent[0, 0]
     return Punch(
         log_c=log_c,
@@ -121,7 +120,7 @@ def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
     c, s = jnp.exp(punch.log_c), compliance.s
     if punch.flat is None:
         return punch.stiffness * s / (jnp.pi * c * c) * jnp.exp((s - 1.0) * jnp.log(z))
-    return pressure_inside(punch.flat, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+    return compliance.front / c * pressure_inside(punch.flat, s, z)
 
 
 def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None]:
@@ -156,7 +155,7 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
     y = _at_edge(less) / _at_edge(punch.flat) * punch.flat - less
-    return found + pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+    return found + compliance.front / c * pressure_inside(y, s, z)
 
 
 def own_pressures(punch: Punch) -> Array:

@@ -63,31 +63,27 @@ class Lack(NamedTuple):
 
 def between(v: Array, y: Array) -> Array:
     """From values at the nodes to those at y, by polynomials in log(y)."""
-    first, part = _place(y)
-    coefficients = v[first[:, None] + np.arange(_TAPS)] @ jnp.asarray(_to_powers(), y.dtype)
-    total = coefficients[:, -1]
-    for i in reversed(range(_TAPS - 1)):
-        total = total * part + coefficients[:, i]
-    return total
+    which, weights = _around(y)
+    return jnp.sum(v[which] * weights, -1)
 
 
-def _place(y: Array) -> tuple[Array, Array]:
-    """(The first of the nodes around y, the distance from their middle)."""
+def _around(y: Array) -> tuple[Array, Array]:
+    """(The nodes around y, their weights), each of shape (m, taps)."""
     last = _nodes().size - _TAPS
     place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
     first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
-    return first, place - first - _MIDDLE
+    part = (place - first - _MIDDLE)[:, None]
+    powers, square = jnp.concatenate([jnp.ones_like(part), part], 1), part * part
+    fourth = jnp.concatenate([powers, square * powers], 1)
+    eighth = square * square
+    powers = jnp.concatenate([fourth, eighth * fourth, eighth * eighth * powers], 1)
+    return first[:, None] + np.arange(_TAPS), powers @ jnp.asarray(_to_powers().T, y.dtype)
 
 
 def _between_nodes(y: Array) -> Array:
     """The matrix from v at the nodes to v at y, of shape (m, nodes)."""
-    first, part = _place(y)
-    constants = jnp.asarray(_to_powers(), y.dtype)
-    taps = jnp.broadcast_to(constants[:, -1], (y.size, _TAPS))
-    for i in reversed(range(_TAPS - 1)):
-        taps = taps * part[:, None] + constants[:, i]
-    which = np.arange(_nodes().size) == first[:, None, None] + np.arange(_TAPS)[:, None]
-    return jnp.sum(jnp.where(which, taps[:, :, None], 0.0), 1)
+    which, weights = _around(y)
+    return jnp.sum(jnp.where(which[:, :, None] == np.arange(_nodes().size), weights[:, :, None], 0.0), 1)
 
 
 class Beside(NamedTuple):

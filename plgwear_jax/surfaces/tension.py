@@ -41,23 +41,23 @@ def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Ou
         return Least(1.0 + none, none, none)
     compliance, found, outline = jax.lax.stop_gradient((compliance, found, outline))
     if isinstance(compliance, OnePower):
-        rows = _of_springs(compliance, found, jax.lax.stop_gradient(phi))
+        shares, places, usual = _of_springs(compliance, found, jax.lax.stop_gradient(phi))
     else:
-        rows = _of_sums(compliance, found)
-    shares, places, scaled = (jnp.stack(x) for x in zip(*(_least(*row) for row in rows), strict=True))
+        shares, places, usual = _of_sums(compliance, found)
+    scaled = shares / usual
+    least = jnp.argmin(scaled, -1)
+    shares, places, scaled = jnp.stack([shares, places, scaled])[:, np.arange(3), least]
     first = jnp.argmin(scaled[:2])
-    which = jnp.stack([first, jnp.full_like(first, len(rows) - 1)])
-    return Least(shares[which], *(x[which].astype(shares.dtype) for x in (places, scaled < -MOST)))
+    which = jnp.stack([first, jnp.full_like(first, 2)])
+    pulled = (scaled < -MOST).astype(shares.dtype)
+    return Least(*jnp.stack([shares, places, pulled])[:, which])
 
 
-def _least(share: Array, r: Array, usual: Array) -> tuple[Array, Array, Array]:
-    """(The least one, where it is, its size beside what is usual there)."""
-    at = jnp.argmin(share / usual)
-    return share[at], r[at], share[at] / usual[at]
+def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
+    """(Pressures over their mean, radii, what is usual there), of sums of pressures.
 
-
-def _of_sums(compliance: Compliance, found: Worn) -> list[tuple[Array, Array, Array]]:
-    """Pressures over their mean at places, of a sum of pressures."""
+    Rows are those of F_N and of (1 - phi) F_N before any wear, and that of the steady state.
+    """
     assert found.punch.flat is not None
     s, own = compliance.s, own_pressures(found.punch)
     worn = own + (found.depth - found.punch.depth) * found.punch.flat
@@ -73,12 +73,12 @@ def _of_sums(compliance: Compliance, found: Worn) -> list[tuple[Array, Array, Ar
         matrix = s * jnp.exp((s - 1.0) * jnp.log(z))[:, None] * table
     pressures = (matrix @ y / y[0]).T
     edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
-    radii = [jnp.exp(log_c) * _PLACES for log_c in (found.unworn.log_c, found.punch.log_c, found.punch.log_c)]
-    return list(zip(pressures, radii, (edge, edge, jnp.ones_like(edge)), strict=True))
+    log_c = jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c])
+    return pressures, jnp.exp(log_c)[:, None] * _PLACES, jnp.stack([edge, edge, jnp.ones_like(edge)])
 
 
-def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> list[tuple[Array, Array, Array]]:
-    """Pressures over their mean at the inner edges of cells, of a power law alone.
+def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, Array, Array]:
+    """The same at the inner edges of cells, of a power law alone.
 
     What wears adds the pressure of a flat punch, which is positive everywhere. The pressure before any wear is that of
     flat punches of all radii, each with the share by which G rises there.
@@ -91,10 +91,8 @@ def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> list[tuple[Arr
     inside = jnp.maximum(edges - inner[:, None], 0.0) ** s
     slopes = jnp.diff(G) / jnp.where(size > 0.0, size, 1.0)
     parts = jnp.diff(inside) * (slopes * punch.stiffness / punch.force)
-    ends = (1.0 + wide, (1.0 - phi) * (1.0 + wide), parts), (1.0, 1.0, parts[:count, :count])
-    rows = []
-    for area, over, part in ends:
-        T = inner[: part.shape[0]]
-        left = jnp.maximum(1.0 - T / area, jnp.finfo(s.dtype).eps)
-        rows.append((over * jnp.sum(part, -1), jnp.exp(punch.log_c) * jnp.sqrt(T), left**s))
-    return rows
+    own = jnp.sum(parts[:, :count], -1)  # beside the stick area 0
+    shares = jnp.stack([(1.0 - phi) * (1.0 + wide) * jnp.sum(parts, -1), own, own])
+    areas = jnp.stack([1.0 + wide, jnp.ones_like(wide), jnp.ones_like(wide)])[:, None]
+    left = jnp.maximum(1.0 - inner / areas, jnp.finfo(s.dtype).eps)
+    return shares, jnp.broadcast_to(jnp.exp(punch.log_c) * jnp.sqrt(inner), shares.shape), left**s

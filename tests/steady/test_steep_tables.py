@@ -2,7 +2,6 @@
 
 import jax.numpy as jnp
 import numpy as np
-import pytest
 import surface_oracle
 from scipy.interpolate import PchipInterpolator
 
@@ -14,8 +13,7 @@ MODULUS = np.array([0.229, 3.444, 3.273, 4.189, 1.007, 0.706])
 NU = 0.3
 
 
-@pytest.mark.parametrize("digits, error", [(3, 1e-3), (4, 3e-4), (5, 3e-5)])
-def test_a_steep_table_has_the_compliance_of_the_equations(digits, error):
+def test_a_steep_table_has_the_compliance_of_the_equations():
     q = np.array([0.12, 1.5, 6.0, 18.0])
     cubic = PchipInterpolator(DEPTH, MODULUS)
     exact = [
@@ -24,5 +22,7 @@ def test_a_steep_table_has_the_compliance_of_the_equations(digits, error):
         )
         for x in q
     ]
-    found = excess_compliance(pchip(jnp.asarray(DEPTH), jnp.asarray(MODULUS)), jnp.asarray(NU), jnp.asarray(q), digits)
-    np.testing.assert_allclose(1.0 + found, 1.0 + np.array(exact), rtol=error)
+    table = pchip(jnp.asarray(DEPTH), jnp.asarray(MODULUS))
+    for digits, error in ((3, 1e-3), (4, 3e-4), (5, 3e-5)):
+        found = excess_compliance(table, jnp.asarray(NU), jnp.asarray(q), digits)
+        np.testing.assert_allclose(1.0 + found, 1.0 + np.array(exact), rtol=error)
