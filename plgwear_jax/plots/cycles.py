@@ -99,7 +99,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     deep = written(deepest, entry("wear_depth").unit)
     panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
-    legend_above(figure, (panels["a"], panels["d"]), 4)
+    legend_above(figure, (panels["a"], panels["c"]), 4)
     return figure
 
 

@@ -164,7 +164,7 @@ def _three_panels(
 def _explain(figure: Figure, panels: Any, words: str) -> None:
     """Letters, the legend above all panels, and below them what they have in common."""
     letters(panels)
-    legend_above(figure, panels, 4)
+    legend_above(figure, panels, 3)
     figure.supxlabel(words, fontsize=7, color="0.3")
 
 

@@ -99,10 +99,7 @@ def mark_roughness(axes: Axes, deepest: float) -> bool:
     seen = deepest > 0.2 * _ROUGHNESS
     axes.set_ylim(0.0, 1.15 * max(deepest, _ROUGHNESS if seen else 0.0))
     if seen:
-        ground = {"facecolor": "w", "edgecolor": "none", "pad": 1.0}
-        axes.axhline(_ROUGHNESS, **FORBIDDEN)
-        axes.text(0.97, _ROUGHNESS, "roughness 50 nm", transform=axes.get_yaxis_transform(), ha="right", va="center",
-                  color="0.3", bbox=ground)  # fmt: skip
+        axes.axhline(_ROUGHNESS, color="0.4", linewidth=0.8, linestyle=DASH_DOT, zorder=1, label="roughness of 50 nm")
     return seen
 
 
