@@ -148,11 +148,11 @@ def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
     return columns, rows
 
 
-Points = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns
+Drawn = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns
 
 
-def _points(found: Mapping[Any, Compared]) -> Points:
-    points: Points = {kind: {} for kind in KINDS}
+def _points(found: Mapping[Any, Compared]) -> Drawn:
+    points: Drawn = {kind: {} for kind in KINDS}
     for name, one in found.items():
         kind = name.kind if isinstance(name, Case) else name[1]
         points[kind][_told(name)] = _error(found, name), one.timing.median
@@ -166,7 +166,7 @@ def digits_again() -> Figure:
                          for kind, one in cells.items()})  # fmt: skip
 
 
-def _over_errors(points: Points) -> Figure:
+def _over_errors(points: Drawn) -> Figure:
     """Time a point over worst error."""
     figure = harness.figure(6.4, 3.6)
     axes = figure.subplots(1, 3, sharex=True, sharey=True)

@@ -50,7 +50,7 @@ def draw_coating() -> Figure:
     assert isinstance(graded, DepthGraded)
     as_given = coating.worn(contact, force)
     radius = float(as_given["contact_radius"])
-    fit = coating.fit_power_law(graded.depth, graded.modulus, graded.nu, radius)
+    fit = coating.fit_power_law(graded.depth, graded.modulus, float(np.asarray(graded.nu)), radius)
     depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
     return plots.coating_picture(
         fit,

@@ -119,7 +119,7 @@ def _draw_volume(axes: Axes, run: Run, cycles: np.ndarray, shown: np.ndarray, li
     axes.loglog(cycles, volume[0] / cycles[0] * cycles, **FORBIDDEN | {"label": "wear of the first cycles"})
     axes.loglog(cycles, volume, color="k", label=entry("volume").name)
     if final is not None:
-        axes.axhline(largest, **_END | {"label": None})
+        axes.axhline(largest, color=ORANGE)
     for number, worn, style in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, worn, "o", color=style["color"], **DOT)
     if life is not None:

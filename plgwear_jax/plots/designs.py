@@ -335,9 +335,9 @@ def free_picture(
     """
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
-    bounds = [*zip(found.profile.at, found.profile.lower, found.profile.upper, strict=True)]
+    bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
     radius = float(found.contact_radii[0])
-    figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
+    figure, panels = _three_panels(depths, (best, reference, law), labels, radius, [*zip(*bounds, strict=True)])
     _draw_influence(panels, counts, radius)
     rows = zip(worn, (BEST, OTHER, REFERENCE), strict=True)
     draw_depths(panels[2], [(*row, style) for row, style in rows])

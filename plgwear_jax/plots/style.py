@@ -118,7 +118,7 @@ class _Prefixed(ScalarFormatter):
         self._factor = factor
 
     def set_locs(self, locs: Any) -> None:
-        super().set_locs(np.asarray(locs) / self._factor)
+        super().set_locs([place / self._factor for place in locs])
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         return super().__call__(x / self._factor, pos)
