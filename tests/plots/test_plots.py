@@ -53,6 +53,7 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     assert [text.get_text() for text in held.axes[2].texts] == ["$c$", r"$a_\infty$"]
     assert held.axes[1].get_title(loc="right") == "18.4 % less"
     assert legend(held) == ["best, $k = -0.816$", "reference, $k = 0$"]
+    assert held.axes[2].get_title(loc="right") == "below the roughness, 50 nm"
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
 
@@ -123,7 +124,13 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     assert np.array_equal(np.isfinite(kept), np.array(radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
     assert legend(wear.figure)[-1] == "breaks a limit"
-    assert "limits: contact radius at least 70 µm" in wear.figure.get_supxlabel()
+    saved, limits, contact, symbols = wear.figure.get_supxlabel().splitlines()
+    assert saved.endswith("wear volume than the reference, which breaks a limit")
+    assert limits == "limits: contact radius at least 70 µm"
+    assert (
+        contact == r"amplitude $F_x$ = 320 mN (8 % of $\mu F_N$), $F_N$ = 10 N, $\mu$ = 0.4, $R$ = 5 mm, rigid indenter"
+    )
+    assert symbols.startswith("$a_0$: contact radius before wear; $c$, ")
 
 
 @pytest.mark.compiled
