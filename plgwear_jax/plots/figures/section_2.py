@@ -22,7 +22,7 @@ from plgwear_jax.plots.figures.sketch import (
     sketch,
 )
 from plgwear_jax.plots.figures.text_numbers import balance_of, listed, numbers, root, stiffness_of
-from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, letters
+from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, legend_above, letters
 
 
 def _check_flat() -> list[Claim]:
@@ -110,7 +110,8 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     axes.plot(r, [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
-    axes.legend(loc="lower right", title=of_k(k))
+    legend_above(page, axes, 3)
+    axes.set_title(of_k(k), loc="left")
 
 
 _PUNCH = "Indenter profile and surface displacement for k = "
@@ -152,7 +153,7 @@ def effective_volume_change(page: FigureBase) -> None:
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
     axes.plot(best, most, "o", color=ORANGE, markersize=4.0)
     axes.text(best, most + 0.6, f"{most:.1f} % at $k = {best:.3f}$", ha="center")
-    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0))
+    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0), xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
     axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
 
 
