@@ -8,7 +8,7 @@ PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 MUTANTS     ?= --count 200
 
-STUDIES := overview amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
+STUDIES := pages overview amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
 
 VENV   := .venv
 LOWEST := .venv-lowest
@@ -70,15 +70,13 @@ format: env ## sort imports, fix what ruff can fix, format
 design: env ## the coating on which a ball of steel wears least; a quarter of a minute the first time
 	$(VENV)/bin/plgwear design design/steel_ball.toml
 
-studies: env ## every scene and study of design/, into docs/studies; some minutes
+studies: env ## every scene and study of design/, into docs and docs/studies; some minutes
 	@mkdir -p docs/studies build && rm -f build/contact.toml
 	@cd build && ../$(VENV)/bin/plgwear new contact.toml
 	@$(VENV)/bin/plgwear design build/contact.toml --picture docs/studies/contact-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@$(VENV)/bin/plgwear design design/coatings/free_gradient.toml --picture docs/studies/free_gradient-design.png
-	@$(VENV)/bin/plgwear coating design/coatings/alumina_glass.csv --scene design/coatings/alumina_glass.toml \
-		--picture docs/studies/alumina_glass-coating.png
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
 figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/explanation/paper.md

@@ -110,7 +110,7 @@ def digits(report: Report, quick: bool) -> Figure:
     report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
     report.print("\nThe value, for a README:\n")
     report.markdown(*_summary(found))
-    return _over_errors(found)
+    return _over_errors(_points(found))
 
 
 def _told(name: Any) -> str:
@@ -148,28 +148,45 @@ def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
     return columns, rows
 
 
-def _over_errors(found: dict[Any, Compared]) -> Figure:
+Drawn = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns
+
+
+def _points(found: Mapping[Any, Compared]) -> Drawn:
+    points: Drawn = {kind: {} for kind in KINDS}
+    for name, one in found.items():
+        kind = name.kind if isinstance(name, Case) else name[1]
+        points[kind][_told(name)] = _error(found, name), one.timing.median
+    return points
+
+
+def digits_again() -> Figure:
+    tables = zip(KINDS, harness.committed("digits"), strict=False)
+    cells = {kind: {row[0]: (row[3], row[1]) for row in rows} for kind, (_, rows) in tables}
+    return _over_errors({kind: {name: (float(error), harness.number(ns)) for name, (error, ns) in one.items()}
+                         for kind, one in cells.items()})  # fmt: skip
+
+
+def _over_errors(points: Drawn) -> Figure:
     """Time a point over worst error."""
-    figure = harness.figure(6.4, 3.4)
+    figure = harness.figure(6.4, 3.6)
     axes = figure.subplots(1, 3, sharex=True, sharey=True)
-    for panel, kind in zip(axes, KINDS, strict=True):
+    for panel, (kind, programs) in zip(axes, points.items(), strict=False):
         for dtype, colour, line in zip(DTYPES, COLOURS, ("o-", "s--"), strict=False):
-            cases = [name for name in found if isinstance(name, Case) and (name.kind, name.dtype) == (kind, dtype)]
-            at = [(_error(found, case), found[case].timing.median) for case in cases]
-            panel.plot(*np.reshape(at, (-1, 2)).T, line, color=colour, markersize=3, lw=0.8, label=f"plgwear {dtype}")
-            labelled, shift = ((2, 4, 8, None), 5) if dtype == "float64" else ((2, None), -11)
-            for case, where in zip(cases, at, strict=True):
-                if case.digits in labelled:
-                    text = f"{case.digits or 'all'}"
-                    panel.annotate(text, where, (0, shift), textcoords="offset points", ha="center", fontsize=7)
+            own = {name.partition(", ")[2]: at for name, at in programs.items() if name.startswith(dtype)}
+            panel.plot(*np.reshape([*own.values()], (-1, 2)).T, line, color=colour, markersize=3, lw=0.8,
+                       label=f"plgwear {dtype}")  # fmt: skip
+            labelled, shift = (("2", "4", "8", "all"), 5) if dtype == "float64" else (("2", "all"), -11)
+            for asked in labelled:
+                if asked in own:
+                    panel.annotate(asked, own[asked], (0, shift), textcoords="offset points", ha="center", fontsize=7)
         for name, marker in zip(scipy_programs.VALUES, "sDv^", strict=True):
-            if (name, kind) in found:
-                where = _error(found, (name, kind)), found[name, kind].timing.median
-                panel.plot(*where, marker, color="0.4", markersize=4, label=f"SciPy: {name}")
+            if f"SciPy: {name}" in programs:
+                panel.plot(*programs[f"SciPy: {name}"], marker, color="0.4", markersize=4, label=f"SciPy: {name}")
         panel.set(xscale="log", yscale="log", title=kind, xlabel="worst relative error")
     axes[0].set_ylabel("time per point on one core (ns)")
     axes[0].set_xlim(1e-16, 1.0)
     axes[0].set_ylim(bottom=0.35 * axes[0].dataLim.y0)  # room for the numbers of digits below
+    figure.suptitle("wear_volume; at the points: the digits that are asked for", fontsize=8)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
@@ -325,14 +342,16 @@ def _as_bars(bars: Bars) -> Figure:
     figure = harness.figure(6.4, 4.4)
     axes: Any = figure.subplots()
     rows = list(bars[SI])
-    for shift, units, colour, hatch in ((-0.2, WITHOUT_UNITS, COLOURS[0], ""), (0.2, SI, COLOURS[1], "////")):
+    for units, colour, marker, beside in ((WITHOUT_UNITS, COLOURS[0], "o", -5), (SI, COLOURS[1], "s", 5)):
         if units in bars:
-            at, times = np.arange(len(rows)) + shift, list(bars[units].values())
-            axes.barh(at, times, 0.38, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=units)
-            for y, time in zip(at, times, strict=True):
-                axes.text(time * 1.06, y, f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", va="center", fontsize=6.5)
+            times = list(bars[units].values())
+            axes.plot(times, range(len(rows)), marker, color=colour, markersize=4, label=units)
+            for y, time in enumerate(times):
+                words, side = f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", "left" if beside > 0 else "right"
+                place = {"textcoords": "offset points", "va": "center", "ha": side}
+                axes.annotate(words, (time, y), (beside, 0), fontsize=6.5, **place)
     axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time per point (ns), one core")
-    axes.set_xlim(right=2.5 * axes.get_xlim()[1])
+    axes.set_xlim(np.array(axes.get_xlim()) * (0.7, 2.5))
     axes.axhline(len(rows) - 2.5, color="0.5", linewidth=0.6)
     saved = short(bars[SI][SUM] / bars[SI][TOGETHER])
     axes.set_title(f"{SI}, all quantities together take {saved} times less than one by one")
@@ -395,7 +414,7 @@ def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
 
 
 PARTS = {
-    "digits": Part("Speed against accuracy, one core", digits),
+    "digits": Part("Speed against accuracy, one core", digits, digits_again),
     "kernels": Part("Special functions, one core", kernels),
     "quantities": Part("The fretting quantities, one core, float64", quantities, quantities_again),
     "size": Part("Cost against size", size, size_again),

@@ -668,6 +668,8 @@ def _stages(parts: dict[str, list[Any]]) -> Figure:
     names, left = list(parts), np.zeros(len(parts))
     for part, (label, (colour, hatch)) in enumerate(LOOKS.items()):
         width = np.array([parts[name][part] for name in names])
+        if label == "run":
+            label = f"run, at most {width.max():.2g} s"
         axes.barh(names, width, 0.6, left=left, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=label)
         left += width
     for y, total in enumerate(left):

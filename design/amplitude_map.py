@@ -8,12 +8,12 @@ from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
-from drawing import COLOURS, LEGEND, finish, page, print_table, run, save
+from drawing import BLUE, ORANGE, letters, page, print_table, run, save
 
 from plgwear_jax import fretting, optimise
 
 GAIN = 0.85  # the amplitude of the title
-RANGES = {0.95: (COLOURS["blue"], "-"), 0.5: (COLOURS["orange"], (0, (4, 1.5)))}  # abs(k) at most
+RANGES = {0.95: (BLUE, "-"), 0.5: (ORANGE, (0, (4, 1.5)))}  # abs(k) at most
 TURNS = {
     "leaves_lower": "best k leaves the lower bound",
     "reaches_upper": "best k reaches the upper bound",
@@ -62,16 +62,13 @@ def main(out: Path, points: int = 10_000) -> None:
     below.set_xlabel(r"amplitude of the tangential force $\varphi = F_x/(\mu F_N)$")
     above_end.set(xlim=(0.97, 1.0), xticks=(0.98, 0.99, 1.0))
     below_end.set_xlabel("close to gross slip")
-    below.legend(**LEGEND, title="exponents to choose from")
-    finish([above, below])
+    below.legend(title="exponents to choose from")
+    letters([above, below])
     least, most = (float(np.asarray(turn)[0]) for turn in (turns.leaves_lower, turns.reaches_upper))
     words = rf"least wear: stiff up to $\varphi = {least:.4f}$, compliant from {most:.4f}"
-    above.set_title(words, loc="right", fontsize=8)
+    above.set_title(words, loc="right")
     words = rf"$\varphi = {GAIN:g}$: {gains[0]:.0f} % less wear; within $|k| \leq 0.5$ {gains[1]:.0f} % less"
-    below.set_title(words, loc="right", fontsize=8)
-    for axes in (above_end, below_end):
-        axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=7.5)
-        axes.xaxis.label.set_fontsize(8)
+    below.set_title(words, loc="right")
     save(figure, out / "amplitude_map.png")
 
 

@@ -1,4 +1,4 @@
-"""Shared by the studies: the style and folder of their pictures, and how numbers are printed."""
+"""Shared by the studies: the folder of their pictures, and how numbers are printed."""
 
 import argparse
 import sys
@@ -7,51 +7,34 @@ from pathlib import Path
 from typing import Any
 
 import jax
-from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
 from plgwear_jax import plots
-from plgwear_jax.plots import COLOURS as OF_LIBRARY
-from plgwear_jax.plots.style import letters, page, use_style, write_beside
+from plgwear_jax.plots.style import BLUE, GREEN, ORANGE, legend_above, letters, page, show_units, use_style
 
 __all__ = [
-    "COLOURS",
+    "BLUE",
+    "GREEN",
     "HERE",
-    "LEGEND",
     "MARK",
     "NOTE",
+    "ORANGE",
     "SCALE",
-    "finish",
+    "legend_above",
+    "letters",
     "page",
-    "plain_ticks",
     "print_table",
     "run",
     "save",
-    "write_beside",
+    "show_units",
 ]
 
 HERE = Path(__file__).resolve().parent
 
-COLOURS = dict(zip(("blue", "orange", "green", "purple"), OF_LIBRARY, strict=True)) | {"grey": "0.45"}
 # For a few values of one quantity, rising; the dashes for grey prints.
 SCALE = (("#08306b", "-"), ("#2171b5", (0, (5, 1.5))), ("#41ab5d", (0, (6, 1.5, 1, 1.5))), ("#e08214", (0, (1, 1))))
-LEGEND: dict[str, Any] = {"frameon": False, "fontsize": 7.5, "handlelength": 2.6, "title_fontsize": 7.5}
 MARK = {"markeredgecolor": "k", "markeredgewidth": 0.7, "zorder": 5}
 NOTE: dict[str, Any] = {"fontsize": 7, "color": "0.25"}
-
-
-def finish(panels: Sequence[Axes]) -> None:
-    """Letters as in the pictures of the library."""
-    if len(panels) > 1:
-        letters(panels)
-
-
-def plain_ticks(axis: Axis, values: Sequence[float]) -> None:
-    """Few plain numbers on a logarithmic axis."""
-    axis.set_ticks(values, labels=[f"{value:g}" for value in values])
-    axis.set_minor_locator(NullLocator())
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -8,7 +8,7 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from drawing import finish, page, print_table, run, save
+from drawing import letters, page, print_table, run, save
 from matplotlib.colors import BoundaryNorm
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise, plots
@@ -69,7 +69,7 @@ def main(out: Path, points: int = 101) -> None:
             shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
         bar = figure.colorbar(shades, ax=axes, location="top", pad=0.02, aspect=25, ticks=ticks)
         bar.ax.set_xticks(ticks, labels=[f"{tick:g}".replace("-", "−") for tick in ticks])
-        bar.set_label(label, fontsize=8)
+        bar.set_label(label)
         bar.ax.tick_params(labelsize=7)
         axes.set(xscale="log", xlabel=r"life $x = 4 K \mu F_N N/(\pi a_0^2)$")
     jump = np.abs(np.diff(best, axis=1)) > 0.15
@@ -86,8 +86,10 @@ def main(out: Path, points: int = 101) -> None:
         drawn = axes.contour(x, phi, values, levels=[level], colors=color, linewidths=0.8)
         axes.clabel(drawn, fmt={level: words}, fontsize=7, manual=[place], inline_spacing=3)
     panels[0].set_ylabel(r"amplitude $\varphi = F_x/(\mu F_N)$")
-    finish(panels)
-    panels[2].set_title(f"up to {lost.max():.0f} times", loc="right", fontsize=8)
+    words = "$K$: wear coefficient, $N$: cycles, $a_0$: contact radius before wear, held by the choice of $E_0$"
+    figure.supxlabel(words, fontsize=7, color="0.3")
+    letters(panels)
+    panels[2].set_title(f"up to {lost.max():.0f} times", loc="right")
     save(figure, out / "life.png")
 
     # one contact on its way

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from drawing import COLOURS, HERE, MARK, NOTE, finish, page, print_table, run, save
+from drawing import BLUE, HERE, MARK, NOTE, ORANGE, letters, page, print_table, run, save
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
@@ -20,9 +20,9 @@ SIDES, TOP, LID, BOTTOM = 2.2, -1.35, -0.75, 1.72
 LINE: dict[str, Any] = {"color": "0.25", "linewidth": 0.6, "zorder": 5}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.0, "color": "k", "shrinkA": 0.0, "shrinkB": 0.0}
 SPAN: dict[str, Any] = ARROW | {"arrowstyle": "<->", "linewidth": 0.7}
-WORN_OFF: dict[str, Any] = {"facecolor": "#f6d0b5", "edgecolor": COLOURS["orange"], "hatch": "//////", "linewidth": 0.0}
-STIFF = {"color": COLOURS["orange"], "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
-COMPLIANT = {"color": COLOURS["blue"], "linestyle": "-", "linewidth": 1.4}
+WORN_OFF: dict[str, Any] = {"facecolor": "#f6d0b5", "edgecolor": ORANGE, "hatch": "//////", "linewidth": 0.0}
+STIFF = {"color": ORANGE, "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
+COMPLIANT = {"color": BLUE, "linestyle": "-", "linewidth": 1.4}
 TOLD = (0.05, 0.2, 0.5)  # amplitudes of the table
 
 
@@ -31,7 +31,7 @@ def main(out: Path, points: int = 49) -> None:
     sketch, wear = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     draw_contact(sketch)
     draw_wear(wear, points)
-    finish([sketch, wear])
+    letters([sketch, wear])
     save(figure, out / "overview.png")
 
 
@@ -81,7 +81,7 @@ def _half_space(axes: Axes, x: np.ndarray, z: np.ndarray) -> None:
     extent = float(x[0]), float(x[-1]), BOTTOM, 0.0
     image = axes.imshow(shade, cmap="Blues", vmin=-0.25, vmax=2.4, extent=extent, aspect="auto", zorder=0)
     image.set_clip_path(body)
-    axes.plot(x, z, color=COLOURS["blue"], linewidth=1.2, zorder=4)
+    axes.plot(x, z, color=BLUE, linewidth=1.2, zorder=4)
 
 
 def _indenter(axes: Axes, x: np.ndarray, z: np.ndarray) -> None:
@@ -136,10 +136,11 @@ def draw_wear(axes: Axes, points: int) -> None:
     print_table(["change of the wear volume", "k", *(f"phi = {x:g}" for x in TOLD)], rows)
     here = force / most, -100.0 * float(best.saving)
     axes.plot(*here, "o", color=COMPLIANT["color"], markersize=6, **MARK)
-    axes.text(here[0], here[1] + 2.3, f"first example: {here[1]:.1f} %".replace("-", "−"), ha="center", **NOTE)
+    axes.text(here[0], here[1] + 2.3, f"best for this ball: {here[1]:.1f} %".replace("-", "−"), ha="center", **NOTE)
     axes.axhline(0.0, color="0.45", linewidth=0.7, zorder=0)
     axes.text(0.97, 0.3, "no gradient", ha="right", va="bottom", **NOTE)
-    axes.set(xlim=(0.0, 1.0), ylim=(-15.0, 20.0), ylabel="change of the worn volume (%)")
+    axes.set(xlim=(0.0, 1.0), ylim=(-15.0, 20.0), ylabel="change of the wear volume (%)")
+    axes.set_title("power laws, to any depth", loc="right")
     axes.set_xlabel(r"force amplitude over friction force, $F_x/(\mu F_N)$")
 
 

@@ -1,4 +1,4 @@
-"""What does less wear cost in stress beside the stick edge, where fretting cracks begin?
+"""What does less wear cost in pressure beside the stick-slip boundary?
 
 Gradients have singularities of different order there, so they are compared by the pressure at a critical distance
 inside the edge, which is a property of the material. Every point of a front is a design of the electrical contact at
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from drawing import HERE, LEGEND, MARK, NOTE, SCALE, finish, page, print_table, run, save
+from drawing import HERE, MARK, NOTE, SCALE, letters, page, print_table, run, save
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
@@ -83,7 +83,7 @@ def main(out: Path, points: int = 41) -> None:
     left.text(
         0.97,
         0.96,
-        f"upper ends: $k = {max(highest):.2f}$, the highest that can be made",
+        f"upper ends: $k = {max(highest):.2f}$, the highest that can be made;\nboundary: between stick and slip",
         transform=left.transAxes,
         ha="right",
         va="top",
@@ -91,29 +91,30 @@ def main(out: Path, points: int = 41) -> None:
     )
     words = f"$\\varphi = {given.load.tangential_force / limit:.2g}$; lower ends:\nthe least wear that can be made"
     left.text(0.03, 0.05, words, transform=left.transAxes, **NOTE)
-    left.set(xlabel="pressure at a critical distance inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
+    left.set(xlabel="pressure at this distance inside the boundary (MPa)", ylabel="least wear volume (µm³)")
     given_force = given.load.tangential_force
     more, less = gains[DISTANCE, given_force]
     words = f"{less:.0f} % less wear: {more:.2g} times the pressure at 1 µm"
-    left.set_title(words, fontsize=8, loc="right")
+    left.set_title(words, loc="right")
     right.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.axvline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.set(
-        xlabel=f"pressure {DISTANCE * 1e6:g} µm inside the edge, over that at $k = 0$",
+        xlabel=f"pressure {DISTANCE * 1e6:g} µm inside the boundary, over that at $k = 0$",
         ylabel="least wear volume, over that at $k = 0$",
     )
     most, fewest = (gains[DISTANCE, phi * limit][1] for phi in (AMPLITUDES[0], AMPLITUDES[-2]))
     words = f"least wear: {most:.0f} % less at $\\varphi = {AMPLITUDES[0]:g}$, {fewest:.1g} % at {AMPLITUDES[-2]:g}"
-    right.set_title(words, fontsize=8, loc="right")
+    right.set_title(words, loc="right")
     keys: list[Any] = [
         right.plot([], [], marker, color="w", markersize=5, **MARK, label=f"$k = {value:g}$")[0]
         for value, marker in zip(MARKED, "os^", strict=True)
     ]
-    right.legend(handles=keys, loc="upper right", **LEGEND)
+    for axes, place in ((left, "center right"), (right, "upper right")):
+        axes.legend(handles=keys, loc=place)
     right.autoscale(False)
     right.fill_between((0.0, 1.0), 0.0, 1.0, color="0.92", zorder=-1)
     right.text(0.03, 0.05, "less of both", transform=right.transAxes, **NOTE)
-    finish([left, right])
+    letters([left, right])
     save(figure, out / "wear_against_edge_stress.png")
 
 

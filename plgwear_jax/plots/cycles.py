@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from plgwear_jax._core.domains import ArrayLike
@@ -22,9 +23,10 @@ from plgwear_jax.plots.style import (
     legend_above,
     letters,
     mark,
+    mark_roughness,
     page,
     picture,
-    scaled,
+    show_units,
 )
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.wear.run import Final, Run
@@ -56,7 +58,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     figure = page(18.0, 8.5)
     panels = figure.subplot_mosaic([["a", "b", "d"], ["a", "c", "d"]])
     at, final = np.asarray(shown, float), run.final
-    _draw_volume(panels["a"], run, final, np.asarray(cycles, float), at, life)
+    _draw_volume(panels["a"], run, np.asarray(cycles, float), at, life)
     inner, outer = float(np.min(run.stick_radius(at))), float(np.max(run.contact_radius(at)))
     styles: list[dict[str, Any]] = [
         style | {"label": f"{plain_number(number)} cycles{_share(run, final, number)}"}
@@ -76,27 +78,28 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         depths.append(np.asarray(steady.wear_depth(r)))
         pressures.append(np.asarray(steady.pressure(r)))
     shape, before = np.asarray(unworn_of(run.contact)(r)), np.asarray(run.contact.steady(0.0).initial_pressure(r))
-    deepest, highest = max(map(np.max, depths)), (2.5 if inner > 0.0 else 1.1) * before.max()
-    along, radius_label = scaled("r", outer)
-    for key, name, words, size, unworn, rows in (
-        ("b", "profile", f"{entry('profile').name} $f$", shape.max(), shape, [shape + depth for depth in depths]),
-        ("c", "wear_depth", entry("wear_depth").name, deepest, np.zeros_like(r), depths),
-        ("d", "pressure", "pressure", highest, before, pressures),
+    deepest = float(max(map(np.max, depths)))
+    highest = (2.5 if inner > 0.0 else 1.1) * before.max()
+    for key, name, words, unworn, rows, limits in (
+        ("b", "profile", f"{entry('profile').name} $f$", shape, [shape + depth for depth in depths], (None, None)),
+        ("c", "wear_depth", entry("wear_depth").name, np.zeros_like(r), depths, (0.0, None)),
+        ("d", "pressure", "pressure", before, pressures, (0.0, highest)),
     ):
-        unit, label = scaled(name, size, words)
         axes = panels[key]
-        axes.plot(r / along, unworn / unit, label="before wear", **UNWORN)
+        axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
-            axes.plot(r / along, np.minimum(row, 9.0 * size) / unit, **style)  # infinite at the stick edge in the end
-        axes.set(xlim=(first / along, last / along), xlabel=radius_label, ylabel=label)
-        if key != "b":
-            axes.set_ylim(0.0, highest / unit if key == "d" else None)
+            axes.plot(r, np.minimum(row, 9.0 * highest), **style)  # infinite at the stick edge in the end
+        axes.set(xlim=(first, last), ylim=limits)
+        if key == "c":
+            mark_roughness(axes, deepest)
+        show_units(axes.xaxis, "r")
+        show_units(axes.yaxis, name, words)
     if inner > 0.0:
-        mark(panels["d"], inner / along, "stick edge")
-    deep = written(float(deepest), entry("wear_depth").unit)
+        mark(panels["d"], inner, "stick-slip boundary")
+    deep = written(deepest, entry("wear_depth").unit)
     panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
-    legend_above(figure, panels["d"], 3)
+    legend_above(figure, (panels["a"], panels["c"]), 4)
     return figure
 
 
@@ -110,23 +113,20 @@ def _share(run: Run, final: Final | None, number: float) -> str:
     return "" if final is None else f" ({100.0 * float(run.volume(number)) / float(final.volume):.0f} %)"
 
 
-def _draw_volume(
-    axes: Any, run: Run, final: Final | None, cycles: np.ndarray, shown: np.ndarray, life: float | None
-) -> None:
-    volume = np.asarray(run.volume(cycles))
+def _draw_volume(axes: Axes, run: Run, cycles: np.ndarray, shown: np.ndarray, life: float | None) -> None:
+    volume, final = np.asarray(run.volume(cycles)), run.final
     largest = float(volume.max() if final is None else final.volume)
-    unit, label = scaled("volume", largest)
-    axes.loglog(cycles, volume[0] / cycles[0] * cycles / unit, **FORBIDDEN | {"label": "wear of the first cycles"})
-    axes.loglog(cycles, volume / unit, color="k", label=entry("volume").name)
+    axes.loglog(cycles, volume[0] / cycles[0] * cycles, **FORBIDDEN | {"label": "wear of the first cycles"})
+    axes.loglog(cycles, volume, color="k", label=entry("volume").name)
     if final is not None:
-        axes.axhline(largest / unit, **_END)
+        axes.axhline(largest, color=ORANGE)
     for number, worn, style in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
-        axes.plot(number, worn / unit, "o", color=style["color"], **DOT)
+        axes.plot(number, worn, "o", color=style["color"], **DOT)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0] / unit, 3.0 * largest / unit))
-    axes.set(xlabel=entry("cycles").label, ylabel=label)
-    axes.legend(loc="lower right")
+    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0], 3.0 * largest))
+    show_units(axes.xaxis, "cycles")
+    show_units(axes.yaxis, "volume")
 
 
 @picture
@@ -145,61 +145,56 @@ def blocks_picture(run: Run) -> Figure:
     panels = figure.subplots(1, 3)
     ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
     cycles = np.append(0.0, ends)
-    largest = np.asarray(run.contact_radius(ends)).max()
     for axes, name, read, style in (
         (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0}),
         (panels[1], "tangential_force", run.force_amplitude, BEST),
-        (panels[2], "r", run.contact_radius, BEST | {"label": "contact"}),
         (panels[2], "r", run.stick_radius, REFERENCE | {"label": "stick"}),
+        (panels[2], "r", run.contact_radius, BEST | {"label": "contact"}),
     ):
         values = np.asarray(read(ends))
-        unit, label = scaled(name, largest if name == "r" else values.max(), entry(name).name)
         # the volume grows from nothing, all others are those at the end of each block
         first = 0.0 if name == "volume" else values[0]
-        steps = "default" if name == "volume" else "steps-pre"
-        axes.plot(cycles, np.append(first, values) / unit, drawstyle=steps, **style)
-        axes.set(xlabel=entry("cycles").label, ylabel=label, xlim=(0.0, 1.02 * cycles[-1] or None))
+        axes.plot(cycles, np.append(first, values), drawstyle="default" if name == "volume" else "steps-pre", **style)
+        axes.set_xlim(0.0, 1.02 * cycles[-1] or None)
         axes.set_ylim(bottom=0.0)
+        show_units(axes.xaxis, "cycles")
+        show_units(axes.yaxis, name, entry(name).name)
     panels[2].legend(loc="lower right")
     letters(panels)
     return figure
 
 
 @picture
-def fit_picture(fit: Fit) -> Figure:
+def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     """Draw measured volumes and the fitted volume over the cycles, and the differences between both.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         fit: The result of `fitting.fit_wear_coefficient`.
+        points: What the points are called, such as "simulated".
 
     Returns:
         A figure 14 cm wide; `save` writes it.
     """
     figure = page(14.0, 7.0)
     left, right = panels = figure.subplots(1, 2)
-    highest = max(float(fit.volume.max()), float(fit.fitted.max()))
-    unit, label = scaled("volume", highest)
     dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
-    bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0) / unit
-    best, low, high = fit.curve / unit
+    bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
+    best, low, high = fit.curve
     if np.all(np.isfinite(low)):
         left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 %")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
     if fit.steady_volume is not None:
-        left.axhline(fit.steady_volume / unit, **_END)
-    left.errorbar(fit.cycles, fit.volume / unit, bars, label="measured", **dots)
+        left.axhline(fit.steady_volume, **_END)
+    left.errorbar(fit.cycles, fit.volume, bars, label=points, **dots)
     right.axhline(0.0, **BEST)
-    right.errorbar(fit.cycles, (fit.volume - fit.fitted) / unit, bars, **dots)
-    for axes in panels:
-        if fit.cycles.max() > 30.0 * fit.cycles[fit.cycles > 0.0].min():
-            axes.set(xscale="log", xlim=fit.curve_cycles[[0, -1]])
-        else:
-            axes.set_xlim(0.0, 1.1 * fit.cycles.max())
-        axes.set_xlabel(entry("cycles").label)
-    left.set(ylim=(0.0, 1.3 * highest / unit), ylabel=label)
-    right.set_ylabel(scaled("volume", highest, "measured less fitted")[1])
+    right.errorbar(fit.cycles, fit.volume - fit.fitted, bars, **dots)
+    left.set_ylim(0.0, 1.3 * max(float(fit.volume.max()), float(fit.fitted.max())))
+    for axes, words in ((left, None), (right, f"{points} less fitted")):
+        axes.set_xlim(0.0, 1.1 * fit.cycles.max())
+        show_units(axes.xaxis, "cycles")
+        show_units(axes.yaxis, "volume", words)
     letters(panels)
     legend_above(figure, left, 4)
     return figure

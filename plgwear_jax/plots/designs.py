@@ -1,5 +1,6 @@
 """Pictures of designs beside their references, of trade-offs, of measured coatings and of free gradients."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -7,9 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.units import readable
+from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, leaf, placed
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
     BEST,
     BLUE,
@@ -18,14 +21,13 @@ from plgwear_jax.plots.style import (
     GUIDE,
     OTHER,
     REFERENCE,
-    labelled,
     legend_above,
     letters,
     mark,
+    mark_roughness,
     page,
     picture,
-    plain_ticks,
-    scaled,
+    show_units,
 )
 from plgwear_jax.rules import is_linear
 
@@ -33,9 +35,9 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.optimise import FreeDesign
 
-_GPA = 1e9  # Pa
-_MODULUS = f"{entry('modulus').label} (GPa)"
 _POINTS = 61  # of a curve, which is one batch of contacts
+_SYMBOLS = "$a_0$: contact radius before wear"
+_RING = rf"{_SYMBOLS}; $c$, $a_\infty$: stick radius and outer radius of the worn ring, dotted"
 
 _Worn = Sequence[tuple[Any, ...]]  # radii, wear depths, both edges of the ring, all in m, and a style
 
@@ -59,8 +61,6 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         A figure 18 cm wide; `save` writes it.
     """
     comparison = compared(design) if comparison is None else comparison
-    figure = page(18.0, 7.6)
-    panels = figure.subplots(1, 3)
     found = comparison.quantities
     radius = float(found["contact_radius"][1] if "contact_radius" in found else np.asarray(design.reference.radius))
     best = "best" if design.keeps_limits else "closest design, limits violated"
@@ -69,8 +69,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         f"{words}, $k = {float(np.asarray(its.material.k)):.3g}$" if hasattr(its.material, "k") else words  # pyright: ignore[reportAttributeAccessIssue]
         for words, its in contacts
     ]
-    unit = _draw_moduli(panels[0], comparison.depths, comparison.modulus, labels, radius)
-    _draw_bars(panels[0], design.windows, unit)
+    figure, panels = _three_panels(comparison.depths, comparison.modulus, labels, radius, design.windows)
     _draw_objective(panels[1], design)
     rings = zip(comparison.radii, comparison.depth, (BEST, REFERENCE), strict=True)
     worn = [(r, depth, r[0], r[-1], style) for r, depth, style in rings]
@@ -78,89 +77,141 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         draw_depths(panels[2], worn, "$a$", r"worn off the face, $d - w_\infty$")
     else:
         draw_depths(panels[2], worn, r"$a_\infty$" if "worn_radius" in found else "$a$")
-    letters(panels)
-    legend_above(figure, panels[0], 4)
+    symbols = _RING if "worn_radius" in found else rf"{_SYMBOLS}; $a$: contact radius when worn, dotted"
+    saved = f"{best}: {_less(design.saving)} {entry(design.objective).name} than the reference"
+    breaks = ", which breaks a limit" if _reference_breaks(design) else ""
+    _explain(figure, panels, f"{saved}{breaks}{_limits(design)}\n{_conditions(design)}\n{symbols}")
     return figure
 
 
-def _draw_moduli(axes: Axes, depths: Any, moduli: Any, labels: Sequence[str], radius: float) -> float:
-    """Draw moduli over the depth; the unit of the depth is that of the contact radius."""
-    unit, label = scaled("depth", radius)
+def _less(saving: float) -> str:
+    return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
+
+
+def _limits(design: Design) -> str:
+    """The limits with their values, but for those of the modulus, which are drawn as bars."""
+    told = [
+        f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} "
+        f"{written(float(np.asarray(one.allowed)), entry(one.quantity).unit)}"
+        for one in design.limits.values()
+        if one.quantity not in ("modulus_at", design.hold)
+    ]
+    return f"\nlimits: {', '.join(told)}" if told else ""
+
+
+def _conditions(design: Design) -> str:
+    """The load and the contact, which both designs have in common, in words."""
+    contact, load = design.reference, design.load
+    if load is None:
+        return f"flat punch of radius {_written(contact, 'radius')}, pressed {_written(contact, 'depth')} deep"
+    amplitudes = load.amplitudes
+    if amplitudes is None:
+        told = "blocks of amplitudes"
+    else:
+        name = "tangential_force" if load.load.holds_force else "displacement"
+        several = "up to " if np.count_nonzero(load.weight) > 1 else ""
+        told = f"amplitude ${entry(name).symbol}$ = {several}{written(float(np.max(amplitudes)), entry(name).unit)}"
+        if load.load.holds_force:
+            told += rf" ({100.0 * float(np.max(design.question.phi)):.2g} % of $\mu F_N$)"
+    words = [f"${entry(name).symbol}$ = {_written(contact, name)}" for name in ("normal_force", "friction", "radius")]
+    indenter = getattr(contact, "indenter", None)
+    return ", ".join([told, *words, "rigid indenter" if indenter is None else f"indenter of {_written(indenter, 'E')}"])
+
+
+def _written(owner: Any, name: str) -> str:
+    """A number of a contact with its unit; of several the range."""
+    values, unit = np.asarray(getattr(owner, name)), entry(f"indenter.{name}" if name == "E" else name).unit
+    ends = {written(float(value), unit): None for value in (values.min(), values.max())}
+    return " to ".join(ends)
+
+
+def _reference_breaks(design: Design) -> bool:
+    """Whether the reference breaks a limit; it may be outside of the bounds."""
+    there = design.reference_variables
+    bounds = {name: (min(low, there[name]), max(high, there[name])) for name, (low, high) in design.bounds.items()}
+    return not keeps(evaluate(dataclasses.replace(design.question, bounds=bounds), there).values[0, 1:])
+
+
+def _three_panels(
+    depths: Any, moduli: Any, labels: Sequence[str], radius: float, windows: Sequence[tuple[float, float, float]] = ()
+) -> tuple[Figure, Any]:
+    """A page whose first panel has moduli over the depth, with bars between the lowest and the highest one allowed."""
+    figure = page(18.0, 8.4)
+    panels = figure.subplots(1, 3)
+    axes = panels[0]
     for modulus, words, style in zip(moduli, labels, (BEST, REFERENCE, OTHER), strict=False):
-        axes.loglog(np.asarray(depths) / unit, np.asarray(modulus) / _GPA, label=words, **style)
-    mark(axes, radius / unit, "$a_0$")
-    axes.set(xlim=(depths[0] / unit, depths[-1] / unit), xlabel=label, ylabel=_MODULUS)
-    plain_ticks(axes.xaxis)
-    plain_ticks(axes.yaxis)
-    return unit
-
-
-def _draw_bars(axes: Axes, windows: Sequence[tuple[float, float, float]], unit: float) -> None:
-    """Bars from the lowest to the highest modulus allowed at some depths in m, NaN for none; few values are told."""
+        axes.loglog(depths, modulus, label=words, **style)
     if windows:
         z, *ends = np.asarray(windows).T
         told = {
             f"{a:.4g} to {b:.4g}" if a < b else f"at most {b:.4g}" if np.isnan(a) else f"at least {a:.4g}"
-            for a, b in np.transpose(ends) / _GPA
+            for a, b in np.transpose(ends) / 1e9
         }
-        low, high = np.where(np.isnan(ends), np.array([axes.get_ylim()]).T, np.asarray(ends) / _GPA)
+        low, high = np.where(np.isnan(ends), np.array([axes.get_ylim()]).T, ends)
         words = f": {' and '.join(sorted(told))} GPa" if len(told) < 3 else ""
-        axes.errorbar(z / unit, 0.5 * (low + high), 0.5 * (high - low), fmt="none", ecolor="k", elinewidth=0.8,
+        axes.errorbar(z, 0.5 * (low + high), 0.5 * (high - low), fmt="none", ecolor="k", elinewidth=0.8,
                       capsize=2.0, label=f"allowed modulus{words}")  # fmt: skip
-        plain_ticks(axes.yaxis)
+    mark(axes, radius, "$a_0$")
+    axes.set_xlim(depths[0], depths[-1])
+    show_units(axes.xaxis, "depth", size=radius)
+    show_units(axes.yaxis, "modulus", size=1e11)
+    return figure, panels
+
+
+def _explain(figure: Figure, panels: Any, words: str) -> None:
+    """Letters, the legend above all panels, and below them what they have in common."""
+    letters(panels)
+    legend_above(figure, panels, 3)
+    figure.supxlabel(words, fontsize=7, color="0.3")
 
 
 def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = entry("wear_depth").name) -> None:
-    """Draw wear depths over the radius; outside of the ring nothing is worn."""
-    outer = max(float(row[3]) for row in worn)
-    unit, label = scaled("r", outer)
-    tall, depth_label = scaled("wear_depth", max(float(np.max(row[1])) for row in worn), words)
+    """Draw wear depths over the radius, and the roughness of a ground surface; outside of the ring nothing is worn."""
     for r, depth, c, a, style in worn:
-        axes.plot(np.asarray(r) / unit, np.asarray(depth) / tall, **style)
+        axes.plot(r, depth, **style)
         for edge in (c, a):
-            axes.axvline(float(edge) / unit, **GUIDE | {"color": style["color"]})
+            axes.axvline(float(edge), **GUIDE | {"color": style["color"]})
     for edge, symbol in ((worn[-1][2], "$c$"), (worn[-1][3], end)):
         if edge > 0.0:
-            mark(axes, float(edge) / unit, symbol)
-    axes.set(xlabel=label, ylabel=depth_label)
-    axes.set_ylim(bottom=0.0)
+            mark(axes, float(edge), symbol)
+    if not mark_roughness(axes, max(float(np.max(row[1])) for row in worn)):
+        axes.set_title("below the roughness, 50 nm", loc="right")
+    show_units(axes.xaxis, "r")
+    show_units(axes.yaxis, "wear_depth", words)
 
 
 def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     here, there = design.variables[name], design.reference_variables[name]
-    spaced = np.linspace if is_linear(name) else np.geomspace
     ends = bounds[name]
-    values = np.unique([*spaced(*ends, _POINTS), here, *([there] if ends[0] <= there <= ends[1] else [])])
+    values = (np.linspace if is_linear(name) else np.geomspace)(*ends, _POINTS)
+    values = np.unique([*values, here, *([there] if ends[0] <= there <= ends[1] else [])])
     course = along(design, name, values)
-    curve, kept = (
-        100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0),
-        np.asarray(course.keeps_limits),
-    )
-    change = -100.0 * design.saving
-    unit, prefixed = (1.0, "") if is_linear(name) else readable(float(values[-1]), entry(name).unit)
-    label = labelled(leaf(name).label, prefixed)
-    if len(bounds) > 1:
-        label += "\nother variables as in the best design"
+    curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
+    kept, change = np.asarray(course.keeps_limits), -100.0 * design.saving
     if not kept.all():
-        axes.plot(values / unit, curve, label="breaks a limit", **FORBIDDEN)
-    axes.plot(values / unit, np.where(kept, curve, np.nan), color="0.2")
-    axes.plot(there / unit, 0.0, "s", color=REFERENCE["color"], **DOT)
-    axes.plot(here / unit, change, "o", color=BLUE, **DOT)
+        axes.plot(values, curve, label="breaks a limit", **FORBIDDEN)
+    axes.plot(values, np.where(kept, curve, np.nan), color="0.2")
+    axes.plot(there, 0.0, "s", color=REFERENCE["color"], **DOT)
+    axes.plot(here, change, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
-    axes.set_title(f"{abs(change):.3g} % {'less' if change <= 0.0 else 'more'}", loc="right")
+    axes.set_title(_less(design.saving), loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
     seen = np.array([*curve[kept], 0.0, change])
-    room = 0.2 * np.ptp(seen)
-    axes.set_ylim(seen.min() - room, seen.max() + room)
-    if not is_linear(name):
+    low, high = np.array([seen.min(), seen.max()]) + 0.2 * np.ptp(seen) * np.array([-1.0, 1.0])
+    shown = values[(low < curve) & (curve < high)]
+    axes.set_ylim(low, high)
+    if is_linear(name):
+        axes.set_xlim(np.array([min(there, *shown), max(there, *shown)]) + 0.05 * np.ptp(shown) * np.array([-1.0, 1.0]))
+    else:
         axes.set_xscale("log")
-        plain_ticks(axes.xaxis)
-    if not kept.all():
-        axes.legend()
-    mean = "mean " if design.load is not None and np.count_nonzero(design.load.weight) > 1 else ""
-    axes.set(xlabel=label, ylabel=f"change of {mean}{entry(design.objective).label} (%)")
+    show_units(axes.xaxis, name, leaf(name).label)
+    if len(bounds) > 1:
+        axes.set_xlabel(f"{axes.get_xlabel()}\nall else as in the best design")
+    minimised = entry(design.objective)
+    several = design.load is not None and np.count_nonzero(design.load.weight) > 1
+    axes.set_ylabel(f"change of {f'mean {minimised.name}' if several else minimised.label} (%)")
 
 
 @picture
@@ -183,34 +234,31 @@ def front_picture(front: Front) -> Figure:
     panels = figure.subplots(1, count, sharex=True, squeeze=False)[0]
     x, y = np.asarray(front.x), np.asarray(front.y)
     inside = [BLUE if certain else "w" for certain in np.asarray(front.certified)]
-    named = (front.x_name, x, front.x_places), (front.y_name, y, front.y_places)
-    (wide, x_label), (tall, y_label) = (
-        scaled(name, values.max(), placed(name, places) if places else None) for name, values, places in named
-    )
-    rows = [(y / tall, y_label)]
-    for name, values in front.variables.items():
-        unit, prefixed = (1.0, "") if is_linear(name) else readable(float(np.max(values)), entry(name).unit)
-        rows.append((np.asarray(values) / unit, labelled(leaf(name).label, prefixed)))
-    for axes, (values, label) in zip(panels, rows, strict=True):
-        axes.plot(x / wide, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
-        axes.scatter(x / wide, values, s=12.0, color=inside, edgecolors=BLUE)
+    for axes, (name, values) in zip(panels, {front.y_name: y, **front.variables}.items(), strict=True):
+        values = np.asarray(values)
+        axes.plot(x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
+        axes.scatter(x, values, s=12.0, color=inside, edgecolors=BLUE)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
-        axes.set_ylabel(label)
+        show_units(axes.yaxis, name, leaf(name).label, size=np.max(values))
     letters(panels)
     axes = panels[0]
-    axes.plot(float(front.reference_x) / wide, float(front.reference_y) / tall, "s", color=REFERENCE["color"],
-              label="reference", **DOT)  # fmt: skip
+    axes.plot(
+        float(front.reference_x), float(front.reference_y), "s", color=REFERENCE["color"], label="reference", **DOT
+    )
     for end, words in zip((0, -1), front.ends, strict=True):
         above = (y[0] >= y[-1]) == (end == 0)  # the higher end has room above, the lower one below
         axes.annotate(
-            words.replace(", ", "\n"), (x[end] / wide, y[end] / tall), (0.0, 8.0 if above else -8.0),
+            words.replace(", ", "\n"), (x[end], y[end]), (0.0, 8.0 if above else -8.0),
             textcoords="offset points", ha="left" if (x[0] <= x[-1]) == (end == 0) else "right",
             va="bottom" if above else "top", color="0.3",
         )  # fmt: skip
     axes.set_ylim(0.0, 1.4 * axes.dataLim.y1)
     axes.legend()
-    figure.supxlabel(x_label, fontsize="medium")
+    for side, name, places in ((axes.yaxis, front.y_name, front.y_places), (axes.xaxis, front.x_name, front.x_places)):
+        show_units(side, name, placed(name, places) if places else None)
+    figure.supxlabel(axes.get_xlabel(), fontsize="medium")
+    axes.set_xlabel("")
     return figure
 
 
@@ -220,6 +268,7 @@ def coating_picture(
     curve: tuple[np.ndarray, np.ndarray],
     counts: tuple[np.ndarray, np.ndarray],
     idealisation: "Idealisation",
+    measured_radius: float | None = None,
 ) -> Figure:
     """Draw E(z) and its power law, how strongly each depth influences the wear, and the wear depths on both.
 
@@ -230,42 +279,37 @@ def coating_picture(
         curve: Depths in m, and the modulus in Pa that the contact was computed with, each of shape (n,).
         counts: The result of `coating.where_it_counts`.
         idealisation: The result of `coating.idealised`.
+        measured_radius: A contact radius in m that was measured, if any.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
     law, found = fit.material, idealisation.quantities
     E0, z0, k = (float(np.asarray(value)) for value in (law.E0, law.z0, law.k))
-    moduli = curve[1], E0 * (curve[0] / z0) ** k
-    figure, panels, unit = _coating(curve[0], moduli, ("E(z) as given", f"power law, $k = {k:.3g}$"),
-                                    float(found["contact_radius"][0]), counts)  # fmt: skip
-    panels[0].plot(fit.depth / unit, fit.modulus / _GPA, "o", color=BLUE, markersize=3.0)
-    for axes in panels[:2]:
-        axes.axvspan(fit.felt[0] / unit, fit.felt[1] / unit, zorder=-1, color="0.9", linewidth=0.0,
-                     label="0.1 to 3 contact radii")  # fmt: skip
+    moduli, radii = (curve[1], E0 * (curve[0] / z0) ** k), found["contact_radius"]
+    labels = "$E(z)$ as given", f"power law, $k = {k:.3g}$"
+    figure, panels = _three_panels(curve[0], moduli, labels, float(radii[0]))
+    panels[0].plot(fit.depth, fit.modulus, "o", color=BLUE, markersize=3.0)
+    _draw_influence(panels, counts, float(radii[0]))
+    for axes, label in zip(panels, ("0.1 to 3 contact radii", None), strict=False):
+        axes.axvspan(*fit.felt, zorder=-1, color="0.9", linewidth=0.0, label=label)
     edges = found["stick_radius"], found["worn_radius"]
-    worn = zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)
-    draw_depths(panels[2], [*worn])
-    legend_above(figure, panels[0], 3)
+    draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)])
+    told = " and ".join(written(float(radius), "m") for radius in radii)
+    measured = f"; measured: {written(measured_radius, 'm')}" if measured_radius is not None else ""
+    _explain(figure, panels, f"contact radius on $E(z)$ and on the power law: {told}{measured}\n{_RING}")
     return figure
 
 
-def _coating(
-    depths: np.ndarray, moduli: Sequence[np.ndarray], labels: Sequence[str], radius: float, counts: Any
-) -> tuple[Figure, Any, float]:
-    """A page with moduli and influences over the depth, its three panels, and the unit of the depth."""
-    figure = page(18.0, 7.6)
-    panels = figure.subplots(1, 3)
-    unit = _draw_moduli(panels[0], depths, moduli, labels, radius)
+def _draw_influence(panels: Any, counts: Any, radius: float) -> None:
+    """Draw in the second panel how strongly the modulus at each depth influences the wear."""
     axes = panels[1]
     axes.axhline(0.0, color="0.5", linewidth=0.6)
-    axes.semilogx(counts[0] / unit, counts[1], marker="o", markersize=2.5, **BEST)
-    axes.set(xlim=panels[0].get_xlim(), xlabel=panels[0].get_xlabel(),
-             ylabel=r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth")  # fmt: skip
-    plain_ticks(axes.xaxis)
-    mark(axes, radius / unit, "$a_0$")
-    letters(panels)
-    return figure, panels, unit
+    axes.semilogx(*counts, marker="o", markersize=2.5, **BEST)
+    axes.set_xlim(panels[0].get_xlim())
+    axes.set_ylabel(r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth")
+    show_units(axes.xaxis, "depth", size=radius)
+    mark(axes, radius, "$a_0$")
 
 
 @picture
@@ -288,10 +332,13 @@ def free_picture(
     """
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
-    figure, panels, unit = _coating(depths, (best, reference, law), labels, float(found.contact_radii[0]), counts)
     bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    _draw_bars(panels[0], [*zip(*bounds, strict=True)], unit)
+    radius = float(found.contact_radii[0])
+    figure, panels = _three_panels(depths, (best, reference, law), labels, radius, [*zip(*bounds, strict=True)])
+    _draw_influence(panels, counts, radius)
     rows = zip(worn, (BEST, OTHER, REFERENCE), strict=True)
     draw_depths(panels[2], [(*row, style) for row, style in rows])
-    legend_above(figure, panels[0], 4)
+    name = entry(found.objective).name
+    told = f"{_less(found.saving)} {name} than the reference, {_less(found.freedom)} than the best power law"
+    _explain(figure, panels, f"best free gradient: {told}\n{_RING}")
     return figure

@@ -18,13 +18,14 @@ with needs("pictures of sweeps", "sweep"):
     import xarray as xr
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import AsinhNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
-from plgwear_jax._core.units import PREFIXED, readable, written
+from plgwear_jax._core.units import PREFIXED, written
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.plots.style import (
     BLUE,
@@ -33,16 +34,16 @@ from plgwear_jax.plots.style import (
     DOTTED,
     GREEN,
     ORANGE,
-    labelled,
     page,
     picture,
-    plain_ticks,
+    show_units,
 )
 
 __all__ = ["MapError", "map_picture"]
 
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
+_ALMOST = 1.0 - 1e-15
 _BLANK = "0.86"
 _CURVES: dict[str, Any] = {
     "color": [BLUE, ORANGE, GREEN, "#AA4499", "k", "#E69F00"],
@@ -51,6 +52,7 @@ _CURVES: dict[str, Any] = {
 # Of two axes the one that comes first here is horizontal.
 _ACROSS = ("r", "distance", "phi", "tangential_force", "k", "z0")
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
+_MOST = 3.0  # as much more or less wear than without a gradient has a colour of its own
 _MORE = 0.05  # as much more wear as the plateau has at its edge
 _EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
 _LEAST: dict[str, Any] = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
@@ -96,8 +98,6 @@ def map_picture(
         seen = np.linspace(0, row.size - 1, min(most, row.size)).round().astype(int)
         variable = variable.isel({dim: index[seen]})
     variable = variable.transpose(*others, across).compute()
-    if is_map:
-        variable = _relative(variable, next(dim for dim in (across, *others) if dim != "k"))
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
     draw = _draw_map if is_map else _draw_curves
@@ -221,7 +221,7 @@ def _value(row: xr.DataArray, value: Any) -> str:
     unit = row.attrs.get("units", "1")
     if isinstance(value, str):
         return _plain(value)
-    return written(value, unit) if unit in PREFIXED else f"{value:.4g} {_printed(unit)}".rstrip()
+    return written(value, _printed(unit))
 
 
 def _plain(text: str) -> str:
@@ -230,15 +230,15 @@ def _plain(text: str) -> str:
 
 
 def _printed(unit: str) -> str:
-    """A unit of the paper as a formula; nothing for a plain number."""
-    return "" if unit == "1" else "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
+    """An SI unit as it is, one of the paper as a formula; nothing for a plain number."""
+    if unit in PREFIXED:
+        return unit
+    return "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
 
 
-def _unit(array: xr.DataArray, size: float) -> tuple[float, str]:
-    """The unit in which values up to a size are drawn, and the label with it."""
-    unit = str(array.attrs.get("units", "1"))
-    factor, name = readable(size, unit) if unit in PREFIXED else (1.0, _printed(unit))
-    return factor, labelled(_label(array), name)
+def _show(axis: Axis, array: xr.DataArray) -> None:
+    """Label an axis on which values of a quantity or of an axis of the sweep stand."""
+    show_units(axis, words=_label(array), unit=_printed(str(array.attrs.get("units", "1"))))
 
 
 # --- axes and scales --------------------------------------------------------------------------------------------------
@@ -251,18 +251,17 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
         axis.set_ticks(np.arange(values.size), [_plain(str(value)) for value in values])
         axes.set(**{f"{side}label": _label(row)})
         return np.arange(values.size)
-    spacing = row.attrs.get("spacing", "linear")
-    factor, label = _unit(row, float(np.max(np.abs(values))))
-    values = values.astype(float) / factor
-    axes.set(**{f"{side}lim": values[[0, -1]], f"{side}label": label})
-    scale = getattr(axes, f"set_{side}scale")
-    if spacing == "logit" and values[0] < 0.0:  # k, between -1 and 1
-        scale("function", functions=(lambda x: np.arctanh(np.clip(x, -1.0 + 1e-15, 1.0 - 1e-15)), np.tanh))
+    values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
+    axes.set(**{f"{side}lim": values[[0, -1]]})
+    bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
+    scale: dict[str, Any] = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
+    getattr(axes, f"set_{side}scale")("function" if bounded else spacing, **(scale if bounded else {}))
+    if spacing != "logit":
+        _show(axis, row)
+        return values
+    axis.set_label_text(_label(row))
+    if bounded:
         axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, 0.0, 0.9, 0.99, 0.999]))
-    else:
-        scale(spacing)
-    if spacing == "log":
-        plain_ticks(axis)
     return values
 
 
@@ -274,8 +273,9 @@ def _edges(axis: Any, values: np.ndarray) -> np.ndarray:
     return np.concatenate([values[:1], middle, values[-1:]])
 
 
-def _norm(values: np.ndarray, share: bool) -> Normalize:
+def _norm(variable: xr.DataArray) -> Normalize:
     """The scale of values: logarithmic beyond two decades, centred on zero for both signs, without infinite ones."""
+    values, share = variable.to_numpy().astype(float), variable.attrs.get("units", "1") == "1"
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return Normalize(0.0, 1.0)
@@ -292,32 +292,26 @@ def _norm(values: np.ndarray, share: bool) -> Normalize:
     return Normalize(lower, upper) if lower < upper else Normalize(lower - 0.5, upper + 0.5)
 
 
-def _scaled(variable: xr.DataArray) -> tuple[np.ndarray, Normalize, str]:
-    """The values of a quantity in the unit drawn, two rows or more, their scale, and the label."""
-    values = np.atleast_2d(variable.to_numpy().astype(float))
-    factor, label = _unit(variable, float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0)))
-    return values / factor, _norm(values / factor, variable.attrs.get("units", "1") == "1"), label
-
-
 # --- curves and maps --------------------------------------------------------------------------------------------------
 
 
 def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, contours: int) -> list[Any]:
     """Draw one curve, or one for each value of the other axis; the entries of the legend."""
-    x, (values, norm, label) = _stretch(axes, "x", variable[across]), _scaled(variable)
+    x, values = _stretch(axes, "x", variable[across]), np.atleast_2d(variable.to_numpy().astype(float))
+    norm = _norm(variable)
     style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
     if not _is_number(variable[across]):
         style["linestyle"] = ""
     axes.set_prop_cycle(**_CURVES)
     for place, row in enumerate(values):
         axes.plot(x, row, label=_entry(variable[other][place]) if other else None, **style)
-    if variable.dtype.kind == "b":
-        axes.set_yticks([0.0, 1.0], ["no", "yes"])
-    elif isinstance(norm, LogNorm):
+    if isinstance(norm, LogNorm):
         axes.set_yscale("log")
     elif isinstance(norm, AsinhNorm):
         axes.set_yscale("asinh", linear_width=norm.linear_width)
-    axes.set_ylabel(label)
+    _show(axes.yaxis, variable)
+    if variable.dtype.kind == "b":
+        axes.set_yticks([0.0, 1.0], ["no", "yes"])
     return axes.get_legend_handles_labels()[0]
 
 
@@ -338,26 +332,26 @@ def _relative(variable: xr.DataArray, other: str) -> xr.DataArray:
 
 def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, contours: int) -> list[Any]:
     """Draw colours, contour lines and the optimum; the entries of the legend."""
-    x, y = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards])
-    values, norm, label = _scaled(variable)
-    infinite, yes_or_no, signed = np.isinf(values), variable.dtype.kind == "b", norm.vmin == -(norm.vmax or 0.0)
+    given, variable = variable, _relative(variable, upwards if across == "k" else across)
+    norm = _norm(variable) if variable is given else LogNorm(1.0 / _MOST, _MOST)
+    x, y, values = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards]), variable.to_numpy()
+    values, yes_or_no = values.astype(float), variable.dtype.kind == "b"
+    signed = variable is not given or norm.vmin == -(norm.vmax or 0.0)
     # matplotlib leaves out infinite values; here they get the colours of those beyond the scale, and zero the lowest
-    shown = np.where(infinite, np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
+    shown = np.where(np.isinf(values), np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
     if isinstance(norm, LogNorm):
         shown = np.maximum(shown, norm.vmin or 0.0)
+    beyond = "both" if variable is not given or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
     edges = _edges(axes.xaxis, x), _edges(axes.yaxis, y)
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
-    bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend="both" if infinite.any() else "neither")
-    bar.set_label(label)
+    bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
+    if not isinstance(norm, LogNorm | AsinhNorm):
+        bar.locator = MaxNLocator(max(contours, 2))
+    _show(bar.ax.yaxis, variable)
     if yes_or_no:
         bar.set_ticks([0.25, 0.75], labels=["no", "yes"])
-    elif isinstance(norm, LogNorm):
-        plain_ticks(bar.ax.yaxis)
-    elif not isinstance(norm, AsinhNorm):
-        bar.locator = MaxNLocator(max(contours, 2))
-        bar.update_ticks()
     seen = values[np.isfinite(values)]
     levels = [level for level in bar.ax.get_yticks() if seen.size and seen.min() < level < seen.max()]
     if contours and levels and not yes_or_no:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.units import readable, written
+from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.plots.style import (
@@ -15,14 +15,12 @@ from plgwear_jax.plots.style import (
     GUIDE,
     PURPLE,
     REFERENCE,
-    labelled,
     legend_above,
     letters,
     mark,
     page,
     picture,
-    plain_ticks,
-    scaled,
+    show_units,
 )
 
 _LEVELS = (0.01, 0.02, 0.05, 0.1, 0.4, 0.6, 0.8, 0.9, 0.95)
@@ -49,26 +47,21 @@ def regimes_picture(
     figure = page(18.0, 8.2)
     left, right = panels = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
     own = np.asarray([] if own is None else own)
-    move = entry("displacement_amplitude")
-    words = move.name + (" of the rig" if rig_stiffness is not None else " $u_x$")
-    wide, prefixed = readable(float(found.displacement_amplitude[-1]), move.unit)
-    tall, force_label = scaled("normal_force", found.normal_force[-1])
-    x, y = found.displacement_amplitude / wide, found.normal_force / tall
-    onset, force, criterion = found.gross_slip_displacement / wide, float(cut.normal_force[0]), CRITERIA["energy_ratio"]
+    words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness is not None else " $u_x$")
+    x, y, force = found.displacement_amplitude, found.normal_force, float(cut.normal_force[0])
+    onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
     left.fill_betweenx(y, x[0], np.clip(onset, x[0], x[-1]), color="#E6F4FB", linewidth=0.0, zorder=-1)
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
-    for axis in (left.xaxis, left.yaxis):
-        plain_ticks(axis)
-    lines = left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6)
-    left.clabel(lines, fontsize=6.5)
-    ratio = f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
-    left.plot(onset, y, color="k", label=ratio)
-    place = found.displacement_where("energy_ratio", criterion) / wide
+    left.clabel(left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6), fontsize=6.5)
+    left.plot(
+        onset, y, color="k", label=f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
+    )
+    place = found.displacement_where("energy_ratio", criterion)
     left.plot(place, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")
     if own.size:
-        left.plot(own / wide, np.full(own.size, force / tall), label="load of the input file", **_OWN)
-    left.axhline(force / tall, **GUIDE)
+        left.plot(own, np.full(own.size, force), label="load of the input file", **_OWN)
+    left.axhline(force, **GUIDE)
     for seen, name, place, side in (
         (~found.gross_slip[-1, 0], "partial slip", (0.03, 0.93), "left"),
         (found.gross_slip[0, -1], "gross slip", (0.97, 0.04), "right"),
@@ -76,21 +69,21 @@ def regimes_picture(
         if seen:
             left.text(*place, name, transform=left.transAxes, ha=side, fontstyle="italic", color="0.25",
                       bbox={"facecolor": "w", "edgecolor": "none", "pad": 1.0})  # fmt: skip
-    left.set(xlabel=labelled(words, prefixed), ylabel=force_label)
+    show_units(left.yaxis, "normal_force")
 
-    moves, start = cut.displacement_amplitude, float(cut.gross_slip_displacement[0])
-    wide, prefixed = readable(float(moves[-1]), move.unit)
+    moves = cut.displacement_amplitude
     for (name, level), style in zip(CRITERIA.items(), (BEST, REFERENCE | {"color": PURPLE}), strict=True):
-        right.plot(moves / wide, getattr(cut, name)[0], label=entry(name).name, **style)
+        right.plot(moves, getattr(cut, name)[0], label=entry(name).name, **style)
         right.axhline(level, **GUIDE | {"color": style["color"]})
-        right.plot(float(cut.displacement_where(name, level)[0]) / wide, level, "o", color=style["color"], **DOT)
+        right.plot(float(cut.displacement_where(name, level)[0]), level, "o", color=style["color"], **DOT)
         right.text(0.015, level, f"{level:g}", transform=right.get_yaxis_transform(), va="bottom", color=style["color"])
-    mark(right, start / wide, "onset")
+    mark(right, float(cut.gross_slip_displacement[0]), "onset")
     within = own[own <= moves[-1]]
-    right.plot(within / wide, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
-    right.set_xlim(0.0, moves[-1] / wide)
-    right.set(ylim=(0.0, None), xlabel=labelled(words, prefixed), ylabel="energy ratio, loop aperture")
+    right.plot(within, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
+    right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, loop aperture")
     right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
+    for axes in panels:
+        show_units(axes.xaxis, "displacement_amplitude", words)
     letters(panels)
     legend_above(figure, left, 2)
     return figure

@@ -1,15 +1,17 @@
 """The common style of all pictures, of designs, of sweeps and of the paper: colours, lines, labels and pages."""
 
 import functools
+import itertools
 from collections.abc import Callable, Iterable
 from typing import Any, ParamSpec
 
 import matplotlib
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.units import readable
@@ -29,6 +31,7 @@ UNWORN: dict[str, Any] = {
 FORBIDDEN: dict[str, Any] = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9, "zorder": 1}
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT: dict[str, Any] = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
+_ROUGHNESS = 50e-9  # m, of a ground surface: shallower wear cannot be told from it
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
 STYLE: Any = {  # settings of matplotlib
@@ -58,7 +61,8 @@ _Given = ParamSpec("_Given")
 
 def use_style() -> None:
     """Have matplotlib draw your own pictures in the style of those of this library, from now on."""
-    matplotlib.rcParams.update(STYLE | {"figure.dpi": 144, "figure.constrained_layout.use": True})
+    own = {"figure.dpi": 144, "figure.constrained_layout.use": True, "axes.prop_cycle": cycler(color=COLOURS)}
+    matplotlib.rcParams.update(STYLE | own)
 
 
 def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
@@ -79,9 +83,9 @@ def page(width: float, height: float, layout: Any = "constrained", dpi: int = 30
 
 def letters(panels: Iterable[Axes], names: Iterable[str] = "") -> None:
     """(a), (b) and so on above the panels, with their names if they have any."""
-    named = [*names]
-    for n, axes in enumerate(panels):
-        axes.set_title(f"({'abcdefghijkl'[n]})   {named[n] if named else ''}".rstrip(), loc="left")
+    for letter, axes, name in itertools.zip_longest("abcdefghijkl", panels, names):
+        if axes is not None:
+            axes.set_title(f"({letter})   {name or ''}".rstrip(), loc="left")
 
 
 def mark(axes: Axes, place: float, words: str) -> None:
@@ -90,38 +94,58 @@ def mark(axes: Axes, place: float, words: str) -> None:
     axes.text(place, 1.01, words, transform=axes.get_xaxis_transform(), ha="center", va="bottom", color="0.3")
 
 
-def write_beside(axes: Axes, place: tuple[float, float], words: str, color: str, **alignment: Any) -> None:
-    """Write words on a curve, in its colour, on a background that keeps them legible."""
-    room = {"facecolor": "w", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
-    axes.text(*place, words, **({"fontsize": 7, "color": color, "va": "center", "bbox": room} | alignment))
+def mark_roughness(axes: Axes, deepest: float) -> bool:
+    """Draw the roughness of a ground surface beside depths of wear, unless all are far below it, and set the limits."""
+    seen = deepest > 0.2 * _ROUGHNESS
+    axes.set_ylim(0.0, 1.15 * max(deepest, _ROUGHNESS if seen else 0.0))
+    if seen:
+        axes.axhline(_ROUGHNESS, color="0.4", linewidth=0.8, linestyle=DASH_DOT, zorder=1, label="roughness of 50 nm")
+    return seen
 
 
-def legend_above(figure: FigureBase, axes: Axes, columns: int) -> None:
-    """Draw a legend of what a panel shows in rows above all panels."""
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
+def legend_above(figure: FigureBase, shown: Axes | Iterable[Axes], columns: int) -> None:
+    """Draw a legend of what a panel, or several, show in rows above all panels."""
+    panels = [shown] if isinstance(shown, Axes) else shown
+    handles = [handle for axes in panels for handle in axes.get_legend_handles_labels()[0]]
+    figure.legend(handles=handles, loc="outside upper center", ncols=columns)
 
 
-def plain_ticks(axis: Axis) -> None:
-    """Stretch an axis, whose limits are set, like the logarithm, with plain numbers if they are short."""
-    lower, upper = np.sort(axis.get_view_interval())
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
-    if 1e-3 <= lower < upper < 1e5:
-        axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(NullFormatter())
+class _Prefixed(ScalarFormatter):
+    """Prints values in SI units in a unit with a prefix."""
+
+    def __init__(self, factor: float) -> None:
+        super().__init__()
+        self._factor = factor
+
+    def set_locs(self, locs: Any) -> None:
+        super().set_locs([place / self._factor for place in locs])
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return super().__call__(x / self._factor, pos)
 
 
-def scaled(name: str, size: float, words: str | None = None) -> tuple[float, str]:
-    """(The unit by which values of a quantity of the catalogue are divided along an axis, the label of the axis).
+def show_units(
+    axis: Axis, name: str = "", words: str | None = None, unit: str | None = None, size: float | None = None
+) -> None:
+    """Label an axis whose values are in SI units and whose limits are set; its ticks have the prefix that suits them.
 
     Args:
-        name: The quantity.
-        size: The largest value, in the SI unit; the axis has the prefix that suits it.
-        words: Replaces the name and symbol of the quantity.
+        axis: The axis. One that is logarithmic has plain numbers, if they are short, or powers of ten.
+        name: A quantity of the catalogue, which has words, a symbol and a unit.
+        words: Replaces its name and symbol.
+        unit: Replaces its unit.
+        size: The number that the prefix has to suit; by default the largest limit.
     """
-    factor, unit = readable(float(size), entry(name).unit)
-    return factor, labelled(words or entry(name).label, unit)
-
-
-def labelled(words: str, unit: str) -> str:
-    """Words followed by the unit in brackets, if there is a unit."""
-    return f"{words} ({unit})" if unit else words
+    lower, upper = np.sort(np.abs(axis.get_view_interval()))
+    factor, prefixed = readable(float(size or upper), entry(name).unit if unit is None else unit)
+    if axis.get_scale() == "linear" and upper >= 1e4 * factor:  # the prefixes of a volume are nine decades apart
+        power = int(np.log10(upper / factor))
+        factor, prefixed = factor * 10.0**power, f"$10^{power}$ {prefixed}".rstrip()
+    axis.set_label_text(f"{words or entry(name).label} ({prefixed})".removesuffix(" ()"))
+    if axis.get_scale() != "log":
+        axis.set_major_formatter(_Prefixed(factor))
+        return
+    short = 1e-3 <= lower / factor < upper / factor < 1e5
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
+    axis.set_major_formatter(lambda x, _: f"{x / factor:g}" if short else rf"$10^{{{np.log10(x / factor):.0f}}}$")
+    axis.set_minor_formatter(NullFormatter())

@@ -53,13 +53,14 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     assert [text.get_text() for text in held.axes[2].texts] == ["$c$", r"$a_\infty$"]
     assert held.axes[1].get_title(loc="right") == "18.4 % less"
     assert legend(held) == ["best, $k = -0.816$", "reference, $k = 0$"]
+    assert held.axes[2].get_title(loc="right") == "below the roughness, 50 nm"
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
 
 def test_panels_show_the_contacts(held, best):
     modulus, wear, depth = held.axes
     z, drawn = curve(modulus)
-    np.testing.assert_allclose(drawn * 1e9, best.contact.material.modulus(z * 1e-6))
+    np.testing.assert_allclose(drawn, best.contact.material.modulus(z))
     k, change = curve(wear)
     assert k[0] == -0.9 and k[-1] == 0.9 and k.size <= 63
     # Both marks lie on the curve, since the contact radius is held, and the reference is at no change.
@@ -69,8 +70,8 @@ def test_panels_show_the_contacts(held, best):
     for n, contact in enumerate((best.contact, REFERENCE)):
         its = contact.steady(FORCE)
         r, worn = curve(depth, 3 * n)
-        np.testing.assert_allclose(worn * 1e-9, its.wear_depth(r * 1e-6), atol=1e-15)
-        edges = [curve(depth, 3 * n + one)[0][0] * 1e-6 for one in (1, 2)]
+        np.testing.assert_allclose(worn, its.wear_depth(r), atol=1e-15)
+        edges = [curve(depth, 3 * n + one)[0][0] for one in (1, 2)]
         np.testing.assert_allclose(edges, [its.stick_radius, its.worn_radius], rtol=1e-12)
 
 
@@ -88,9 +89,9 @@ def test_characteristic_depth_is_drawn_where_it_alone_varies():
     reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
     wear = plots.design_picture(optimise.design(reference, [0.2, FORCE], {"z0": (1e-5, 1e-3)})).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
-    assert wear.get_ylabel().startswith("change of mean wear volume $")
+    assert wear.get_ylabel().startswith("change of mean wear volume (%)")
     z0, change = curve(wear)
-    np.testing.assert_allclose([z0[0], z0[-1]], [0.01, 1.0])
+    np.testing.assert_allclose([z0[0], z0[-1]], [1e-5, 1e-3])
     one, other = (
         sum(dataclasses.replace(reference, material=PowerLawGraded(110e9, z, 0.3, 0.3)).steady(F).wear_volume
             for F in (0.2, FORCE)) for z in (1e-5, 1e-4)
@@ -105,10 +106,10 @@ def test_limits_of_the_modulus_are_drawn_as_bars_with_their_values():
         optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5), "E0": (5e10, 2e11)}, limits=limits)
     )
     modulus, change, _ = figure.axes
-    assert change.get_xlabel() == "exponent $k$\nother variables as in the best design"
-    assert legend(figure)[-1] == "allowed modulus: 60 to 400 GPa"
+    assert change.get_xlabel() == "exponent $k$\nall else as in the best design"
+    assert "allowed modulus: 60 to 400 GPa" in legend(figure)
     ((bar,),) = (lines.get_segments() for lines in modulus.collections)
-    np.testing.assert_allclose(bar, [(10, 60), (10, 400)])
+    np.testing.assert_allclose(bar, [(1e-5, 6e10), (1e-5, 4e11)])
 
 
 @pytest.mark.compiled
@@ -122,8 +123,14 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     ]
     assert np.array_equal(np.isfinite(kept), np.array(radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
-    (text,) = wear.get_legend().get_texts()
-    assert text.get_text() == "breaks a limit"
+    assert legend(wear.figure)[-1] == "breaks a limit"
+    saved, limits, contact, symbols = wear.figure.get_supxlabel().splitlines()
+    assert saved.endswith("wear volume than the reference, which breaks a limit")
+    assert limits == "limits: contact radius at least 70 µm"
+    assert (
+        contact == r"amplitude $F_x$ = 320 mN (8 % of $\mu F_N$), $F_N$ = 10 N, $\mu$ = 0.4, $R$ = 5 mm, rigid indenter"
+    )
+    assert symbols.startswith("$a_0$: contact radius before wear; $c$, ")
 
 
 @pytest.mark.compiled
@@ -140,8 +147,8 @@ def test_a_worn_punch_is_drawn():
     np.testing.assert_allclose(change, 100.0 * (drop - 1.0), atol=1e-9)
     r, worn = curve(figure.axes[2])
     assert isinstance(design.contact, GrossSlipContact)
-    exact = 1e-6 - design.contact.steady().steady_displacement(r * 1e-3)
-    np.testing.assert_allclose(worn * 1e-9, exact, rtol=1e-5, atol=1e-20)  # enough for a picture
+    exact = 1e-6 - design.contact.steady().steady_displacement(r)
+    np.testing.assert_allclose(worn, exact, rtol=1e-5, atol=1e-20)  # enough for a picture
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
@@ -167,10 +174,9 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         "modulus $E_0$ (GPa)",
         "exponent $k$",
     ]
-    drawn = [np.asarray(line.get_xydata()).round(9).tolist() for line in figure.axes[0].lines]
-    along, reference = drawn
-    assert along == [[100, 5], [200, 3], [400, 2]]
-    assert reference == [[300, 4]]
+    along, reference = (np.asarray(line.get_xydata()) for line in figure.axes[0].lines)
+    np.testing.assert_allclose(along, [[1e8, 5e-18], [2e8, 3e-18], [4e8, 2e-18]])
+    np.testing.assert_allclose(reference, [[3e8, 4e-18]])
     (dots,) = figure.axes[0].collections
     np.testing.assert_allclose(dots.get_offsets(), along)
     assert [np.all(inside == 1.0) for inside in dots.get_facecolors()] == [
@@ -184,7 +190,7 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         "E0 at its upper bound\nk at its upper bound",
         "lowest contact radius allowed",
     ]
-    assert figure.axes[0].get_ylim()[1] > 6.0  # nothing is cut, and the legend has room
+    assert figure.axes[0].get_ylim()[1] > 6e-18  # nothing is cut, and the legend has room
 
 
 @pytest.mark.parametrize(

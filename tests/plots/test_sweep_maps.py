@@ -192,8 +192,7 @@ def test_an_axis_is_stretched_as_its_values_are_spaced(axis, text, scale, dtype)
     assert axes.get_xscale() == scale
     x, y = (np.asarray(z) for z in axes.lines[0].get_data())
     np.testing.assert_array_equal(y, plane(row))
-    unit = {"z0": 1e-3, "E0": 1e9}.get(axis, 1.0)
-    np.testing.assert_allclose(x, row / unit, rtol=1e-6 if dtype == np.float32 else 1e-14)
+    np.testing.assert_allclose(x, row, rtol=1e-6 if dtype == np.float32 else 1e-14)
     screen = axes.transData.transform(np.column_stack([x, np.full(x.size, 2.5)]))[:, 0]
     np.testing.assert_allclose(np.diff(screen), np.ptp(screen) / (row.size - 1), rtol=0.01)
     assert axes.get_xlim() == pytest.approx((x[0], x[-1]))
@@ -203,7 +202,7 @@ def test_cells_meet_halfway_on_a_stretched_axis():
     z0, k = np.geomspace(1e-6, 1e-3, 10), read_axis("k", "-0.999:0.999:12:logit")
     figure = map_picture(made(plane(k, z0), k=k, z0=z0))
     corners = mesh(figure).get_coordinates()
-    np.testing.assert_allclose(corners[1:-1, 0, 1], 1e3 * np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
+    np.testing.assert_allclose(corners[1:-1, 0, 1], np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
     depth = np.arctanh(k)
     np.testing.assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
     assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
@@ -404,9 +403,9 @@ def test_a_map_of_designs_shows_the_least_wear_and_its_plateau():
     bowl = 1.0 + (k[:, None] - k[22]) ** 2 + (0.5 * np.log10(z0 / 1e-5)) ** 2
     figure = map_picture(made(3e-18 * bowl, "wear_volume", "m^3", k=k, z0=z0))
     assert entries(figure) == ["least wear", PLATEAU]
-    np.testing.assert_allclose(line(figure, "least wear"), [[k[22]], [10.0]], rtol=1e-12)
+    np.testing.assert_allclose(line(figure, "least wear"), [[k[22]], [1e-5]], rtol=1e-12)
     x, y = plateau(figure).T
-    np.testing.assert_allclose((x - k[22]) ** 2 + (0.5 * np.log10(y / 10.0)) ** 2, 0.05, rtol=0.05)
+    np.testing.assert_allclose((x - k[22]) ** 2 + (0.5 * np.log10(y / 1e-5)) ** 2, 0.05, rtol=0.05)
     assert entries(map_picture(made(np.ones_like(bowl), "wear_volume", "m^3", k=k, z0=z0))) == []
 
 
@@ -454,7 +453,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     figure = map_picture(ds)
     assert figure.axes[0].get_xlabel() == "tangential force $F_x$ (N)" and figure.axes[0].get_xscale() == "log"
     assert figure.axes[1].get_ylabel() == r"worn radius $a_\infty$ (µm)"
-    np.testing.assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy() * 1e6, rtol=1e-14)
+    np.testing.assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy(), rtol=1e-14)
     assert "$F_N$ = 10 N" in figure.get_suptitle()
     for suffix in ("png", "pdf"):
         plots.save(figure, tmp_path / f"map.{suffix}")

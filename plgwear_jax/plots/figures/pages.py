@@ -49,12 +49,22 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
-    """All figures on one page, two in each row, each with its label."""
-    heights = [max(figure.size[1] for figure in figures[n : n + 2]) + 0.7 for n in range(0, len(figures), 2)]
+    """All figures on one page in their own sizes, each with its label; those of a column stand in pairs."""
+    rows: list[list[PaperFigure]] = []
+    for figure in figures:
+        waiting = [row for row in rows if len(row) == 1 and figure.size[0] == row[0].size[0] < PAGE]
+        if waiting:
+            waiting[0].append(figure)
+        else:
+            rows.append([figure])
+    heights = [max(figure.size[1] for figure in row) + 0.7 for row in rows]
     with rc_context(STYLE):
-        sheet = page(2.0 * PAGE, sum(heights), dpi=110)
-        parts = sheet.subfigures(len(heights), 2, height_ratios=heights, squeeze=False)
-        for part, figure in zip(parts.flat, figures, strict=False):
-            figure.draw_on(part)
-            part.suptitle(figure.label, x=0.01, ha="left")
+        sheet = page(PAGE, sum(heights), dpi=200)
+        for part, row in zip(
+            sheet.subfigures(len(rows), 1, height_ratios=heights, squeeze=False).flat, rows, strict=True
+        ):
+            parts = part.subfigures(1, 2 if row[0].size[0] < PAGE else 1, squeeze=False)
+            for place, figure in zip(parts.flat, row, strict=False):
+                figure.draw_on(place)
+                place.suptitle(figure.label, x=0.01, ha="left")
     return sheet

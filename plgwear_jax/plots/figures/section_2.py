@@ -22,7 +22,7 @@ from plgwear_jax.plots.figures.sketch import (
     sketch,
 )
 from plgwear_jax.plots.figures.text_numbers import balance_of, listed, numbers, root, stiffness_of
-from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, letters
+from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, legend_above, letters
 
 
 def _check_flat() -> list[Claim]:
@@ -47,11 +47,15 @@ def gross_slip_set_up(page: FigureBase) -> None:
     axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
     x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
     for k, style in OF_EXPONENT.items():
-        pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=of_k(k), **style)
-        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **style)
-    pressures.text(0.03, 1.03, r"steady, the same for $k = \pm 0.5$")
-    pressures.text(0.45, 0.12, "initial")
-    pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
+        pressures.plot(
+            [*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=f"initial, {of_k(k)}", **style
+        )
+    for k, words, dashes in ((0.5, r"$k = \pm 0.5$", "-"), (0.0, "$k = 0$", DASHED)):
+        ratio = float(gross_slip.force_ratio(k))
+        pressures.plot(
+            [0.0, 1.0], [ratio, ratio], color="0.6", linewidth=1.0, linestyle=dashes, label=f"steady, {words}"
+        )
+    pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 2.5), xlabel="$r/a$", ylabel=r"pressure $p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
     depth, sides = 0.42, 2.5
     r = np.unique([*np.linspace(0.0, sides, 401), 1.0])
@@ -106,7 +110,8 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     axes.plot(r, [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
-    axes.legend(loc="lower right", title=of_k(k))
+    legend_above(page, axes, 3)
+    axes.set_title(of_k(k), loc="left")
 
 
 _PUNCH = "Indenter profile and surface displacement for k = "
@@ -148,7 +153,7 @@ def effective_volume_change(page: FigureBase) -> None:
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
     axes.plot(best, most, "o", color=ORANGE, markersize=4.0)
     axes.text(best, most + 0.6, f"{most:.1f} % at $k = {best:.3f}$", ha="center")
-    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0))
+    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0), xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
     axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
 
 
@@ -241,6 +246,7 @@ def force_tendencies(page: FigureBase) -> None:
     axes.axhline(1.0, color="k", linewidth=0.8, linestyle=DASHED)
     for x, y, way in ((-0.5, 0.45, "down"), (-0.42, 10.0, "up"), (0.32, 0.12, "up"), (0.5, 6.0, "down")):
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
-    page.legend(handles=axes.collections[:3], loc="outside upper center", ncols=2)
-    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
+    page.legend(handles=axes.collections[:3], loc="outside upper center", ncols=2, title="initial normal force $F_N$")
+    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$")
+    axes.set(xticks=(-1.0, -0.5, 0.0, 0.5, 1.0), ylabel="characteristic depth $z_0/a$")
     axes.yaxis.set_major_formatter("{x:g}")

@@ -28,7 +28,7 @@ from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, legend_above, l
 
 _K, _PHI = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
 _THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
-_AMPLITUDE = r"$F_x/(\mu F_N)$"
+_AMPLITUDE = r"amplitude $F_x/(\mu F_N)$"
 
 
 def _rows(values: np.ndarray, form: str) -> str:
@@ -246,13 +246,13 @@ def wear_volumes(page: FigureBase) -> None:
         whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=of_k(k), **style)
         for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
             axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)
-    turn, ratio = numbers()["turn"], r"$\Delta V/\Delta V(k=0)$"
+    turn, ratio = numbers()["turn"], r"wear volume $\Delta V/\Delta V(k=0)$"
     low.axvline(turn, **GUIDE)
-    low.text(turn, 1.9, f" {100.0 * turn:.1f} %", va="center")
-    whole.set(xlim=(0.0, 1.0), ylim=(0.0, 1.2), xlabel=_AMPLITUDE, ylabel=r"$\Delta V\, R/a_0^4$")
+    low.text(turn, 1.95, f" {turn:.3f}: $\\pm k$ cross,\n as $k \\to 0$", va="top", fontsize=7)
+    whole.set(xlim=(0.0, 1.0), ylim=(0.0, 1.2), xlabel=_AMPLITUDE, ylabel=r"wear volume $\Delta V\, R/a_0^4$")
     low.set(xlim=(0.0, 0.4), ylim=(0.0, 2.0), xlabel=_AMPLITUDE, ylabel=ratio)
     high.set(
-        xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=f"$1 - ${_AMPLITUDE}", ylabel=ratio
+        xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=r"$1 - F_x/(\mu F_N)$", ylabel=ratio
     )
     letters(panels, ("as in the paper", "small amplitudes", "close to gross slip"))
     legend_above(page, whole, 7)
