@@ -314,7 +314,7 @@ def fit_wear_coefficient(
         1.00e-14
 
     References:
-        Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
+        Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/numerics.md`, "Wear over cycles".
     """
     doubt(*of_contact(contact))
     with own_numbers():  # wear coefficients with which it searches

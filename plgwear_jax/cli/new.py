@@ -103,7 +103,9 @@ def new(
     ],
     kind: Annotated[
         Literal["fretting", "gross-slip"],
-        typer.Option(help="A ball that vibrates, in partial or gross slip, or a flat punch that slides at a fixed depth."),
+        typer.Option(
+            help="A ball that vibrates, in partial or gross slip, or a flat punch that slides at a fixed depth."
+        ),
     ] = "fretting",
 ) -> None:
     """Write an input file to start from, complete and with comments.

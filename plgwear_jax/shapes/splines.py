@@ -156,7 +156,7 @@ class RoundedFlat(_Splined):
         2.50e-07
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     flat_radius: Numbers
@@ -200,7 +200,7 @@ class TruncatedSphere(_Splined):
         7.50e-07
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     flat_radius: Numbers
@@ -241,7 +241,7 @@ class Profile(_Splined):
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
 
     Of a table of more than 257 rows, 257 count: the first, the last, and others at even distances between them, by
-    their number. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
+    their number. From 33 rows on results have fewer digits (`docs/explanation/accuracy.md`, "How exactly").
 
     Attributes:
         r: Radii in m, shape (..., points), increasing from 0; at least two.
