@@ -4,9 +4,10 @@
     python docs/generated.py --printed    also runs the commands whose output pages show; some minutes
     python docs/generated.py --words      counts the words of each page
 
-Pages are complete as they lie in the repository, so that a forge shows them without the site being built. What is filled
-in stands between `<!-- begin: NAME -->` and `<!-- end -->`: a table of `GENERATED`, "file PATH" for the text of a file,
-"table of PATH" for the Markdown table that a benchmark ends with, or "names of ROOM" for what a room of the library offers.
+Pages are complete as they lie in the repository, so that a forge shows them without the site being built. What is
+filled in stands between `<!-- begin: NAME -->` and `<!-- end -->`: a table of `GENERATED`, "file PATH" for the text
+of a file, "table of PATH" for the Markdown table that a benchmark ends with, or "names of ROOM" for what a room
+offers.
 
 A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel: ms -->`:
 the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells

@@ -36,7 +36,7 @@ tangential_force = 22.0     # N, amplitude < friction * normal_force; or
 # history = "cycles.csv"    # over the cycles, column tangential_force
 # rig_stiffness = 2e7       # N/m; displacement is then that of the actuator
                             # a ball in gross slip: a displacement beyond
-                            # what plgwear regimes prints, for plgwear wear
+                            # what plgwear regimes prints, and cycles below
 
 [wear]                      # for plgwear wear, and design for a life
 coefficient_mm3_per_N_m = 3e-5      # or coefficient in 1/Pa,
