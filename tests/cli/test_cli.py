@@ -743,7 +743,7 @@ def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
 
 def test_version_and_help():
     assert plgwear("--version").stdout == f"plgwear {plgwear_jax.__version__}\n"
-    assert "tangential_force = 0.32" in plgwear("--help").stdout
+    assert "tangential_force = 22.0" in plgwear("--help").stdout
     for command in ("solve", "design", "front"):
         assert "Example: plgwear" in plgwear(command, "--help").stdout
 
