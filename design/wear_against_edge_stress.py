@@ -1,4 +1,4 @@
-"""What does less wear cost in stress beside the stick edge?
+"""What does less wear cost in stress beside the stick edge, where fretting cracks begin?
 
 Gradients have singularities of different order there, so they are compared by the pressure at a critical distance
 inside the edge, which is a property of the material. Every point of a front is a design of the electrical contact at

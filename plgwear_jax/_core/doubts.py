@@ -13,16 +13,7 @@ from jax.core import Tracer
 from plgwear_jax._core.domains import on_host
 from plgwear_jax._core.units import written
 
-__all__ = [
-    "DoubtfulInputWarning",
-    "doubt",
-    "of_contact",
-    "of_design",
-    "of_onset",
-    "of_wear",
-    "one_question",
-    "own_numbers",
-]
+__all__ = ["DoubtfulInputWarning", "doubt", "of_contact", "of_onset", "of_wear", "one_question", "own_numbers"]
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides
@@ -130,13 +121,20 @@ def of_wear(cycles: float, grows: bool = False) -> str | None:
     return f"99 % is worn after {cycles:.2g} cycles; {unit}"
 
 
-def of_design(material: Any, contact_radius: float, wear_depth: float) -> str | None:
-    """What is doubtful of the best coating: moduli that nobody can make, and wear that roughness hides."""
-    depth, found = contact_radius * FELT, []
-    modulus = np.asarray(material.modulus_at(depth))
-    worst = np.argmax(np.maximum(modulus / MADE[1], MADE[0] / modulus))
-    if not MADE[0] <= modulus[worst] <= MADE[1]:
-        place = f"{written(float(modulus[worst]), 'Pa')} at a depth of {written(float(depth[worst]), 'm')}"
+def of_design(depth: Any, modulus: Any, contact_radius: float, wear_depth: float) -> str | None:
+    """What is doubtful of the best coating: moduli that nobody can make, and wear that roughness hides.
+
+    Args:
+        depth: Some depths in m, rising, beyond both ends of those that are felt.
+        modulus: Young's modulus there in Pa.
+        contact_radius: In m.
+        wear_depth: The largest one, in m.
+    """
+    felt, found = contact_radius * FELT, []
+    there = np.exp(np.interp(np.log(felt), np.log(depth), np.log(modulus)))
+    worst = np.argmax(np.maximum(there / MADE[1], MADE[0] / there))
+    if not MADE[0] <= there[worst] <= MADE[1]:
+        place = f"{written(float(there[worst]), 'Pa')} at a depth of {written(float(felt[worst]), 'm')}"
         found.append(f"{place} is beyond 1 to 1,000 GPa: limit E(z) by limits = {{ modulus = ... }}")
     if wear_depth < SMOOTH:
         found.append(f"the wear is only {written(wear_depth, 'm')} deep: the roughness of most surfaces is larger")

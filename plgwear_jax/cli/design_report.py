@@ -73,7 +73,7 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
         for one in (best, reference):
             one.pop("edge_exponent", None)
     radius = float(np.asarray(found.contact.radius if punch else best["contact_radius"]))
-    doubtful = of_design(found.contact.material, radius, float(np.max(comparison.depth[0])))
+    doubtful = of_design(comparison.depths, comparison.modulus[0], radius, float(np.max(comparison.depth[0])))
     return Findings(given, found, best, reference, distance, words, limited, why, forever, higher, doubtful)
 
 

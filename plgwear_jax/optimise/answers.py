@@ -16,8 +16,8 @@ from jax.core import Tracer
 from jax.tree_util import tree_flatten_with_path
 
 from plgwear_jax import fretting
+from plgwear_jax._core import doubts
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
-from plgwear_jax._core.doubts import of_design
 from plgwear_jax._core.numbers import for_numbers, refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
@@ -492,6 +492,11 @@ def _in_words(found: Design) -> str:
         lines.append(f"load: {told}")
     if found.question.scenarios is not None:
         lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
+    if found.load is not None and found.question.by_force:
+        steady = found.contact.steady(found.load.amplitudes[0])
+        radius, depth = number(steady.contact_radius), number(steady.deepest_wear)
+        felt = radius * doubts.FELT
+        lines += textwrap.wrap(doubts.of_design(felt, material.modulus_at(felt), radius, depth) or "", _WIDTH - 2)
     if found.limits:
         limits = []
         for state in found.limits.values():
@@ -500,10 +505,6 @@ def _in_words(found: Design) -> str:
             limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
     lines.append(certainty(found, ("converged", "certified", "proven")))
-    if found.load is not None and found.question.by_force and isinstance(found.contact, FrettingContact):
-        steady = found.contact.steady(found.load.amplitudes[0])
-        doubtful = of_design(material, number(steady.contact_radius), number(steady.deepest_wear))
-        lines += textwrap.wrap(doubtful or "", _WIDTH - 2, **_INDENTED)
     return "\n  ".join(["Design:", *lines])
 
 

@@ -760,7 +760,8 @@ def test_example_in_the_help_is_a_scene(folder):
     lines = (cli.app.registered_callback.help or "").splitlines()
     code = [line[4:] for line in lines if line.startswith(4 * " ")]
     Path("example.toml").write_text("\n".join(code))
-    assert scene.load("example.toml").material == scene.load(CONTACT).material
+    ball = Path(__file__).parents[2] / "design" / "steel_ball.toml"
+    assert scene.load("example.toml").material == scene.load(ball).material
 
 
 def in_a_process(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
