@@ -492,7 +492,7 @@ def _in_words(found: Design) -> str:
         lines.append(f"load: {told}")
     if found.question.scenarios is not None:
         lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
-    if found.load is not None and found.question.by_force:
+    if isinstance(found.contact, FrettingContact) and found.load is not None and found.question.by_force:
         steady = found.contact.steady(found.load.amplitudes[0])
         radius, depth = number(steady.contact_radius), number(steady.deepest_wear)
         felt = radius * doubts.FELT
