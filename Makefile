@@ -19,7 +19,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-compiled test-long test-faults test-mutants test-lowest test-isa accuracy bench lint format design studies figures numbers docs notebooks lock clean
+.PHONY: help env test test-compiled test-long test-faults test-mutants test-lowest test-isa accuracy bench lint format design studies figures numbers words docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -71,20 +71,23 @@ design: env ## the coating on which a ball of steel wears least; a quarter of a 
 	$(VENV)/bin/plgwear design design/steel_ball.toml
 
 studies: env ## every scene and study of design/, into docs and docs/studies; some minutes
-	@mkdir -p docs/studies build && rm -f build/contact.toml
-	@cd build && ../$(VENV)/bin/plgwear new contact.toml
-	@$(VENV)/bin/plgwear design build/contact.toml --picture docs/studies/contact-design.png
+	@mkdir -p docs/studies
+	@$(VENV)/bin/plgwear design docs/tutorial/ball.toml --picture docs/tutorial/ball-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@$(VENV)/bin/plgwear design design/coatings/free_gradient.toml --picture docs/studies/free_gradient-design.png
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
-figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/explanation/paper.md
+figures: env numbers ## the figures of the paper, into docs/figures, and what agrees, into build; the numbers into docs/reference/hess_numbers.md
 	$(VENV)/bin/plgwear figures --out docs/figures
+	@mkdir -p build && mv docs/figures/figures.md build/figures.md && cat build/figures.md
 
-numbers: env ## the numbers of the paper against the oracle, into docs/explanation/paper.md; those quoted from tables, into all pages
-	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/explanation/paper.md
+numbers: env ## the numbers of the paper against the oracle, into docs/reference/hess_numbers.md; those quoted from tables, into all pages
+	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/reference/hess_numbers.md
 	$(VENV)/bin/python docs/generated.py --printed
+
+words: env ## the words of each page
+	$(VENV)/bin/python docs/generated.py --words
 
 docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of its own
 	NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/python -m mkdocs build --strict --quiet

@@ -7,7 +7,7 @@ transient: rings of a constant force under Archard's law. Errors are the largest
 final volume: over a grid of exponents and amplitudes against a run with more cells and steps than the library offers.
 
 rigs: the march of any other test. Errors of volumes are in percent of the last volume of a test; 1 % is promised, see
-`docs/explanation/engines.md`. They are compared with rings of constant pressure that know the Green's function
+`docs/explanation/accuracy.md`. They are compared with rings of constant pressure that know the Green's function
 alone (`tests/reference/march_oracle.py`), and with the runs of a constant force. What first answers take is told by
 `waits.py`, and energies and the ends of tests are compared in `tests/contact/test_contract.py`.
 """

@@ -1,7 +1,13 @@
 """What pages take from the library and from the tables of the benchmarks, so that it is written in one place.
 
-    python docs/generated.py              refreshes the numbers that pages quote from the tables of docs/benchmarks
+    python docs/generated.py              refreshes the numbers and tables that pages take from elsewhere
     python docs/generated.py --printed    also runs the commands whose output pages show; some minutes
+    python docs/generated.py --words      counts the words of each page
+
+Pages are complete as they lie in the repository, so that a forge shows them without the site being built. What is
+filled in stands between `<!-- begin: NAME -->` and `<!-- end -->`: a table of `GENERATED`, "file PATH" for the text
+of a file, "table of PATH" for the Markdown table that a benchmark ends with, or "names of ROOM" for what a room
+offers.
 
 A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel: ms -->`:
 the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells
@@ -10,6 +16,8 @@ the largest number is quoted. It is rounded to as many digits as the page shows.
 """
 
 import decimal
+import importlib
+import inspect
 import itertools
 import os
 import re
@@ -51,12 +59,6 @@ def tables(name: str) -> Iterator[tuple[list[str], list[list[str]]]]:
                 rows.append(cells)
         elif line.startswith("└"):
             yield heads, rows
-
-
-def machine(name: str) -> str:
-    """The processor and the versions of a table."""
-    _, processor, versions = (DOCS / "benchmarks" / f"{name}.txt").read_text(encoding="utf-8").splitlines()[:3]
-    return f"{processor}; {versions}"
 
 
 def number(name: str, row: str, column: str) -> float:
@@ -128,6 +130,18 @@ def random_contacts() -> str:
             lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
     told = (f"{number} of {of}" for _, of, number in refused)
     return "\n".join([*lines, f"| refused | | {' | '.join(told)} |"])
+
+
+def rule_on_coatings() -> str:
+    """The change of the worn volume on coatings of 1 and 3 contact radii, in %, from `docs/computed.py`."""
+    ((heads, rows),) = tables("rule")
+    shown = [heads.index(name) for name in ("phi 0.05", "phi 0.2", "phi 0.4", "phi 0.74")]
+    lines = ["| gradient | contact radii | surface | $\\varphi = 0.05$ | 0.2 | 0.4 | 0.74 |"]
+    lines += ["| --- | ---: | --- | ---: | ---: | ---: | ---: |"]
+    for row in rows:
+        if row[1] != "2":
+            lines.append(f"| {' | '.join([*row[:3], *(row[n] for n in shown)])} |")
+    return "\n".join(lines)
 
 
 # --- keys of an input file ------------------------------------------------------------------------------------------
@@ -305,24 +319,97 @@ def printed(text: str, folder: Path) -> str:
     return PRINTED.sub(fresh, text)
 
 
+# --- the command line -------------------------------------------------------------------------------------------------
+
+
+def commands() -> str:
+    """The help of every command, as Typer writes it down."""
+    command = [sys.executable, "-m", "typer", "plgwear_jax.cli", "utils", "docs", "--name", "plgwear"]
+    settings = {"NO_COLOR": "1", "PYTHONPATH": os.pathsep.join([str(DOCS.parent), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | settings, check=True)
+    text = re.sub(r"^Example: (.*)$", r"Example: `\1`", done.stdout, flags=re.MULTILINE)
+    text = re.sub(r"^# .*\n+", "", text, count=1)
+    return "\n".join(line.rstrip() for line in text.strip().splitlines())
+
+
+def names(room: str) -> str:
+    """The public names of a room with the first sentence of each, as a table."""
+    module = importlib.import_module(f"plgwear_jax.{room}" if room != "plgwear_jax" else room)
+    lines = ["| name | what it is |", "| --- | --- |"]
+    for name in module.__all__:
+        said = inspect.getdoc(getattr(module, name)) if callable(getattr(module, name)) else None
+        first = " ".join((said or "A constant.").partition("\n\n")[0].split()).replace("|", "&#124;")
+        lines.append(f"| `{name}` | {first} |")
+    return "\n".join(lines)
+
+
+# --- what stands in the pages -----------------------------------------------------------------------------------------
+
 GENERATED = {
     "keys of an input file": input_keys,
     "quantities": quantities,
     "fewest digits": fewest_digits,
     "random contacts": random_contacts,
+    "rule on coatings": rule_on_coatings,
+    "commands": commands,
 }
+FILLED = re.compile(r"(?P<head><!-- begin: (?P<name>[^\n]+?) -->\n).*?(?P<tail><!-- end -->)", re.DOTALL)
+
+
+def filled(text: str) -> str:
+    """The text with all that is generated, as it is now."""
+
+    def fresh(match: re.Match[str]) -> str:
+        kind, _, path = match["name"].rpartition(" ")
+        if kind == "file":
+            shown = (DOCS.parent / path).read_text(encoding="utf-8").rstrip()
+            shown = f"```{'toml' if path.endswith('.toml') else 'text'}\n{shown}\n```"
+        elif kind == "names of":
+            shown = names(path)
+        elif kind == "table of":
+            rows = (DOCS / path).read_text(encoding="utf-8").splitlines()
+            shown = "\n".join(row for row in rows if row.startswith("|"))
+        else:
+            shown = GENERATED[match["name"]]()
+        return f"{match['head']}\n{shown.strip()}\n\n{match['tail']}"
+
+    return FILLED.sub(fresh, text)
+
+
+def words(text: str) -> tuple[int, int]:
+    """The words of a page: all, and those of the text without code, displayed formulas and what is generated."""
+    text = re.sub(r"<!-- (?!begin|end).*?-->", "", text, flags=re.DOTALL)
+    by_hand = re.sub(r"```.*?```|\$\$.*?\$\$|^\{ \.\w+ \}$", "", FILLED.sub("", text), flags=re.DOTALL | re.MULTILINE)
+    return len(text.split()), len(by_hand.split())
+
+
+def pages() -> list[Path]:
+    """The README, what the site takes from beside it, and all pages."""
+    beside = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
+    return [*beside, *sorted(DOCS.rglob("*.md"))]
 
 
 def main() -> int:
-    """Refresh what pages quote, and name those that have changed."""
-    for page in (DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))):
-        text = page.read_text(encoding="utf-8")
-        fresh = quoted(text)
+    """Refresh what pages quote, and name those that have changed; or count their words."""
+    told = []
+    for page in pages():
+        name, text = page.relative_to(DOCS.parent), page.read_text(encoding="utf-8")
+        if "--words" in sys.argv:
+            told.append((*words(text), name))
+            print("{:6d} {:6d}  {}".format(*told[-1]))
+            continue
+        fresh = filled(quoted(text))
         if "--printed" in sys.argv:
             fresh = printed(fresh, page.parent)
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
-            print(page.relative_to(DOCS.parent))
+            print(name)
+    if told:
+        print(
+            "{:6d} {:6d}  all; the second column without code, displayed formulas and what is generated".format(
+                *(sum(one[n] for one in told) for n in (0, 1))
+            )
+        )
     return 0
 
 

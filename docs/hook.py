@@ -1,4 +1,4 @@
-"""What the site needs besides mkdocs: formulas as MathML, links to the equations, the command line, generated tables.
+"""What the site needs besides mkdocs: formulas as MathML, links to the equations, the pages beside the documentation.
 
 Formulas become MathML when the site is built, and the browser draws it: pages need no script and no other host.
 `math_core` writes the subset that all browsers share; the OpenType font that stretches braces and roots comes with
@@ -7,9 +7,7 @@ Formulas become MathML when the site is built, and the browser draws it: pages n
 
 import html
 import importlib.resources
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -20,7 +18,10 @@ from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
-COMMAND_LINE = "reference/command-line.md"
+BESIDE = {
+    "contributing.md": "CONTRIBUTING.md",
+    "changelog.md": "CHANGELOG.md",
+}  # pages that lie beside the documentation
 # what a search of the site should find before the functions of Python and the notebooks, besides the other parts
 FOUND_FIRST = {
     f"reference/{page}.md" for page in ("glossary", "input_file", "parameters", "quantities", "troubleshooting")
@@ -32,9 +33,6 @@ APART = re.compile(r"(<(?:pre|code|script|style|svg|button)\b.*?</(?:pre|code|sc
 DISPLAYED = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 INLINE = re.compile(r"\$([^$]+?)\$")
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
-TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
-MACHINE = re.compile(r"<!-- machine of (\S+) -->")
-GENERATED = re.compile(r"^<!-- (.+?), generated -->$", re.MULTILINE)
 
 THEORY = "explanation/theory.md"
 PIECE = re.compile(r"<(a|h\d|pre|code|math|script|style|svg|button)\b.*?</\1>|<[^>]*>|[^<]+", re.DOTALL)
@@ -68,39 +66,20 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add what is made while building."""
     font = importlib.resources.files("ziamath").joinpath("fonts", FONT).read_bytes()
     files.append(File.generated(config, f"assets/{FONT}", content=font))
-    files.append(File.generated(config, COMMAND_LINE, content=command_line()))
+    for page, source in BESIDE.items():
+        text = (Path(config.config_file_path).parent / source).read_text(encoding="utf-8")
+        files.append(File.generated(config, page, content=text.replace("](docs/", "](")))
     for path in notebooks(config):
         root = str(path.parent.parent)
         files.append(File(f"notebooks/{path.name}", root, config.site_dir, config.use_directory_urls))
     return files
 
 
-def command_line() -> str:
-    """The help of every command, as Typer writes it down."""
-    command = [sys.executable, "-m", "typer", "plgwear_jax.cli", "utils", "docs"]
-    names = ["--name", "plgwear", "--title", "Command line"]
-    done = subprocess.run([*command, *names], capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"})
-    if done.returncode:
-        raise PluginError(f"the help of the commands: {done.stderr}")
-    return re.sub(r"^Example: (.*)$", r"Example: `\1`", done.stdout, flags=re.MULTILINE)
-
-
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Put in what is generated, the machine of a benchmark, and the Markdown table that its file ends with."""
-
-    def rows(match: re.Match[str]) -> str:
-        text = (Path(config.docs_dir) / match[1]).read_text(encoding="utf-8")
-        table = [line for line in text.splitlines() if line.startswith("|")]
-        if not table:
-            raise PluginError(f"{page.file.src_uri}: no table in {match[1]}")
-        return "\n".join(table)
-
+    """Leave out where numbers come from, and say how well a search should find the page."""
     if not page.file.src_uri.startswith(("reference/", "notebooks/")) or page.file.src_uri in FOUND_FIRST:
         page.meta["search"] = {"boost": 2}
-    markdown = generated.QUOTED.sub(r"\g<shown>", generated.quoted(markdown))
-    markdown = MACHINE.sub(lambda match: generated.machine(match[1]), markdown)
-    markdown = GENERATED.sub(lambda match: generated.GENERATED[match[1]](), markdown)
-    return TABLE.sub(rows, markdown)
+    return generated.QUOTED.sub(r"\g<shown>", generated.quoted(markdown))
 
 
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:

@@ -314,7 +314,7 @@ def fit_wear_coefficient(
         1.00e-14
 
     References:
-        Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
+        Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/numerics.md`, "Wear over cycles".
     """
     from scipy import optimize, special
 

@@ -79,7 +79,7 @@ class Load:
         True
 
     References:
-        `docs/explanation/theory.md`, "Any test".
+        `docs/explanation/numerics.md`, "Any test".
     """
 
     holds_force: ClassVar[bool] = False
@@ -144,7 +144,7 @@ class Force(Load):
         0.32
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles".
+        `docs/explanation/numerics.md`, "Wear over cycles".
     """
 
     holds_force: ClassVar[bool] = True
@@ -201,7 +201,7 @@ class Displacement(Load):
         10000000.0
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles".
+        `docs/explanation/numerics.md`, "Wear over cycles".
     """
 
     displacement_amplitude: Numbers
@@ -260,7 +260,7 @@ class Block:
         0.3
 
     References:
-        `docs/explanation/theory.md`, "Any test".
+        `docs/explanation/numerics.md`, "Any test".
     """
 
     load: Any
@@ -289,7 +289,7 @@ class Blocks(Load):
         2
 
     References:
-        `docs/explanation/theory.md`, "Any test".
+        `docs/explanation/numerics.md`, "Any test".
     """
 
     lasts: ClassVar[bool] = False

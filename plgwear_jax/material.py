@@ -148,7 +148,7 @@ def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: i
         1.2143
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles". At k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
+        `docs/explanation/numerics.md`, "Wear over cycles". At k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
         259.
     """
     if _is_holl(nu):

@@ -56,7 +56,7 @@ def displacement_amplitude(
         0.360000
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
+        `docs/explanation/numerics.md`, "Wear over cycles". For k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
         259.
     """
     s, _ = exponents(k)
@@ -90,7 +90,7 @@ def amplitude(
         0.400000
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles".
+        `docs/explanation/numerics.md`, "Wear over cycles".
     """
     k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
     power = 0.5 * (3.0 + k)
@@ -135,7 +135,7 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
         0.043774
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles".
+        `docs/explanation/numerics.md`, "Wear over cycles".
     """
     r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
@@ -207,7 +207,7 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
         0.010926
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin and Deresiewicz, Journal of Applied
+        `docs/explanation/numerics.md`, "Wear over cycles". For k = 0: Mindlin and Deresiewicz, Journal of Applied
         Mechanics 20 (1953) 327.
     """
     s, _ = exponents(k)
@@ -255,7 +255,7 @@ def contact_share(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits
         0.419129
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles".
+        `docs/explanation/numerics.md`, "Wear over cycles".
     """
     s, _ = exponents(k)
     alone = softness(s, jnp.asarray(phi), digits)

@@ -37,7 +37,7 @@ class WearLaw:
         True
 
     References:
-        `docs/explanation/theory.md`, "Any test".
+        `docs/explanation/numerics.md`, "Any test".
     """
 
     linear: ClassVar[bool] = False
@@ -104,7 +104,7 @@ class PressurePower(WearLaw):
         1.00e-11
 
     References:
-        `docs/explanation/theory.md`, "Any test".
+        `docs/explanation/numerics.md`, "Any test".
     """
 
     coefficient: Numbers

@@ -14,6 +14,8 @@ from plgwear_jax._core.domains import on_host
 from plgwear_jax._core.units import written
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
+MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides
+FELT = np.geomspace(0.1, 3.0, 16)  # depths in contact radii at which the modulus of a coating has an effect
 
 
 class DoubtfulInputWarning(UserWarning):
@@ -115,3 +117,23 @@ def of_wear(cycles: float, grows: bool = False) -> str | None:
         return f"{said}; are the displacement in m and the wear coefficient in 1/Pa?"
     unit = "is the unit of the wear coefficient right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
     return f"99 % is worn after {cycles:.2g} cycles; {unit}"
+
+
+def of_design(depth: Any, modulus: Any, contact_radius: float, wear_depth: float) -> str | None:
+    """What is doubtful of the best coating: moduli that nobody can make, and wear that roughness hides.
+
+    Args:
+        depth: Some depths in m, rising, beyond both ends of those that are felt.
+        modulus: Young's modulus there in Pa.
+        contact_radius: In m.
+        wear_depth: The largest one, in m.
+    """
+    felt, found = contact_radius * FELT, []
+    there = np.exp(np.interp(np.log(felt), np.log(depth), np.log(modulus)))
+    worst = np.argmax(np.maximum(there / MADE[1], MADE[0] / there))
+    if not MADE[0] <= there[worst] <= MADE[1]:
+        place = f"{written(float(there[worst]), 'Pa')} at a depth of {written(float(felt[worst]), 'm')}"
+        found.append(f"{place} is beyond 1 to 1,000 GPa: limit E(z) by limits = {{ modulus = ... }}")
+    if wear_depth < SMOOTH:
+        found.append(f"the wear is only {written(wear_depth, 'm')} deep: the roughness of most surfaces is larger")
+    return "; ".join(found) or None

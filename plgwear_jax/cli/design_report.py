@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plgwear_jax import optimise
+from plgwear_jax._core.doubts import of_design
 from plgwear_jax.catalogue import DESIGNED, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure
@@ -35,6 +36,7 @@ class Findings(NamedTuple):
         why: Which limits cannot be kept together, if any.
         forever: What a design for a number of cycles does in the steady state.
         higher: What happens under a higher load; None without amplitudes.
+        doubtful: Why nobody would make or measure the best coating, if so.
     """
 
     given: Scene
@@ -47,6 +49,7 @@ class Findings(NamedTuple):
     why: optimise.Conflict | None
     forever: optimise.InSteadyState | None
     higher: Higher | None
+    doubtful: str | None
 
 
 def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparison) -> Findings:
@@ -69,7 +72,9 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
         for one in (best, reference):
             one.pop("edge_exponent", None)
-    return Findings(given, found, best, reference, distance, words, limited, why, forever, higher)
+    radius = float(np.asarray(found.contact.radius if punch else best["contact_radius"]))
+    doubtful = of_design(comparison.depths, comparison.modulus[0], radius, float(np.max(comparison.depth[0])))
+    return Findings(given, found, best, reference, distance, words, limited, why, forever, higher, doubtful)
 
 
 def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
@@ -195,7 +200,7 @@ def tell_design(report: Report, one: Findings) -> None:
         report.say(_saving(one), _verdict(found), _rival(found), one.higher and one.higher.line)
     else:  # savings have no meaning here
         report.say(_verdict(found), _conflict_told(one))
-    report.say(_too_stiff(one.best))
+    report.say(one.doubtful)
     _tell_life(report, one)
 
 
@@ -208,17 +213,6 @@ def uncertain(one: Findings) -> list[str]:
 
 def _found_as(found: optimise.Design) -> str:
     return "best" if found.keeps_limits else "closest"
-
-
-_DIAMOND = 1.2e12  # Pa
-
-
-def _too_stiff(best: dict[str, float]) -> str | None:
-    """A line about moduli that cannot be made."""
-    modulus = best["modulus_at_radius"]
-    if modulus < _DIAMOND or "k" not in best:
-        return None
-    return f"{measure(modulus, 'modulus')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 
 
 def _tell_allowed(report: Report, one: Findings) -> None:

@@ -11,35 +11,37 @@ from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse
 
 FRETTING = """\
-[material]
-E0 = 110e9                  # Pa, the modulus at the depth z0
+[material]                  # the coating of today, for comparison
+E0 = 200e9                  # Pa, the modulus at the depth z0
 z0 = 1e-4                   # m
 k = 0.0                     # the exponent, -1 < k < 1
-nu = 0.3                    # Poisson's ratio, or "holl"
+nu = 0.25                   # Poisson's ratio, or "holl"
 
 # table = "E_of_z.csv"      # instead of E0, z0, k: columns depth, modulus
-# thickness = [2e-6]        # or layers, in m from the surface downwards
-# modulus = [400e9, 110e9]  # and their moduli, the last one the substrate's
+# thickness = [5e-4]        # or layers, in m from the surface downwards
+# modulus = [200e9, 210e9]  # and their moduli, the last one the substrate's
 
-[contact]                   # the indenter wears
-kind = "fretting"           # or "gross-slip", with radius and depth
-radius = 0.005              # m, of the indenter
-normal_force = 10.0         # N
-friction = 0.4
-# indenter = { E = 210e9, nu = 0.3 }  # elastic; it is rigid without this
+[contact]                   # the indenter wears: a ball of steel
+kind = "fretting"           # "gross-slip" is a flat punch at a fixed depth
+radius = 0.0125             # m, of the indenter
+normal_force = 50.0         # N
+friction = 0.6
+indenter = { E = 210e9, nu = 0.3 }  # elastic; without this line rigid
 # shape = { kind = "power", exponent = 4 }  # or "cone", "rounded_flat", ...
 
 [load]
-tangential_force = 0.32     # N, amplitude < friction * normal_force; or
-# displacement = 3e-8       # m, amplitude at the contact; or
+tangential_force = 22.0     # N, amplitude < friction * normal_force; or
+# displacement = 1e-6       # m, amplitude at the contact; or
 # table = "loads.csv"       # columns tangential_force, weight; or
 # history = "cycles.csv"    # over the cycles, column tangential_force
-# rig_stiffness = 1e7       # N/m; displacement is then that of the actuator
+# rig_stiffness = 2e7       # N/m; displacement is then that of the actuator
+                            # a ball in gross slip: a displacement beyond
+                            # what plgwear regimes prints, and cycles below
 
-# [wear]                    # for plgwear wear, and design for a life
-# coefficient = 1e-14       # 1/Pa = m^3/(N m); coefficient_mm3_per_N_m,
+[wear]                      # for plgwear wear, and design for a life
+coefficient_mm3_per_N_m = 3e-5      # or coefficient in 1/Pa,
                             # or energy_coefficient_mm3_per_J
-# cycles = 1e6              # the life
+# cycles = 1e6              # the life; without it the steady state
 
 [design]
 vary = { k = [-0.9, 0.9] }  # between these bounds
@@ -48,16 +50,17 @@ hold = "contact_radius"     # keep it by adjusting E0;
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
 # over = { cvar = 0.9 }     # for a table; or "mean", "worst"
 
-# [design.limits]
-# edge_pressure = { below = 5e8, distance = 1e-6 }   # Pa, m
-# penetration = { below = 2e-6 }                     # m
-# contact_radius = { above = 5e-5, below = 8e-5 }    # m, without hold
-# modulus.at = [1e-5, 1e-3]                          # m, two depths
-# modulus.between = [[60e9, 400e9], [60e9, 400e9]]   # Pa, at each
+[design.limits]             # moduli that your process can make
+modulus.at = [1.6e-6, 4.9e-4]                        # m, two depths
+modulus.between = [[80e9, 350e9], [80e9, 350e9]]     # Pa, at each
+# edge_pressure = { below = 2.5e9, distance = 1e-5 } # Pa, m
+# penetration = { below = 3e-6 }                     # m
+# contact_radius = { above = 1e-4, below = 2e-4 }    # m, without hold
 
 [output]
-quantities = ["contact_radius", "wear_volume", "deepest_wear"]
-# distance = 1e-6           # m, from the stick edge, for "edge_pressure"
+quantities = ["contact_radius", "peak_initial_pressure", "stick_radius",
+              "worn_radius", "wear_volume", "deepest_wear"]
+# distance = 1e-5           # m, inside the stick edge, for "edge_pressure"
 """
 
 _GROSS_SLIP = """\
@@ -83,7 +86,7 @@ quantities = ["volume_change", "initial_force", "steady_force", "steady_displace
 _HEAD = """\
 # A contact for plgwear. All numbers are in SI units. Text after # is a comment.
 #
-#   plgwear solve {name}     the quantities under [output]
+#   plgwear solve {name}     the quantities under [output]: is the contact what you think it is?
 #   plgwear design {name}    the best coating within [design], and a picture of it
 #
 # To have an editor check and complete this file, run `plgwear schema > scene.schema.json` in this folder and make this
@@ -100,19 +103,22 @@ def new(
     ],
     kind: Annotated[
         Literal["fretting", "gross-slip"],
-        typer.Option(help="A dome that vibrates under a constant force, or a flat punch that slides at a fixed depth."),
+        typer.Option(
+            help="A ball that vibrates, in partial or gross slip, or a flat punch that slides at a fixed depth."
+        ),
     ] = "fretting",
 ) -> None:
     """Write an input file to start from, complete and with comments.
 
-    Example: plgwear new contact.toml, then change its numbers, then plgwear design contact.toml
+    Example: plgwear new contact.toml, then change its numbers, then plgwear solve contact.toml
     """
     if scene_file.exists():
         refuse(f"{scene_file}: exists already; name another file")
     text = _HEAD.format(name=one_line(scene_file.name)) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
     _files.check_target(scene_file, (".toml",))
     _files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
-    typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
+    file = one_line(str(scene_file))
+    typer.echo(f"{file}: written; next: plgwear solve {file}, then plgwear design {file}")
 
 
 def schema() -> None:

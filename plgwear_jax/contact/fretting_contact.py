@@ -54,7 +54,7 @@ class FrettingContact:
 
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     material: Any

@@ -177,7 +177,7 @@ def slip_regimes(
         array([0.273, 0.273])
 
     References:
-        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46; `docs/explanation/theory.md`, "Wear over cycles".
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46; `docs/explanation/numerics.md`, "Wear over cycles".
     """
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)

@@ -15,6 +15,7 @@ from jax import Array
 from jax.core import Tracer
 from jax.tree_util import tree_flatten_with_path
 
+from plgwear_jax._core import doubts
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record, static
@@ -492,6 +493,11 @@ def _in_words(found: Design) -> str:
         lines.append(f"load: {told}")
     if found.question.scenarios is not None:
         lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
+    if isinstance(found.contact, FrettingContact) and found.load is not None and found.question.by_force:
+        steady = found.contact.steady(found.load.amplitudes[0])
+        radius, depth = number(steady.contact_radius), number(steady.deepest_wear)
+        felt = radius * doubts.FELT
+        lines += textwrap.wrap(doubts.of_design(felt, material.modulus_at(felt), radius, depth) or "", _WIDTH - 2)
     if found.limits:
         limits = []
         for state in found.limits.values():

@@ -77,7 +77,7 @@ class Shape:
         6.618e-05 m
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar[tuple[str, ...]] = ()

@@ -176,7 +176,7 @@ class RoundedFlat(_Flat):
         2.50e-07
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     def height(self, r: Array, radius: Array) -> Array:
@@ -204,7 +204,7 @@ class TruncatedSphere(_Flat):
         7.50e-07
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
@@ -229,7 +229,7 @@ class Profile(_Splined):
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
 
     Of a table of more than 513 rows, every second, third or further one counts, and the last, so that there are no more
-    than 513. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
+    than 513. From 33 rows on results have fewer digits (`docs/explanation/accuracy.md`, "How exactly").
 
     Attributes:
         r: Radii in m, shape (..., points), increasing from 0; at least two.

@@ -116,7 +116,7 @@ class Steady(Solution, abc.ABC):
 
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:

@@ -127,7 +127,7 @@ class DepthGraded(AnyModulus):
         2.469e+11 Pa
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar = {"depth": Domain(">= 0 and finite", NUMBER.contains), "modulus": POSITIVE}
@@ -187,7 +187,7 @@ class Layered(AnyModulus):
         True
 
     References:
-        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar = {"thickness": POSITIVE, "modulus": POSITIVE}

@@ -126,7 +126,7 @@ class PowerLaw(NamedTuple):
         """1 - v beside a flat punch at the edge of a half-plane, up to a factor, and its mean from 0 to y.
 
         Its Laplace transform is exp(S)/q, with S(q) the integral over u of log(1 + the ratio of both terms at q exp(u))
-        times sech(u)/(2 pi): `docs/explanation/theory.md`, "Narrow rings".
+        times sech(u)/(2 pi): `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
 
         Args:
             c: Radius in m.

@@ -6,7 +6,7 @@ In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ri
     H - A p,      A = A_fixed + (pi c^2/K) e e',
 
 A_fixed at a held depth of the indenter, e the gap that a flat punch of the radius c leaves and K its stiffness.
-`docs/explanation/theory.md` has the equations.
+`docs/explanation/numerics.md` has the equations.
 """
 
 import math

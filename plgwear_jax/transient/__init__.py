@@ -7,7 +7,7 @@ constant, and the wear depends on k, phi and one more number, the reduced cycles
     n = 4 K mu theta F_N N/(pi a_0^2)
 
 for N cycles, with theta of `material.tangential_ratio`. Radii are in units of a_0, heights in a_0^2/R, volumes in
-a_0^4/R and pressures in F_N/(pi a_0^2). `docs/explanation/theory.md` derives the equations that are solved here:
+a_0^4/R and pressures in F_N/(pi a_0^2). `docs/explanation/numerics.md` derives the equations that are solved here:
 in T = r^2, with h the worn depth, p the pressure, P its integral over n, g the gap outside the unworn contact of
 radius c and H the steady depth,
 

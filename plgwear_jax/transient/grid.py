@@ -37,7 +37,7 @@ class MarchEffort(NamedTuple):
 
 _BEYOND = 2  # cells that the edge of the contact does not reach
 
-# For each number of digits the fewest cells by measured errors, the worst over k, phi, n: docs/explanation/theory.md.
+# For each number of digits the fewest cells by measured errors, the worst over k, phi, n: docs/explanation/numerics.md.
 EFFORTS = {
     2: MarchEffort(8, 12, 4.5, (1, 2)),
     3: MarchEffort(8, 12, 4.5, (1, 2, 3)),

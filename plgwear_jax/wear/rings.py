@@ -19,7 +19,7 @@ from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from, weights
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
 
-DIGITS = 4  # correct digits at most: docs/explanation/theory.md
+DIGITS = 4  # correct digits at most: docs/explanation/numerics.md
 
 Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2
 

@@ -55,7 +55,7 @@ class Run(Solution, abc.ABC):
         0.26
 
     References:
-        `docs/explanation/theory.md`, "Wear over cycles" and "Any test".
+        `docs/explanation/numerics.md`, "Wear over cycles" and "Any test".
     """
 
     numbers: ClassVar = ("contact", "load", "law")

@@ -19,6 +19,7 @@ from plgwear_jax import (
     optimise,
     sweep,
 )
+from plgwear_jax._core.doubts import of_design
 from plgwear_jax.contact import slip_regimes
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Displacement
@@ -123,3 +124,26 @@ def test_the_command_line_warns_in_one_line_and_goes_on(tmp_path, monkeypatch, m
     lines = told.stderr.splitlines()
     assert len(lines) == (line is not None)
     assert line is None or lines[0].startswith(f"scene.toml: {line}")
+
+
+@pytest.mark.parametrize(
+    "exponent, wear_depth, said",
+    [
+        (0.2, 6e-8, None),
+        (-0.9, 6e-8, "1.589 TPa at a depth of 5 µm is beyond 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }"),
+        (0.2, 1.7e-9, "the wear is only 1.7 nm deep: the roughness of most surfaces is larger"),
+    ],
+)
+def test_designs_that_nobody_can_make_or_measure_are_doubted(exponent, wear_depth, said):
+    depth = np.array([1e-6, 1e-3])  # m, beyond 0.1 to 3 contact radii
+    modulus = 2e11 * (depth / 5e-5) ** exponent
+    assert of_design(depth, modulus, 5e-5, wear_depth) == said
+    both = of_design(depth, 1e-5 * modulus, 5e-5, 1e-9)
+    assert both is not None and both.count(";") == 1 and "Pa at a depth of" in both
+
+
+def test_a_design_says_in_its_words_that_nobody_can_measure_its_wear():
+    coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+    contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+    said = " ".join(repr(optimise.design(contact, 0.32, {"k": (-0.9, 0.9)}, hold=True)).split())
+    assert "the wear is only 1.73 nm deep: the roughness of most surfaces is larger" in said

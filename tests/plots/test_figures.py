@@ -20,7 +20,7 @@ from plgwear_jax.plots.figures import pages, section_2, section_3
 from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
 from plgwear_jax.plots.style import BLUE, ORANGE
 
-PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "paper.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "hess_numbers.md"
 VERDICTS = {
     "1": "agrees",
     "2": "agrees",

@@ -1,7 +1,7 @@
 """The numbers of the paper's text from the library and from the oracle, and whether its equations fit each other.
 
-    python tests/reference/paper_numbers.py                        prints both tables in Markdown
-    python tests/reference/paper_numbers.py --write docs/explanation/paper.md  puts them between the marks in that page
+    python tests/reference/paper_numbers.py    prints both tables in Markdown; to put them between the marks in a page:
+    python tests/reference/paper_numbers.py --write docs/reference/hess_numbers.md
 
 The oracle's column and all checks of equations use mpmath and `oracle.py` alone; only the library's column uses it.
 """
