@@ -171,7 +171,7 @@ _EXPONENTS = 33  # exponents at which the wear in a life is computed; a polynomi
 
 @functools.partial(jax.jit, static_argnums=5)
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax.transient.amount import wear_volume  # seldom needed, and takes time
+    from plgwear_jax.wear.closed_ring import wear_volume  # seldom needed, and takes time
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     phi, lower, upper, life, nu = (

@@ -23,9 +23,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")}
 TEXTS = {name: (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "CONTRIBUTING.md")} | PAGES
 MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__, "plgwear_jax.")]
-# What the files of these rooms offer, the room exports; `transient` offers nothing to others.
+# What the files of these rooms offer, the room exports; `transient` offers nothing.
 ROOMS = "contact|fretting|optimise|plots|scene|shapes|steady|surfaces|sweep|wear"
-PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cli\b)|({ROOMS})\.|transient)", name)]
+PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cli\b)|({ROOMS})\.)", name)]
 
 _spec = importlib.util.spec_from_file_location("generated", ROOT / "docs" / "generated.py")
 assert _spec is not None and _spec.loader is not None
