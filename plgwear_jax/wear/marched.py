@@ -202,7 +202,9 @@ def history_of(
         unit = jnp.where(slips, jnp.minimum(gap, area * depth) / rate, narrow)
         gross = (least <= 0.0) & slips
         last = jnp.where(gross, 0.5 * _flat(outline, reach) / rate, _LONG * unit)
-        room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.02 + 4.0 * (1.0 - least / unworn)))
+        # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
+        # seems to stick as a whole.
+        room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))
         first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, widest * (1.0 + room), last)
         most = jnp.nanmax(radius)
         after = _Grid(stick, unworn, most + 0.25 * (most - stick), grid.last)
