@@ -215,7 +215,11 @@ def history_of(
     start = _Grid(zero, estimate, _REACH * estimate, zero)
     _, histories = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
     history = jax.tree.map(lambda x: x[-1], histories)
-    return history._replace(moments=until(history.moments.least < -MOST, history.moments))
+    # A ring that slips but is narrower than its cells would seem to stick, and nothing would ever wear.
+    slip, touches = history.moments.slip[0], history.moments.pressure[0] > 0.0
+    moved = history.moments.force_amplitude[0] > 1e-9 * blocks.friction[0] * blocks.normal_force[0]
+    narrow = jnp.isnan(blocks.cycles[-1]) & moved & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
+    return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
 
 
 def _widest(radii: Array, normal_force: Array) -> Array:
@@ -381,9 +385,8 @@ class MarchedRun(Run):
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"
                 raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
-            raise ValueError(
-                "load: the scar grows beyond the cells of the march, as it does in blocks close to gross slip"
-            )
+            told = "the scar grows beyond the cells of the march, as it does in blocks close to gross slip"
+            raise RefusedError(f"load: {told}, or the ring that slips is narrower than a cell")
         return found
 
     def _solved(self, given: Any) -> TestHistory:

@@ -136,7 +136,7 @@ _PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is n
 @program()
 def _places(run: RunSolution, at: Array) -> tuple[Array, Array]:
     """(y, radii) at places over the ring, along a first axis before those of the contacts and of other numbers."""
-    places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim))
+    places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
     y = jnp.asarray(places, at.dtype) * run.flat.scales.width[run.number]
     return y, run.stick_radius * jnp.sqrt(1.0 + y)
 
