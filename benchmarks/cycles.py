@@ -23,7 +23,7 @@ from harness import Part, Report, interleave, short
 
 from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded
 from plgwear_jax.loads import Block, Displacement
-from plgwear_jax.transient.grid import EFFORTS, MarchEffort
+from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution
 from plgwear_jax.wear_laws import PressurePower
 
 reduced: Any = importlib.import_module("reduced")  # which harness makes known, as the next ones
@@ -35,13 +35,13 @@ RADIUS, FORCE, FRICTION = reduced.RADIUS, reduced.FORCE, reduced.FRICTION
 # --- a constant force -------------------------------------------------------------------------------------------------
 
 POINT = 0.3, 0.5
-FINEST = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
-MOST = max(EFFORTS)
+FINEST = MarchResolution(12, 32, 7.0, (3, 4, 5, 6))
+MOST = max(RESOLUTIONS)
 
 
 def finest(quick: bool) -> AbstractContextManager[Any]:
     """The most digits are those of a finer run meanwhile."""
-    return mock.patch.dict(EFFORTS, {} if quick else {MOST: FINEST})
+    return mock.patch.dict(RESOLUTIONS, {} if quick else {MOST: FINEST})
 
 
 def errors(report: Report, quick: bool) -> None:
@@ -57,11 +57,11 @@ def errors(report: Report, quick: bool) -> None:
     with finest(quick):
         exact = share(MOST)
     rows = []
-    for digits in sorted(EFFORTS)[: 1 if quick else None]:
-        error, effort = np.abs(share(digits) - exact), EFFORTS[digits]
+    for digits in sorted(RESOLUTIONS)[: 1 if quick else None]:
+        error, effort = np.abs(share(digits) - exact), RESOLUTIONS[digits]
         i, j = np.unravel_index(np.argmax(error), error.shape)
         where = f"k = {k[i, 0]:g}, phi = {phi[i, 0]:g}, share {exact[i, j]:.2f}"
-        size = f"{effort.cells}, {effort.outer * sum(effort.multiples)}"
+        size = f"{effort.cells}, {effort.outer * sum(effort.refinements)}"
         rows.append([f"{digits}", f"{error.max():.1e}", f"{np.median(error.max(1)):.1e}", where, f"1e-{digits}", size])
     columns = ("digits", "worst error", "median", "worst at", "promised", "cells, steps of all marches")
     report.table(f"Errors over the domain, {len(k)} pairs of k and phi, 128 answers each", columns, rows)
@@ -82,7 +82,7 @@ def times(report: Report, quick: bool) -> None:
     def by_rings(rings: int, steps: int) -> Any:
         return transient_oracle.worn_shares(*POINT, n[1:], rings, steps)
 
-    calls = {f"plgwear, digits = {d}": lambda d=d: share(d)[1:] for d in ((4,) if quick else sorted(EFFORTS))}
+    calls = {f"plgwear, digits = {d}": lambda d=d: share(d)[1:] for d in ((4,) if quick else sorted(RESOLUTIONS))}
     sizes = ((20, 1), (40, 1)) if quick else ((20, 1), (40, 1), (80, 2))
     calls |= {f"rings of constant pressure in NumPy and SciPy, {m}": lambda m=m, s=s: by_rings(m, s) for m, s in sizes}
     slow = list(calls)[-1]

@@ -34,7 +34,7 @@ from harness import Part, Report, seconds, short, worst
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, Profile
 from plgwear_jax.shapes import Cone, PowerShape, RoundedFlat, TruncatedSphere
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
-from plgwear_jax.transient import grid
+from plgwear_jax.wear import ring_cells
 
 rigid_shapes: Any = importlib.import_module("rigid_shapes")  # which harness makes known
 
@@ -82,9 +82,9 @@ CASES = {
 
 def finest() -> ExitStack:
     """The most digits are those of finer contacts and marches meanwhile."""
-    stack, march = ExitStack(), grid.MarchEffort(12, 32, 7.0, (2, 3, 4))
+    stack, march = ExitStack(), ring_cells.MarchResolution(12, 32, 7.0, (2, 3, 4))
     stack.enter_context(mock.patch.dict(EFFORTS, {5: FINEST, 4: FINEST._replace(digits=4, modes=56)}))
-    stack.enter_context(mock.patch.dict(grid.EFFORTS, {4: march}))
+    stack.enter_context(mock.patch.dict(ring_cells.RESOLUTIONS, {4: march}))
     return stack
 
 

@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax.special.xla import materialised
 
-__all__ = ["NODES", "Images", "images_of", "mean_over", "nodes_of", "products_of", "sizes_of"]
+__all__ = ["NODES", "Images", "RingCells", "images_of", "mean_over", "nodes_of", "products_of", "sizes_of"]
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
@@ -23,6 +23,20 @@ class Images(NamedTuple):
     t: Array  # T/C - 1 at the nodes, (nodes,)
     share: Array  # difference of (T - t)^q between both edges of each cell: q times its transform, (cells, nodes)
     weight: Array  # weight of each node in integrals over T/C with the factor T^(s-1), (nodes,)
+
+
+class RingCells(NamedTuple):
+    """What a march needs of a worn ring in cells: with h its depth, H that in the end and p its pressures, h = H - A p.
+
+    Areas are in C = c^2; depths and pressures are in any units, with A in the one over the other.
+    """
+
+    compliance: Array  # A, integrated over the two cells of each entry, at a held force
+    gap: Array  # g beside the unworn contact of the stick radius c, integrated over each cell
+    steady: Array  # H, integrated over each cell
+    first: Array  # the pressure before any wear, the mean over each cell
+    swept: Array  # the gap that a flat punch of the radius c leaves, integrated over each cell
+    edges: Array  # T/C - 1 at the edges of the cells
 
 
 @jax.custom_jvp

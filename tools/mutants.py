@@ -51,7 +51,6 @@ ROOMS = {
     "surfaces": ("steady", "contact"),
     "shapes": ("steady", "contact"),
     "wear": ("wear", "contact"),
-    "transient": ("wear",),
     "optimise": ("optimise",),
     "fitting": ("fitting",),
 }

@@ -45,7 +45,7 @@ def run_of(contact: Any, load: Any, law: Any, digits: int | None) -> "Run":
     if not (load.holds_force and isinstance(law, Archard)):
         from plgwear_jax.wear.marched import MarchedRun as Engine
     elif is_closed(contact):
-        from plgwear_jax.wear.closed import ClosedRun as Engine
+        from plgwear_jax.wear.closed_ring import ClosedRun as Engine
     else:
-        from plgwear_jax.wear.numeric import NumericRun as Engine
+        from plgwear_jax.wear.numeric_ring import NumericRun as Engine
     return Engine(contact, load, law, digits)

@@ -19,9 +19,11 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import solved_at, without_padding
 from plgwear_jax.optimise.search import namespace
-from plgwear_jax.transient.batch import runs
-from plgwear_jax.transient.curves import Shares, run, share_at
-from plgwear_jax.transient.grid import march_effort_of
+from plgwear_jax.special.sequential import sequential_forward_mode
+from plgwear_jax.steady.batch import each
+from plgwear_jax.wear.closed_ring import run
+from plgwear_jax.wear.ring_cells import march_resolution_of
+from plgwear_jax.wear.ring_curves import Shares, share_at
 
 NODES = 33  # exponents: between them the wear is off by some 1e-6, by up to 6e-5 where abs(k) > 0.95
 _ROOM = 0.1  # share of the way to abs(k) = 1 by which they reach beyond, for the differences of `sensitivities`
@@ -107,8 +109,9 @@ def _nodes(question: Question) -> _Nodes:
 
 @program(level=1)
 def _shares(k: Array, phi: Array) -> Shares:
-    found = runs(lambda k, phi: run(k, phi, march_effort_of(None)).shares, k, phi[:, None])
-    return jax.tree.map(lambda x: x.reshape(phi.size, k.size, *x.shape[1:]), found)
+    return each(
+        sequential_forward_mode(lambda k, phi: run(march_resolution_of(None), k, phi).shares), (k, phi[:, None])
+    )
 
 
 def runs_of(question: Question) -> RunsAlongExponent:

@@ -175,7 +175,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
         shares_of_nodes,
         with_room,
     )
-    from plgwear_jax.transient.amount import wear_volume
+    from plgwear_jax.wear.closed_ring import wear_volume
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     phi, lower, upper, life, nu = (

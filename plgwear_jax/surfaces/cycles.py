@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import NODES, Images, images_of, products_of, sizes_of
+from plgwear_jax._cells import NODES, Images, RingCells, images_of, products_of, sizes_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
@@ -31,16 +31,6 @@ from plgwear_jax.surfaces.punch import Punch, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, between
 
 
-class Cells(NamedTuple):
-    """What a march needs of a ring in cells; depths in c^2/R, areas in T, pressures in Pa."""
-
-    compliance: Array  # A, integrated over both cells
-    gap: Array  # beside the unworn contact of the radius c, integrated over each cell
-    steady: Array  # the depth in the end, integrated over each cell
-    first: Array  # the pressure before any wear, the mean over each cell
-    swept: Array  # e, integrated over each cell
-
-
 def cells_of(
     compliance: Compliance,
     unworn: Punch,
@@ -51,8 +41,8 @@ def cells_of(
     from_c: Array,
     from_1: Array,
     effort: Effort,
-) -> Cells:
-    """The ring in cells.
+) -> RingCells:
+    """The ring in cells; depths in c^2/R, areas in T, pressures in Pa.
 
     Args:
         compliance: That of both bodies.
@@ -89,13 +79,7 @@ def cells_of(
     )
     sunk = jnp.maximum(depth - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
-    return Cells(
-        compliance=whole,
-        gap=gap,
-        steady=steady,
-        first=_first(whole, steady, from_1),
-        swept=swept,
-    )
+    return RingCells(whole, gap, steady, _first(whole, steady, from_1), swept, from_c)
 
 
 def _first(whole: Array, steady: Array, from_1: Array) -> Array:
@@ -316,7 +300,7 @@ def inward(
     Args:
         compliance: That of both bodies.
         punch: The contact of the stick radius c.
-        swept: As of `Cells`.
+        swept: As of `RingCells`.
         width: (a_0/c)^2 - 1.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on.

@@ -1,7 +1,7 @@
 """The wear over cycles of a ring around a constant stick area: a constant force amplitude under Archard's law."""
 
-import abc
 import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -9,29 +9,34 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import ArrayLike
+from plgwear_jax._core.domains import ArrayLike, RefusedError, on_host
 from plgwear_jax._core.doubts import SOON
-from plgwear_jax._startup.programs import program
-from plgwear_jax.special.elementary import crest
+from plgwear_jax._startup.programs import program, value_of
+from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.root import first_at
-from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
-from plgwear_jax.transient.batch import run_numbers
-from plgwear_jax.transient.curves import RunCurves, end_of
-from plgwear_jax.transient.fields import depth_by, radius_of
+from plgwear_jax.steady.batch import as_numbers
+from plgwear_jax.wear.curves import Moment, cells_around, moment_at
+from plgwear_jax.wear.ring_curves import RunCurves, end_of, share_at, volume_of
 from plgwear_jax.wear.run import Run
 
 
-class Solved(NamedTuple):
+class Pressures(NamedTuple):
+    """Pressures in Pa at radii inside the stick radius; only the first one also counts outside."""
+
+    unworn: Array  # before any wear
+    steady: Array  # in the end
+    caused: Array  # by a unit of pressure in each cell of the ring, along a last axis
+
+
+class RunSolution(NamedTuple):
     """The solution of a run. All leaves but `per_cycle` begin with the axes of the contacts."""
 
     curves: RunCurves
-    k: Array  # exponent of a power law; for other bodies any array of this shape
-    phi: Array  # amplitudes before any wear
-    per_cycle: Array  # reduced cycles, or time, of one cycle; broadcasts against the contacts
-    volume: Array  # unit of the volumes of the curves in m^3
+    phi: Array  # amplitudes before any wear; where they are 0 the curves are those of 1/2
+    per_cycle: Array  # the time of one cycle; broadcasts against the contacts
     contact_radius: Array  # a_0 in m
-    stick_radius: Array  # c before any wear in m
-    more: Any  # further results that only one engine uses
+    stick_radius: Array  # c in m
+    ring: Any  # the ring of the engine: its gap, its final depth, and the pressures that it causes inside c
 
     @property
     def flat(self) -> RunCurves:
@@ -41,121 +46,228 @@ class Solved(NamedTuple):
             return jax.tree.map(lambda x: jnp.zeros((1, *x.shape[axes:]), x.dtype), self.curves)
         return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
 
+    @property
+    def number(self) -> np.ndarray:
+        """The place of each contact along that axis."""
+        return np.arange(self.phi.size).reshape(self.phi.shape)
 
-def where_known(phi: Array, found: Array, at: Array, r: Any = 1.0) -> Array:
+    @property
+    def outer_radius(self) -> Array:
+        """The outer radius of the ring in m."""
+        return self.stick_radius * jnp.sqrt(1.0 + self.flat.scales.width[self.number])
+
+
+def _known(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
-    return found + phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
+    return found + run.phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
 
 
-@program()
-def _volume(run: Solved, cycles: Array) -> Array:
-    return where_known(run.phi, run.volume * volume_of(run.flat, run.k, run.phi, run.per_cycle * cycles), cycles)
+# --- one number of the run --------------------------------------------------------------------------------------------
 
 
-@program()
-def _rate(run: Solved, cycles: Array) -> Array:
-    rate = run.volume * run.per_cycle * rate_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
-    return where_known(run.phi, rate, cycles)
+def _volume(run: RunSolution, cycles: Array) -> Array:
+    return volume_of(run.flat, run.phi, run.per_cycle * cycles)
 
 
-@program()
-def _contact_radius(run: Solved, cycles: Array) -> Array:
-    radius = run.contact_radius * radius_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
-    return where_known(run.phi, radius, cycles)
+def _rate(run: RunSolution, cycles: Array) -> Array:
+    cycles = jnp.broadcast_to(cycles, jnp.broadcast_shapes(run.phi.shape, run.per_cycle.shape, cycles.shape))
+    return clamp_keep_slope(0.0, jax.jvp(lambda cycles: _volume(run, cycles), (cycles,), (jnp.ones_like(cycles),))[1])
 
 
-@program()
-def _stick_radius(run: Solved, cycles: Array) -> Array:
-    return where_known(run.phi, run.stick_radius, cycles)
+def _contact_radius(run: RunSolution, cycles: Array) -> Array:
+    curves = run.flat
+    moment = moment_at(curves.edge.time, run.number, run.per_cycle * cycles / curves.scales.unit[run.number])
+    y = moment.on(curves.edge)
+    y = y + (curves.scales.width[run.number] - y) * -jnp.expm1(-curves.decay[run.number, 0] * moment.late)
+    grown = clamp_keep_slope(1.0, jnp.sqrt(curves.scales.inner[run.number] * (1.0 + y)))
+    return run.contact_radius * jnp.where(run.phi > 0.0, grown, 1.0)
+
+
+_AMOUNTS: dict[str, Callable[[RunSolution, Array], Array]] = {
+    "volume": _volume,
+    "rate": _rate,
+    "contact_radius": _contact_radius,
+    "stick_radius": lambda run, cycles: run.stick_radius,
+}
 
 
 @program(static=1)
-def _cycles_to(name: str, run: Solved, goal: Array) -> Array:
-    if name == "share":
-        return where_known(
-            run.phi * run.contact_radius, cycles_of(run.flat, run.k, run.phi, goal) / run.per_cycle, goal
-        )
-    share = goal / (run.volume * run.flat.scales.volume.reshape(run.phi.shape))
-    never = share >= 1.0
-    found = cycles_of(run.flat, run.k, run.phi, jnp.where(never, 0.5, share))
-    return _if_it_wears(run, jnp.where(never, jnp.inf, found), goal)
+def _amount(name: str, run: RunSolution, cycles: Array) -> Array:
+    return _known(run, _AMOUNTS[name](run, cycles), cycles)
 
 
-def deepest_after(run: Solved, cycles: Array, *ring: Array) -> Array:
-    """The depth in m of the deepest of some places, as of `cycles_to_depth`, after numbers of cycles."""
-    deepest = _deepest((run.flat, ring), run_numbers(run.phi, run.phi), run.per_cycle * cycles)
-    return where_known(run.phi, jnp.where(run.phi > 0.0, deepest, 0.0), cycles)
+# --- depth ------------------------------------------------------------------------------------------------------------
 
 
-def cycles_to_depth(run: Solved, goal: Array, *ring: Array) -> Array:
-    """The cycles after which the deepest of some places is so deep.
+def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Array) -> Array:
+    """The worn depth h = g E/(1 + g E/H) at y in the ring. E grows without bound, so that h tends to exactly H."""
+    curves, number = run.flat, run.number
+    cell = cells_around(curves.edges, number, y)
+    moment = moment_at(curves.worn.time, number, run.per_cycle * cycles / curves.scales.unit[number])
 
-    Args:
-        run: The solution.
-        goal: Depths in m.
-        *ring: y, the gap g_0 in m, and the final depth in m at the places, along a first axis.
-    """
-    numbers = run_numbers(run.phi, run.phi)
+    def level(cell: Array) -> Array:
+        grown = jnp.expm1(moment.on(curves.worn, cell))
+        rest = jnp.maximum(1.0 - grown / curves.ratio[number, cell], 1e-6)
+        return jnp.log1p(grown / rest)
 
-    def deepest(given: Any, n: Array) -> Array:
-        return _deepest(given, numbers, n)
-
-    found = first_at(deepest, (run.flat, ring), goal, end_of(run.flat, numbers))
-    return _if_it_wears(run, found, goal)
-
-
-def _deepest(given: Any, numbers: np.ndarray, n: Array) -> Array:
-    curves, (y, gap, steady) = given
-    return crest(depth_by(curves, numbers, y, n, gap, steady))
-
-
-BY_DEPTH = {"cycles_to": cycles_to_depth, "deepest": deepest_after}
-
-
-def places_in_ring(run: Solved, goal: Array) -> Array:
-    """y at places over the ring, along a first axis before those of the contacts and the goals."""
-    axes = (1,) * max(goal.ndim, run.phi.ndim)
-    places = np.linspace(0.0, 1.0, _PLACES)[1:-1] ** 2  # the deepest is near c after a few cycles
-    return jnp.asarray(places.reshape(-1, *axes), goal.dtype) * run.flat.scales.width.reshape(run.phi.shape)
-
-
-def _if_it_wears(run: Solved, n: Array, goal: Array) -> Array:
-    """n in cycles; where nothing wears, no goal above 0 is reached."""
-    n = jnp.where(run.phi == 0.0, jnp.where(goal > 0.0, jnp.inf, 0.0), n)
-    return where_known(run.phi * run.contact_radius, n / run.per_cycle, goal)
+    grown = jnp.expm1(cell.across(level))
+    grown = grown * jnp.exp(jnp.minimum(curves.decay[number, 0] * moment.late, 60.0))  # no more, or it would overflow
+    return jnp.where(run.phi > 0.0, steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny), 0.0)
 
 
 @program()
-def _lasting(run: Solved) -> Array:
+def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
+    """(1 where radii lie in the ring and else 0, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
+    c, edge = run.stick_radius, run.outer_radius
+    inside = (r >= c) & (r < edge)
+    near = jnp.where(inside, r, 0.5 * (c + edge))
+    return 1.0 * inside, ((near - c) / c) * ((near + c) / c), near
+
+
+@program()
+def _depth(run: RunSolution, ring: tuple[Array, ...], r: Array, cycles: Array) -> Array:
+    inside, y, gap, steady = ring
+    return _known(run, jnp.where(inside > 0.0, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
+
+
+_PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is near c after a few cycles
+
+
+@program()
+def _places(run: RunSolution, at: Array) -> tuple[Array, Array]:
+    """(y, radii) at places over the ring, along a first axis before those of the contacts and of other numbers."""
+    places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
+    y = jnp.asarray(places, at.dtype) * run.flat.scales.width[run.number]
+    return y, run.stick_radius * jnp.sqrt(1.0 + y)
+
+
+def _deepest(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
+    run, ring = given
+    return crest(_depth_at(run, *ring, cycles))
+
+
+@program()
+def _deepest_wear(run: RunSolution, cycles: Array, ring: tuple[Array, ...]) -> Array:
+    return _known(run, _deepest((run, ring), cycles), cycles)
+
+
+def _of_ring(read: Callable[..., Array]) -> Callable[[RunSolution, Array], Array]:
+    """What a program reads of y, gap and final depth at places over the ring."""
+
+    def of_run(run: RunSolution, at: Array) -> Array:
+        y, r = _places(run, at)
+        return read(run, at, (y, *run.ring.gap_and_depth(y, r)))
+
+    return of_run
+
+
+# --- how long ---------------------------------------------------------------------------------------------------------
+
+
+@program(static=1)
+def _cycles_to(name: str, run: RunSolution, goal: Array, ring: tuple[Array, ...] = ()) -> Array:
+    curves, number, wears = run.flat, run.number, run.phi > 0.0
+    end = end_of(curves, number) / run.per_cycle
+    if name == "depth":
+        found = first_at(_deepest, (run, ring), goal, end)
+    else:
+
+        def worn(given: Any, cycles: Array) -> Array:
+            return share_at(given[0], number, given[1] * cycles)
+
+        share = goal if name == "share" else goal / curves.scales.volume[number]
+        never = share >= 1.0
+        found = first_at(worn, (curves.shares, run.per_cycle), jnp.where(never, 0.5, share), end)
+        found = jnp.where(never, jnp.inf, found)
+    # Where nothing wears, no goal above 0 is reached.
+    found = jnp.where(wears, found, jnp.nan if name == "share" else jnp.where(goal > 0.0, jnp.inf, 0.0))
+    return _known(run, found, goal * run.contact_radius)
+
+
+@program()
+def _lasting(run: RunSolution) -> Array:
     return _LONG * run.curves.scales.unit / run.per_cycle
 
 
 _LONG = 1e6  # units of time after which nothing wears any more
-_PLACES = 242  # over the ring, among which the deepest wear is looked for
+
+
+# --- pressure ---------------------------------------------------------------------------------------------------------
+
+
+@program()
+def _pressure(
+    run: RunSolution, ring: tuple[Array, ...], r: Array, inside: Pressures, near: tuple[Array, Pressures], cycles: Array
+) -> Array:
+    curves, number, c = run.flat, run.number, run.stick_radius
+    unit = curves.scales.unit[number]
+    moment = moment_at(curves.worn.time, number, run.per_cycle * cycles / unit)
+    faded = jnp.exp(-curves.decay[number, 0] * moment.late) / unit
+
+    def grown(moment: Moment, cell: Any) -> Array:
+        """Pressure of a cell, without its share of the pressure before any wear; times `faded`."""
+        rates = curves.worn.rate.at[:, 0].set(0.0)
+        return moment.between(rates, cell)
+
+    remains = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)  # of the pressure before any wear
+    slips, y = ring[:2]
+    cell = cells_around(curves.edges, number, y, 1.0 / 3.0)  # edges grow as the cube of their index
+    # A sum, since subtracting the first pressures would leave rounding errors where the pressure is zero.
+    around = faded * cell.across(functools.partial(grown, moment)) + remains * inside.unworn
+    # In the stick area the pressures of the ring cause a pressure that vanishes with them.
+    begin = curves.worn.rate[number, 0] / unit[..., None]
+    each = Moment(*(x[..., None] for x in moment))
+    now = faded[..., None] * grown(each, np.arange(begin.shape[-1])) + remains[..., None] * begin
+    # Next to c only the steady pressure is singular; its share 1 - `share` of the pressure grows from 0 to 1.
+    nearest, beside = near
+    share = jnp.clip(jnp.sum(beside.caused * now, -1) / jnp.sum(beside.caused * begin, -1), 0.0, 1.0)
+    rest = jnp.sum(inside.caused * (now - share[..., None] * begin), -1)
+    blend = share * inside.unworn + (1.0 - share) * jnp.where(r < c, inside.steady, 0.0) + rest
+    # Nearer to c than what is known the pressure tends to that of the first cell of the ring, as long as this touches.
+    under = jnp.where(r < c, r, 0.5 * c)
+    within = jnp.minimum((c - under) * (c + under) / ((c - nearest) * (c + nearest)), 1.0)
+    edge = now[..., 0]
+    touching = (edge / begin[..., 0]) ** 2
+    touching = touching / (touching + 0.05**2)
+    inner = edge + (share * beside.unworn + (1.0 - share) * beside.steady - edge) * within
+    least = jnp.finfo(r.dtype).tiny
+    mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
+    under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
+    worn = jnp.where(r < c, under, jnp.where(slips > 0.0, around, 0.0))
+    return _known(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
+
+
+# --- the run ----------------------------------------------------------------------------------------------------------
 
 
 class RingRun(Run):
     """A run of a constant force amplitude under Archard's law: the stick radius stays, and a ring around it wears."""
 
     law: Any  # Archard's
+    amount = staticmethod(_amount)
+
+    def _given(self) -> Any:
+        return as_numbers((self.contact, self.load, self.law.wear_coefficient))
+
+    def _solve(self) -> RunSolution:
+        found = super()._solve()
+        volume, phi = value_of(found.curves.volume.value), value_of(found.phi)
+        if on_host(volume) and on_host(phi) and np.isnan(volume).any():
+            if np.max(phi) > 0.99:
+                told = "is so close to gross slip that the wear over cycles cannot be followed"
+                raise RefusedError(f"F_x/(mu F_N) = {np.max(phi)!s} {told}; its steady state can be computed")
+            if np.isnan(volume).any(-1).all():
+                told = (
+                    "the worn ring cannot be followed over cycles, as next to a kink; its steady state can be computed"
+                )
+                raise RefusedError(f"shape: {told}")
+        return found
 
     def _doubt(self) -> str | None:
         run = self._solution
         unit = np.min(run.curves.scales.unit, initial=np.inf) / np.max(run.per_cycle, initial=0.0)
         # The cycles to 99 % are several units, and only few questions are to pay for them.
         return self._doubt_of_soon() if unit < SOON else None
-
-    def volume(self, cycles: ArrayLike) -> Array:
-        return self._after(_volume, cycles)
-
-    def rate(self, cycles: ArrayLike) -> Array:
-        return self._after(_rate, cycles)
-
-    def contact_radius(self, cycles: ArrayLike) -> Array:
-        return self._after(_contact_radius, cycles)
-
-    def stick_radius(self, cycles: ArrayLike) -> Array:
-        return self._after(_stick_radius, cycles)
 
     def force_amplitude(self, cycles: ArrayLike) -> Array:
         limit = jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
@@ -166,17 +278,24 @@ class RingRun(Run):
         return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.law.wear_coefficient)
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        if name == "depth":
-            return self._by_depth("cycles_to", goal)
-        return self._read(functools.partial(_cycles_to, name), goal)
-
-    def deepest_wear(self, cycles: ArrayLike) -> Array:
-        return self._by_depth("deepest", self._cycles(cycles))
-
-    @abc.abstractmethod
-    def _by_depth(self, function: str, goal: Array) -> Array:
-        """A function of `BY_DEPTH` of a depth in m, or after a number of cycles."""
+        read = functools.partial(_cycles_to, name)
+        return self._read(_of_ring(read) if name == "depth" else read, goal)
 
     @property
     def lasting_cycles(self) -> Array:
         return _lasting(self._solution)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._after(_of_ring(_deepest_wear), cycles)
+
+    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        run, r = self._solution, self._radii(r)
+        inside, y, near = _in_ring(run, r)
+        return _depth(run, (inside, y, *run.ring.gap_and_depth(y, near)), r, self._cycles(cycles))
+
+    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        run, r = self._solution, self._radii(r)
+        if not run.phi.size:
+            return self.depth(r, cycles)  # as empty
+        inside, near = run.ring.pressures(run, r)
+        return _pressure(run, _in_ring(run, r), r, inside, near, self._cycles(cycles))

@@ -1,6 +1,7 @@
 """The wear of a contact over cycles, which is solved once and then read at any number of cycles."""
 
 import abc
+import functools
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
@@ -61,6 +62,7 @@ class Run(Solution, abc.ABC):
     numbers: ClassVar = ("contact", "load", "law")
 
     law: WearLaw
+    amount: ClassVar[Callable[..., Array]]  # a program that reads one number of this name from the solution
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         super().__init__(contact=contact, load=load, law=law, digits=digits)
@@ -131,29 +133,36 @@ class Run(Solution, abc.ABC):
         self._check(r=r)
         return jnp.asarray(guarded("r", r, RADIUS), self._dtype)
 
-    @abc.abstractmethod
+    def _at(self, name: str, cycles: ArrayLike) -> Array:
+        return self._after(functools.partial(self.amount, name), cycles)
+
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""
+        return self._at("volume", cycles)
 
-    @abc.abstractmethod
     def rate(self, cycles: ArrayLike) -> Array:
         """Volume in m^3 that the next cycle wears."""
+        return self._at("rate", cycles)
 
-    @abc.abstractmethod
     def contact_radius(self, cycles: ArrayLike) -> Array:
         """Radius of the contact in m."""
+        return self._at("contact_radius", cycles)
 
-    @abc.abstractmethod
     def stick_radius(self, cycles: ArrayLike) -> Array:
         """Radius in m inside which the contact sticks; 0 in gross slip."""
+        return self._at("stick_radius", cycles)
 
-    @abc.abstractmethod
     def force_amplitude(self, cycles: ArrayLike) -> Array:
         """Amplitude of the tangential force in N."""
+        return self._at("force_amplitude", cycles)
 
-    @abc.abstractmethod
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         """Energy in J that friction dissipates in the next cycle."""
+        return self._at("energy_per_cycle", cycles)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        """Largest depth in m worn off the indenter at any radius."""
+        return self._at("deepest_wear", cycles)
 
     def cycles_to(
         self, share: ArrayLike | None = None, *, depth: ArrayLike | None = None, volume: ArrayLike | None = None
@@ -186,10 +195,6 @@ class Run(Solution, abc.ABC):
     @abc.abstractmethod
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run, after which nothing wears any more or after which it is not followed."""
-
-    @abc.abstractmethod
-    def deepest_wear(self, cycles: ArrayLike) -> Array:
-        """Largest depth in m worn off the indenter at any radius."""
 
     @abc.abstractmethod
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:

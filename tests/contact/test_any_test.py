@@ -106,6 +106,12 @@ def test_nothing_wears_without_amplitude_or_cycles():
     assert none.volume(0.0) == 0.0
 
 
+def test_a_ring_narrower_than_the_cells_is_refused():
+    """It would seem to stick, and nothing would wear."""
+    with pytest.raises(ValueError, match="the ring that slips is narrower than a cell"):
+        ONE.over_cycles(1e-6, PressurePower(COEFFICIENT, 1.0)).volume(CYCLES)
+
+
 class WithThreshold(WearLaw):
     coefficient: float
     threshold: float

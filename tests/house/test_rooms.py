@@ -20,7 +20,7 @@ FLOORS = [
     {"_punch", "_cells"},
     {"material", "gross_slip", "fretting", "catalogue"},
     {"partial_slip", "rules", "shapes"},
-    {"transient", "surfaces"},
+    {"surfaces"},
     {"loads", "wear_laws"},
     {"steady"},
     {"wear"},

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from transient_oracle import rate_by_energy
 
-from plgwear_jax.transient import curves
-from plgwear_jax.transient.grid import EFFORTS
+from plgwear_jax.wear.closed_ring import rings_of
+from plgwear_jax.wear.ring_cells import RESOLUTIONS, weights
+from plgwear_jax.wear.ring_march import marches_of
 
 
 class Rates(NamedTuple):
@@ -22,15 +23,15 @@ class Rates(NamedTuple):
 
 def rates_of_marches(k: float, phi: float, digits: int, places: int = 6) -> Rates:
     """The rates of one run at some of the steps that all its marches share, from the first to the last."""
-    effort = EFFORTS[digits]
-    ring, scales = curves._ring_and_units(effort, jnp.asarray(k), jnp.asarray(phi))
-    march = jax.tree.map(np.asarray, curves._marches(effort, ring))
+    resolution = RESOLUTIONS[digits]
+    ring, scales = rings_of(resolution, jnp.asarray(k), jnp.asarray(phi))
+    march = jax.tree.map(np.asarray, jax.jit(marches_of, static_argnums=1)(ring, resolution))
     ring, unit, inner = jax.tree.map(np.asarray, ring), float(scales.unit), float(scales.inner)
-    at = np.unique(np.linspace(1, effort.outer, places).astype(int))
+    at = np.unique(np.linspace(1, resolution.outer, places).astype(int))
     found, first = [], 0
-    for i, multiple in enumerate(effort.multiples):
+    for i, multiple in enumerate(resolution.refinements):
         rows = first + at * multiple - 1
-        first += effort.outer * multiple
+        first += resolution.outer * multiple
         cells = int(np.sum(np.diff(ring.edges[i]) > 0.0))
         edges, gap = inner * (1.0 + ring.edges[i, : cells + 1]), 0.5 * inner * inner * ring.gap[i, :cells]
         pressures = march.pressure[rows, :cells] / unit
@@ -38,5 +39,5 @@ def rates_of_marches(k: float, phi: float, digits: int, places: int = 6) -> Rate
         by_energy = [rate_by_energy(k, phi, edges, pressure) for pressure in pressures]
         found.append([by_pressure, np.array(by_energy), unit * march.time[rows]])
     by_pressure, by_energy, n = np.moveaxis(np.array(found), 0, 1)
-    weights = curves.weights(effort, 2)
-    return Rates(by_pressure, by_energy, weights @ n, weights @ by_energy)
+    limit = weights(resolution, 2)
+    return Rates(by_pressure, by_energy, limit @ n, limit @ by_energy)

@@ -16,9 +16,8 @@ from plgwear_jax import DepthGraded, FrettingContact, Layered, PowerLawGraded, T
 from plgwear_jax.loads import Displacement
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
-from plgwear_jax.transient import grid
-from plgwear_jax.wear import numeric
-from plgwear_jax.wear.rings import cells_at, widths
+from plgwear_jax.wear.numeric_ring import cells_at, widths
+from plgwear_jax.wear.ring_cells import RESOLUTIONS, edges_of
 
 
 def as_rings(compliance, coating, rings, most):
@@ -74,16 +73,16 @@ def test_layers_wear_as_rings_at_a_held_displacement():
 def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     """The cells of A p_0 = H: in too coarse cells inside c the ones next to c would have pressures of any size."""
     one = contact_of(PowerLawGraded(110e9, 1e-4, -0.8, 0.3), STEEL)
-    steps, effort = grid.EFFORTS[5], effort_of(None)
+    steps, effort = RESOLUTIONS[5], effort_of(None)
     state = states_of(one, phi * FRICTION * FORCE, effort)
 
     @jax.jit
     def ring(state):
-        from_c, from_1 = grid.edges_of(*widths(state), steps)
+        from_c, from_1 = edges_of(*widths(state), steps)
         return cells_at(effort, state, (from_c[0], from_1[0]))
 
-    cells, count = ring(state), steps.inner * steps.multiples[0]
-    edges = np.asarray(grid.edges_of(*widths(state), steps)[0])[0, : count // 2 + 1]
+    cells, count = ring(state), steps.inner * steps.refinements[0]
+    edges = np.asarray(edges_of(*widths(state), steps)[0])[0, : count // 2 + 1]
     middle = float(state.c) * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
     pressure = one.steady(0.0).initial_pressure(middle)
     np.testing.assert_allclose(np.asarray(cells.first)[: count // 2] / pressure, 1.0, rtol=0.04)
@@ -155,11 +154,3 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     blocks = one.over_cycles([loads.Block(1.0, 1e5), loads.Block(2.0, 1e5)], COEFFICIENT)
     volume = blocks.volume(np.array([1e5, 2e5]))
     assert json.loads(result.stdout)["volume"] == pytest.approx(volume.tolist(), rel=1e-6)
-
-
-def test_between_places_of_the_past_it_is_linear(seed):
-    random = np.random.default_rng(seed)
-    places = -np.sort(-random.uniform(size=(3, 6)), -1)
-    values, at = random.normal(size=(3, 6)), random.uniform(size=3)
-    expected = [np.interp(x, one[::-1], other[::-1]) for x, one, other in zip(at, places, values, strict=True)]
-    np.testing.assert_allclose(numeric._between_places(places, values, at), expected, rtol=0.0, atol=1e-12)

@@ -11,10 +11,10 @@ from reduced import Reduced, first_rate, unit_of
 from transient_energy import rates_of_marches
 
 from plgwear_jax import fretting
-from plgwear_jax.transient.amount import volume_of
-from plgwear_jax.transient.curves import compiled_curves, curves_of
-from plgwear_jax.transient.grid import EFFORTS, MarchEffort, rings_of
-from plgwear_jax.transient.march import marches_of
+from plgwear_jax.wear.closed_ring import curves_of, rings_of
+from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution
+from plgwear_jax.wear.ring_curves import volume_of
+from plgwear_jax.wear.ring_march import marches_of
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
 
@@ -22,7 +22,7 @@ compiled, long = pytest.mark.compiled, pytest.mark.long
 K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
 PHI = np.array([0.01, 0.8, 0.5, 0.3, 0.97])[:, None]
 CLOSE = np.array([0.9997, 0.9999, 1.0 - 1e-8, 0.99999, 1.0 - 1e-6])[:, None]  # to gross slip
-ERROR = {digits: 10.0**-digits for digits in EFFORTS}  # promised, of the final volume
+ERROR = {digits: 10.0**-digits for digits in RESOLUTIONS}  # promised, of the final volume
 
 
 @functools.cache
@@ -31,6 +31,12 @@ def of(amplitudes, digits=None):
     phi = {"some": PHI, "close": CLOSE}[amplitudes]
     final, rate = np.asarray(fretting.wear_volume(K, phi)), np.asarray(first_rate(K, phi))
     return Reduced(K, phi, digits), final, rate, final / rate
+
+
+def volumes(resolution, k, phi, n):
+    """The volumes after n, a last axis, by marches that the library need not offer."""
+    curves = curves_of(resolution, jnp.asarray(k.ravel()), jnp.asarray(phi.ravel()))
+    return np.asarray(volume_of(curves, jnp.asarray(phi.reshape(-1, 1)), jnp.asarray(n)))
 
 
 @pytest.mark.parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
@@ -92,14 +98,14 @@ def test_digits_are_kept_over_the_whole_domain():
     final = np.asarray(fretting.wear_volume(k, phi))
     at = np.asarray(unit_of(k, phi)) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
-    finer = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
-    finest = volume_of(compiled_curves(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
+    finer = MarchResolution(12, 32, 7.0, (3, 4, 5, 6))
+    finest = volumes(finer, k, phi, at)
     most = np.where(phi > 0.99, 2.5, 1.0) * final
-    worst = {}
-    for digits in EFFORTS:
-        curves = curves_of(*map(jnp.asarray, (k, phi)), digits)
-        worst[digits] = np.max(abs(volume_of(curves, *map(jnp.asarray, (k, phi, at))) - finest) / most)
-    assert all(worst[digits] < ERROR[digits] for digits in EFFORTS), worst
+    worst = {
+        digits: np.max(abs(volumes(resolution, k, phi, at) - finest) / most)
+        for digits, resolution in RESOLUTIONS.items()
+    }
+    assert all(worst[digits] < ERROR[digits] for digits in RESOLUTIONS), worst
 
 
 def test_nothing_is_below_what_it_begins_with():
@@ -135,8 +141,7 @@ def test_errors_fall_with_the_size_of_a_cell():
     at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
 
     def share(multiples):
-        curves = compiled_curves(MarchEffort(8, 12, 4.5, multiples), *map(jnp.asarray, (k, phi)))
-        return np.asarray(volume_of(curves, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
+        return volumes(MarchResolution(8, 12, 4.5, multiples), k, phi, at)
 
     exact = share((2, 3, 4, 6))
     one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
@@ -157,17 +162,17 @@ def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
 
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
-    curves = curves_of(jnp.asarray(0.0), jnp.asarray(0.8), None)
-    last = float(curves.volume.time[0, -1] * curves.scales.unit[0]) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
+    curves = curves_of(RESOLUTIONS[4], jnp.asarray(0.0), jnp.asarray(0.8))
+    last = float(curves.volume.time[-1] * curves.scales.unit) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = np.asarray(Reduced(0.0, 0.8).rate(last))
     np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
 
 
 def test_every_step_fulfils_its_equations():
     """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
-    effort = MarchEffort(8, 12, 4.5, (2,))
-    ring, _ = rings_of(jnp.asarray(0.3), jnp.asarray(0.6), effort)
-    march = jax.jit(marches_of, static_argnums=1)(ring, effort)
+    resolution = MarchResolution(8, 12, 4.5, (2,))
+    ring, _ = rings_of(resolution, jnp.asarray(0.3), jnp.asarray(0.6))
+    march = jax.jit(marches_of, static_argnums=1)(ring, resolution)
     A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))
     for worn, pressure in zip(np.asarray(march.worn), np.asarray(march.pressure), strict=True):
         rate = np.sum(pressure * gap * np.exp(worn))

@@ -12,8 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._cells import RingCells
 from plgwear_jax.special.cholesky import backward, cholesky, forward
-from plgwear_jax.transient.grid import MarchEffort, RingCells
+from plgwear_jax.wear.ring_cells import MarchResolution
 
 
 class _Step(NamedTuple):
@@ -42,7 +43,7 @@ _SIZES = 4  # number of matrix sizes that are compiled: the time to factor a mat
 
 
 def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float]) -> Array:
-    """Newton's change of (1/l; w) by the residuals; that of the pace 1/l is limited to multiples of the pace."""
+    """Newton's change of (1/l; w) by the residuals; that of the pace 1/l is limited to refinements of the pace."""
     pace, cells = found[0], step.gap.size
     touches = np.arange(cells) < step.touching
     # Huge numbers on the diagonal keep all other cells unchanged.
@@ -136,14 +137,14 @@ class March(NamedTuple):
     volume: Array  # worn volume over the final volume
 
 
-def marches_of(ring: RingCells, effort: MarchEffort) -> March:
+def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
     """All marches, one after the other."""
     # For each step: the index of its march, how many cells touch, and its number in the march.
     rows = np.array(
         [
-            (i, effort.inner * multiple + j, j)
-            for i, multiple in enumerate(effort.multiples)
-            for j in range(1, effort.outer * multiple + 1)
+            (i, resolution.inner * multiple + j, j)
+            for i, multiple in enumerate(resolution.refinements)
+            for j in range(1, resolution.outer * multiple + 1)
         ],
         np.int32,
     )

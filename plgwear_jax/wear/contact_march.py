@@ -59,11 +59,11 @@ class Moments(NamedTuple):
     slip: Array  # slip amplitude in m, the mean over each cell
     volume: Array  # worn since the beginning in m^3
     rate: Array  # volume in m^3 that the next cycle wears
-    energy: Array  # energy in J that the next cycle dissipates
+    energy_per_cycle: Array  # energy in J that the next cycle dissipates
     contact_radius: Array  # in m
     stick_radius: Array
-    tangential_force: Array  # its amplitude in N
-    displacement: Array  # amplitude of the contact in m, without a rig
+    force_amplitude: Array  # of the tangential force in N
+    displacement_amplitude: Array  # of the contact in m, without a rig
     least: Array  # pressure of either contact over the mean pressure, well inside the stick edge, a mean over cells
     opens: Array  # where it is, in m
 
@@ -210,11 +210,11 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
             slip=sliding,
             volume=disc.area * jnp.sum(now),
             rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
-            energy=disc.area * step.friction * (size @ (found * 4.0 * sliding)),
+            energy_per_cycle=disc.area * step.friction * (size @ (found * 4.0 * sliding)),
             contact_radius=radius,
             stick_radius=stick,
-            tangential_force=step.friction * (step.normal_force - load),
-            displacement=step.tangential * (depth - second.depth),
+            force_amplitude=step.friction * (step.normal_force - load),
+            displacement_amplitude=step.tangential * (depth - second.depth),
             least=pressures[lowest] * jnp.pi * radius**2 / step.normal_force,
             opens=disc.radii[_BESIDE * lowest + _BESIDE // 2],
         )

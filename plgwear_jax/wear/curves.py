@@ -1,0 +1,78 @@
+"""Quantities over time: where a time lies among those of a run, and what a curve has there."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+
+class Curve(NamedTuple):
+    """A quantity that never falls and its rate at increasing times; runs are along a first axis when they are read."""
+
+    time: Array  # (steps + 1,)
+    value: Array  # (steps + 1, ...)
+    rate: Array
+
+
+def limited(curve: Curve) -> Curve:
+    """The curve with rates limited so that no cubic between two times falls."""
+    time, value, rate = curve
+    length = jnp.where(jnp.diff(time) > 0.0, jnp.diff(time), jnp.inf)
+    chord = jnp.maximum(jnp.diff(value, axis=0), 0.0) / length.reshape(-1, *(1,) * (value.ndim - 1))
+    before, after = jnp.concatenate([chord[:1], chord]), jnp.concatenate([chord, chord[-1:]])
+    return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
+
+
+class Moment(NamedTuple):
+    """Some times, each located between two times of a run or beyond its last one."""
+
+    run: Any  # index of the run
+    first: Array  # index of the time before
+    part: Array  # share of the interval that has passed, 0 to 1
+    length: Array  # length of the interval
+    late: Array  # time since the last time of the run
+
+    def between(self, values: Array, *at: Any) -> Array:
+        """Linear interpolation of values at all times, and if given of one entry."""
+        begin, end = values[self.run, self.first, *at], values[self.run, self.first + 1, *at]
+        return begin + self.part * (end - begin)
+
+    def across(self, at: Callable[[Array], Array]) -> Array:
+        """Linear interpolation of what a function gives for both ends."""
+        return (1.0 - self.part) * at(self.first) + self.part * at(self.first + 1)
+
+    def on(self, curve: Curve, *at: Any) -> Array:
+        """The curve, and if given one of its entries: the cubic through two values and rates."""
+        i, j, x = (self.run, self.first, *at), (self.run, self.first + 1, *at), self.part
+        begin = curve.value[i]
+        rise = curve.value[j] - begin
+        u, v = self.length * curve.rate[i], self.length * curve.rate[j]
+        return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
+
+
+ROUNDINGS = 32.0  # by which sums of the cycles of blocks differ
+
+
+def moment_at(times: Array, run: Any, time: Array) -> Moment:
+    """Locate a time among the times of a run. At one of them it is the end of the interval before."""
+    last = times.shape[1] - 1
+    # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
+    early = jax.lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
+    fixed, first = jax.lax.stop_gradient(times), jnp.zeros(jnp.broadcast_shapes(run.shape, time.shape), int)
+    for bit in reversed(range(last.bit_length())):
+        there = jnp.minimum(first + (1 << bit), last - 1)
+        first = jnp.where(fixed[run, there] < early, there, first)
+    begin, end = times[run, first], times[run, first + 1]
+    # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
+    inside = jnp.where(time > times[run, -1], times[run, -1], time)
+    length = jnp.where(end > begin, end - begin, 1.0)
+    return Moment(run, first, (inside - begin) / length, length, time - inside)
+
+
+def cells_around(edges: Array, run: Any, place: Array, power: float = 1.0) -> Moment:
+    """The cells between whose middles a place is; edges are along a last axis. Beyond all middles it is the nearest."""
+    middle = 0.5 * (edges[:, 1:] + edges[:, :-1])
+    found = moment_at(middle**power, run, place**power)
+    return found._replace(part=jnp.clip(found.part, 0.0, 1.0))

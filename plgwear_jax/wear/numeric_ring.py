@@ -1,0 +1,184 @@
+"""The worn ring of contacts without closed forms, in cells that `surfaces` computes."""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+
+from plgwear_jax._cells import RingCells
+from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.record import record, static
+from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
+from plgwear_jax.special.sequential import sequential_forward_mode
+from plgwear_jax.steady.arguments import amplitude_of
+from plgwear_jax.steady.batch import each
+from plgwear_jax.steady.numeric import over_radii_of
+from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
+from plgwear_jax.surfaces.cycles import cells_of, inward
+from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.wear.curves import moment_at
+from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of, weights
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each
+from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
+
+DIGITS = 4  # correct digits at most: docs/explanation/numerics.md
+
+
+def widths(state: State) -> tuple[Array, Array]:
+    """(Width of the unworn ring, width of the final ring less that of the unworn ring): differences of r^2 over c^2."""
+    unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
+    return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
+
+
+def cells_at(effort: Effort, state: State, edges: tuple[Array, Array]) -> RingCells:
+    """The ring in cells with these edges, T - 1 and T - (a_0/c)^2 with T = (r/c)^2; time is 4 K mu theta N, in 1/Pa."""
+    bodies = state.compliance, state.unworn, state.punch, state.beside
+    return cells_of(*bodies, state.depth, state.outline, *edges, effort)
+
+
+def rings_of(effort: Effort, resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
+    """(The ring in the cells of each march, its units, T - (a_0/c)^2 at the edges of the finest march)."""
+    unworn, grown = widths(state)
+    edges = edges_of(unworn, grown, resolution)
+    # One march after the other, so that the cells are compiled once and not once for each march.
+    cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
+    units = jnp.sum(cells.steady, -1) / jnp.sum(cells.first * cells.gap, -1)
+    unit = jnp.asarray(weights(resolution, 2), state.c.dtype) @ units
+    volume = state.c**2 * state.height(state.punch) * state.volume
+    scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
+    return in_unit(cells, unit), scales, edges[1][int(np.argmax(resolution.refinements))]
+
+
+# --- the runs of all contacts -----------------------------------------------------------------------------------------
+
+_Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the cells
+
+
+@program(static=2, level=1)
+def _rings(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
+    return for_each(functools.partial(rings_of, effort, resolution), states.shape, states)
+
+
+@program(static=2, level=1)
+def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
+    """The runs as differentiable functions of the numbers of the contacts."""
+    one, numbers, tables, _ = solver_of(effort, contact, force)
+
+    def run(*numbers: Array) -> _Runs:
+        state = one(*numbers)
+        ring, scales, from_1 = rings_of(effort, resolution, state)
+        return state, curves_from(resolution, ring, scales), from_1
+
+    return each(sequential_forward_mode(run), numbers, tables)
+
+
+def _by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
+    """The same, by the programs of known numbers."""
+    return _worn(effort, resolution, solved_states(effort, contact, force))
+
+
+def _worn(effort: Effort, resolution: MarchResolution, states: State) -> _Runs:
+    rings, scales, from_1 = _rings(effort, resolution, states)
+    return states, curves_by_parts(resolution, rings, scales), from_1
+
+
+@program()
+def _not_zero(contact: Any, force: Array) -> Array:
+    return jnp.where(force == 0.0, 0.5 * contact.friction * contact.normal_force, force)
+
+
+def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: Any) -> _Runs:
+    if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
+        force = _not_zero(contact, force)
+    given = contact, force
+    if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):
+        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
+        single = jnp.broadcast_shapes(*shapes) == ()
+        return with_slopes(_runs, _by_parts if single else None)(effort, resolution, *given)
+    states = states_of(contact, force, effort)
+    refuse_tension(states, worn=True)
+    return _worn(effort, resolution, states)
+
+
+# --- what is read -----------------------------------------------------------------------------------------------------
+
+
+@program(static=1, level=1)
+def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[Array, Array, Array]:
+    """(Places inside c, pressures there per pressure of each cell, the radius in m nearest to c)."""
+
+    def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
+        return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
+
+    places, pressures = for_each(of_run, states.shape, states, curves.swept, curves.edges, from_1)
+    return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
+
+
+@program()
+def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
+    """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
+    under = jnp.where(r < c, r, 0.5 * c)
+    number = np.arange(c.size).reshape(c.shape)
+    places, pressures = (x.reshape(c.size, *x.shape[c.ndim :]) for x in (places, pressures))
+    at = moment_at(-places, number, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
+    at = at._replace(part=jnp.clip(at.part, 0.0, 1.0)[..., None])
+    return at.between(pressures)
+
+
+@record
+class NumericRing:
+    """A ring whose fields are integrals."""
+
+    states: State
+    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
+    effort: Effort = static()
+
+    def _fields(self, names: tuple[str, ...], r: Array) -> tuple[Array, ...]:
+        return tuple(over_radii_of((name, self.effort), self.states, r) for name in names)
+
+    def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, ...]:
+        """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at radii in the ring."""
+        del y
+        return self._fields(("unworn_gap_at", "worn_depth_at"), r)
+
+    def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
+        """The pressures at radii, and a radius in m next to c with those there."""
+        *places, near = _inward(self.effort, self.states, run.curves, self.from_1)
+        at_r, at_near = (
+            Pressures(
+                *self._fields(("unworn_pressure_at", "worn_pressure_at"), at), _caused(run.stick_radius, *places, at)
+            )
+            for at in (r, near)
+        )
+        return at_r, (near, at_near)
+
+
+@program(static=1)
+def _in_units(effort: Effort, runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
+    states, curves, from_1 = runs
+    phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
+    # 4 K mu theta in 1/Pa, the time of one cycle.
+    per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
+    a_0 = states.results.contact_radius
+    stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)
+    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states, from_1, effort))
+
+
+class NumericRun(RingRun):
+    """A run solved numerically, to 2 to 4 digits, by default 4."""
+
+    def __init__(self, *question: Any, **more: Any) -> None:
+        super().__init__(*question, **more)
+        if self.digits is not None and self.digits > DIGITS:
+            text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
+            raise ValueError(f"digits = {self.digits} {text}, whose narrow rings are not known to more")
+
+    def _solved(self, given: Any) -> RunSolution:
+        contact, load, wear_coefficient = given
+        effort, force = effort_of(self.digits), load.amplitude
+        runs = _runs_of(effort, march_resolution_of(self.digits), contact, force)
+        return _in_units(effort, runs, contact, force, wear_coefficient)

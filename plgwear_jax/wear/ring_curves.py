@@ -1,0 +1,211 @@
+"""A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax._cells import RingCells
+from plgwear_jax._startup.programs import program
+from plgwear_jax.wear.curves import Curve, limited, moment_at
+from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights
+from plgwear_jax.wear.ring_march import March, marches_of
+
+
+class Shares(NamedTuple):
+    """The part of a run that tells which share of the final volume is worn."""
+
+    volume: Curve  # worn volume over the final volume
+    decay: Array  # as of `RunCurves`
+    unit: Array  # the unit of time
+
+
+class RunCurves(NamedTuple):
+    """The result of a run: curves over time, and what reading them needs of the ring."""
+
+    volume: Curve  # worn volume over the final volume
+    edge: Curve  # (T - C)/C at the edge of the contact
+    worn: Curve  # P in the cells
+    decay: Array  # (a, b): beyond the last time the volume left to wear, r, obeys r' = -(a + b r) r
+    ratio: Array  # H/g in the cells
+    swept: Array  # Q/s integrated over the cells
+    edges: Array  # T/C - 1 at the edges of the cells
+    scales: Scales
+
+    @property
+    def shares(self) -> Shares:
+        """The worn volume alone."""
+        return Shares(self.volume, self.decay, self.scales.unit)
+
+
+# --- from the marches -----------------------------------------------------------------------------------------------
+
+
+def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool = False) -> np.ndarray:
+    """The matrix of piecewise polynomial interpolation from values at the nodes to values, or slopes, at the places."""
+    matrix, count = np.zeros((places.size, nodes.size)), degree + 1
+    for row, place in zip(matrix, places, strict=True):
+        first = int(np.clip(np.searchsorted(nodes, place) - count // 2, 0, nodes.size - count))
+        near = slice(first, first + count)
+        row[near] = np.linalg.inv(np.vander(nodes[near] - place, increasing=True))[int(slope)]
+    return matrix
+
+
+def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolution) -> Array:
+    """(h g, p) of the finest march, (2, steps, cells), each times the ratio of extrapolated to computed values.
+
+    All marches divide the same coarse cells. At the steps that all marches share, the worn depths and loads of the
+    coarse cells are extrapolated to small cells.
+    """
+    coarse, first = resolution.cells // max(resolution.refinements), 0
+    each, sums, dtype = [], [], ring.gap.dtype
+    for i, multiple in enumerate(resolution.refinements):
+        rows, cells = slice(first, first + resolution.outer * multiple), slice(coarse * multiple)
+        first = rows.stop
+        gap, size = ring.gap[i, cells], jnp.diff(ring.edges[i, : coarse * multiple + 1])
+        each.append(jnp.stack([gap * jnp.expm1(march.worn[rows, cells]), march.pressure[rows, cells]]))
+        met = each[-1][:, multiple - 1 :: multiple] * jnp.stack([jnp.ones_like(size), size])[:, None]
+        sums.append(jnp.sum(met.reshape(2, resolution.outer, coarse, multiple), -1))
+    finest = resolution.refinements.index(max(resolution.refinements))
+    limit = jnp.tensordot(jnp.asarray(weights(resolution, 2), dtype), jnp.stack(sums), 1)
+    counts = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)  # elsewhere rounding decides
+    ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[finest], 1.0), 0.5, 1.5), 1.0)
+    to_steps, to_cells = (jnp.asarray(x, dtype) for x in _spreads(resolution))
+    return each[finest] * (to_steps @ ratio @ to_cells)
+
+
+@functools.cache
+def _spreads(resolution: MarchResolution) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices of linear interpolation from the steps and cells that all marches share to those of the finest march."""
+    multiple = max(resolution.refinements)
+    steps = np.maximum(np.arange(1, resolution.steps + 1) / multiple, 1.0)
+    count = resolution.cells // multiple
+    cells = np.clip((np.arange(resolution.cells) + 0.5) / multiple - 0.5, 0.0, count - 1.0)
+    return _polynomials(np.arange(1.0, resolution.outer + 1), steps, 1), _polynomials(
+        np.arange(float(count)), cells, 1
+    ).T
+
+
+class _Matrices(NamedTuple):
+    limit: np.ndarray  # from all steps of all marches to those that all marches share
+    spread: np.ndarray  # from these to the steps of the finest march
+    slope: np.ndarray  # at the steps of the finest march, from time 0 on
+
+
+@functools.cache
+def _matrices(resolution: MarchResolution, order: int) -> _Matrices:
+    refinements, common = resolution.refinements, np.arange(1, resolution.outer + 1)
+    limit, first = np.zeros((resolution.outer, resolution.outer * sum(refinements))), 0
+    for multiple, weight in zip(refinements, weights(resolution, order), strict=True):
+        limit[common - 1, first + common * multiple - 1] = weight
+        first += resolution.outer * multiple
+    places = np.maximum(np.arange(1, resolution.steps + 1) / max(refinements), 1.0)
+    steps = np.arange(resolution.steps + 1.0)
+    return _Matrices(limit, _polynomials(common, places, 3), _polynomials(steps, steps, 4, slope=True))
+
+
+def _from(start: Any, x: Array) -> Array:
+    """The values at all steps, with the value at time 0 in front."""
+    return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
+
+
+def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) -> RunCurves:
+    """The curves of a run, from the cells of each march."""
+    return _extrapolated(resolution, ring, scales, marches_of(ring, resolution))
+
+
+def _extrapolated(resolution: MarchResolution, ring: RingCells, scales: Scales, march: March) -> RunCurves:
+    """The curves that remain of the marches, extrapolated to small cells and steps."""
+    depths, pressures = _depths_and_pressures(ring, march, resolution)
+    multiple = max(resolution.refinements)
+    which = resolution.refinements.index(multiple)
+    last = resolution.outer * sum(resolution.refinements[: which + 1])
+    finest = jax.tree.map(lambda x: x[last - resolution.steps : last], march)
+    ring = jax.tree.map(lambda x: x[which], ring)
+    begin = resolution.inner * multiple
+    edge = ring.edges[begin : begin + resolution.steps + 1]
+
+    def limit(order: int, x: Array, finest: Array) -> Array:
+        limit, spread, _ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(resolution, order))
+        # Clipped, since at few digits the first steps would otherwise go backwards.
+        return _from(0.0, finest * jnp.clip(spread @ (limit @ x / finest[multiple - 1 :: multiple]), 0.25, 4.0))
+
+    # The edge of the contact has an error of first order in the cell size, time and volume of second order.
+    time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
+    edge_time = limit(1, march.time, finest.time)
+    slope = jnp.asarray(_matrices(resolution, 2).slope, time.dtype)
+    by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
+    rate = jnp.concatenate([jnp.ones((1,), time.dtype), by_step[1:, 2] / by_step[1:, 0]])
+    growth = jnp.concatenate([jnp.full((1,), jnp.inf, time.dtype), by_step[1:, 3] / by_step[1:, 1]])
+    # The volume left to wear, r, decays as r' = -(a + b r) r; a and b follow from the slopes at two late times.
+    rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
+    fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
+    more = (fall[0] - fall[1]) / (rest[0] - rest[1])
+    return RunCurves(
+        limited(Curve(time, volume, rate)),
+        limited(Curve(edge_time, edge, growth)),
+        limited(
+            Curve(
+                _from(0.0, time[1:]),
+                _from(0.0, jnp.log1p(depths / ring.gap)),
+                _from(ring.first, jnp.maximum(pressures, 0.0)),
+            )
+        ),
+        jnp.stack([fall[0] - more * rest[0], more]),
+        ring.steady / ring.gap,
+        ring.swept,
+        ring.edges,
+        scales,
+    )
+
+
+# --- of several rings -------------------------------------------------------------------------------------------------
+
+
+def for_each(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any) -> Any:
+    """The function's results for each contact: the first axes of all leaves have this shape."""
+    flat = jax.tree.map(lambda x: x.reshape(math.prod(shape), *x.shape[len(shape) :]), trees)
+    if math.prod(shape) == 1:
+        found = jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
+    elif jax.default_backend() != "cpu":
+        found = jax.vmap(function)(*flat)
+    else:  # one after the other, since a batch would take as many steps as its slowest element
+        found = jax.lax.map(lambda each: function(*each), flat)
+    return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
+
+
+@program(static=1, level=1)
+def curves_by_parts(resolution: MarchResolution, rings: RingCells, scales: Scales) -> RunCurves:
+    """The runs of rings of any bodies: one program for all of them, since it depends on the cells alone."""
+    return for_each(functools.partial(curves_from, resolution), scales.unit.shape, rings, scales)
+
+
+# --- at any time ------------------------------------------------------------------------------------------------------
+
+
+def end_of(curves: RunCurves, run: np.ndarray) -> Array:
+    """The time after which less is left to wear than the rounding error of the volume."""
+    decay, time = curves.decay[run, 0], curves.volume.time[run, -1]
+    long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
+    return curves.scales.unit[run] * (time + long)
+
+
+def share_at(shares: Shares, run: np.ndarray, time: Array) -> Array:
+    """The share of the final volume that is worn by then."""
+    moment = moment_at(shares.volume.time, run, time / shares.unit[run])
+    rest = 1.0 - shares.volume.value[run, -1]
+    a, b = shares.decay[run, 0], shares.decay[run, 1]
+    fall = jnp.exp(-a * moment.late)
+    after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
+    return jnp.where(moment.late > 0.0, after, moment.on(shares.volume))
+
+
+def volume_of(curves: RunCurves, phi: Array, time: Array) -> Array:
+    """The volume that is worn by then; the curves of all amplitudes phi are along one axis."""
+    run = np.arange(phi.size).reshape(phi.shape)
+    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, time), 0.0)
