@@ -148,13 +148,12 @@ class NumericRing:
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
         *places, near = _inward(self.effort, self.states, run.curves, self.from_1)
-        at_r, at_near = (
-            Pressures(
-                *self._fields(("unworn_pressure_at", "worn_pressure_at"), at), _caused(run.stick_radius, *places, at)
-            )
-            for at in (r, near)
-        )
-        return at_r, (near, at_near)
+
+        def pressures_at(at: Array) -> Pressures:
+            unworn, worn = self._fields(("unworn_pressure_at", "worn_pressure_at"), at)
+            return Pressures(unworn, worn, _caused(run.stick_radius, *places, at))
+
+        return pressures_at(r), (near, pressures_at(near))
 
 
 @program(static=1)

@@ -143,7 +143,8 @@ def _places(run: RunSolution, at: Array) -> tuple[Array, Array]:
 
 def _deepest(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
     run, ring = given
-    return crest(_depth_at(run, *ring, cycles))
+    y, gap, steady = ring
+    return crest(_depth_at(run, y, gap, steady, cycles))
 
 
 @program()
