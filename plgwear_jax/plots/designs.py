@@ -295,8 +295,9 @@ def coating_picture(
         axes.axvspan(*fit.felt, zorder=-1, color="0.9", linewidth=0.0, label=label)
     edges = found["stick_radius"], found["worn_radius"]
     draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)])
-    told = " and ".join(written(float(radius), "m") for radius in radii)
-    measured = f"; measured: {written(measured_radius, 'm')}" if measured_radius is not None else ""
+    unit = entry("contact_radius").unit
+    told = " and ".join(written(float(radius), unit) for radius in radii)
+    measured = "" if measured_radius is None else f"; measured: {written(measured_radius, unit)}"
     _explain(figure, panels, f"contact radius on $E(z)$ and on the power law: {told}{measured}\n{_RING}")
     return figure
 

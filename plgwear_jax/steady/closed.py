@@ -9,6 +9,7 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, ArrayLike, guarded
+from plgwear_jax._core.doubts import own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
 from plgwear_jax.material import PowerLawGraded
@@ -22,7 +23,8 @@ class ClosedSteady(Steady):
     def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
         super().__init__(contact, load, digits)
         if not load.holds_force:  # later only programs read the force, where numbers are traced
-            load.check_at_rest(self._at_rest)
+            with own_numbers():  # whoever reads the force hears the doubt
+                load.check_at_rest(self._at_rest)
 
     # --- units ------------------------------------------------------------------------------------------------------
 

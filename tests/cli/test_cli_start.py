@@ -218,7 +218,7 @@ def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypat
     computing.set_up(one_question=True)
     assert settings == {"jax_enable_x64": True} and seen == [
         (None,),
-        (folder / "cache" / "plgwear" / "programs", cache.MOST, None),
+        (folder / "cache" / "plgwear" / "programs", cache.MOST),
     ]
     monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")
     computing.set_up(one_question=True)

@@ -152,7 +152,7 @@ def size_of(lowered) -> Size:
 )
 def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], **HELD, limits=limits)
-    evaluator = evaluation.Evaluator(question, plan_of(1, len(question.limits)).lanes)
+    evaluator = evaluation.Evaluator(question, lanes=plan_of(1, len(question.limits)).lanes)
     points = np.linspace(-0.5, 0.5, evaluator.lanes)[:, None]
     found = size_of(evaluation._at_once.jitted.lower(("k",), evaluator.question, evaluator.shared, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
@@ -160,7 +160,7 @@ def test_an_evaluation_grows_no_further(limits, most):
 
 def test_an_evaluation_of_a_life_grows_no_further():
     question = question_of(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, **LIFE)
-    evaluator = evaluation.Evaluator(question, plan_of(2, 0).lanes)
+    evaluator = evaluation.Evaluator(question, lanes=plan_of(2, 0).lanes)
     points = np.ones((evaluator.lanes, 1)) * [0.1, 9e10]
     found = size_of(evaluation._at_once.jitted.lower(("k", "E0"), evaluator.question, evaluator.shared, points))
     assert found.kernels <= 90 and found.instructions <= 5600, found
