@@ -140,7 +140,7 @@ def _pressures(ring: ClosedRing, curves: RunCurves, c: Array, r: Array) -> Press
     # load, and of what the ring gives way, from the flat punch of the radius c.
     outer = curves.edges[..., 1:]
     y, s, q = jnp.broadcast_arrays(outer / z, s, q)
-    tails, _ = arcsine_tail(fold(y), s, q, 8 if z.dtype == jnp.float64 else None)
+    tails, *_ = arcsine_tail(fold(y), s, q, 8 if z.dtype == jnp.float64 else None)
     taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * curves.swept
     caused = jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
     first, last = fretting.initial_pressure(relative, ring.k), fretting.steady_pressure(*at)
