@@ -245,19 +245,21 @@ def _histories(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> TestHi
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
     leaves, tree = jax.tree.flatten(law)
+    # Integers: a rule of JAX that closed over blocks or leaves would keep their traced values.
+    count, coefficients = len(blocks), len(leaves)
 
     def one(*given: Array) -> TestHistory:
-        its_blocks, given = Blocks(*given[: len(blocks)]), given[len(blocks) :]
-        its_law = jax.tree.unflatten(tree, given[: len(leaves)])
-        found = bodies(*given[len(leaves) :])
+        its_blocks, given = Blocks(*given[:count]), given[count:]
+        its_law = jax.tree.unflatten(tree, given[:coefficients])
+        found = bodies(*given[coefficients:])
 
         def ratio(c: Array) -> Array:
             return found.tangential_ratio(effort, c)
 
         return history_of(effort, found.compliance, found.outline, ratio, its_blocks, its_law)
 
-    before = len(blocks) + len(leaves)
-    own = *range(len(blocks)), *(before + table for table in tables)
+    before = count + coefficients
+    own = *range(count), *(before + table for table in tables)
     return each(sequential_forward_mode(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
 
 

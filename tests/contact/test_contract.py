@@ -220,7 +220,7 @@ def test_pressures_in_the_middle_agree():
     force, r = 0.9 * FRICTION * FORCE, float(closed.steady(0.0).contact_radius) * np.array([0.0, 0.1, 0.2])[:, None]
     numeric, closed = (each.over_cycles(force, COEFFICIENT) for each in WEARING["k = -0.4"])
     cycles = np.asarray(closed.cycles_to(SHARES))
-    np.testing.assert_allclose(numeric.steady(cycles).pressure(r), closed.steady(cycles).pressure(r), rtol=0.02)
+    np.testing.assert_allclose(numeric.pressure(r, cycles), closed.pressure(r, cycles), rtol=0.02)
 
 
 @compiled
@@ -324,11 +324,11 @@ def test_equal_blocks_are_one(k, load):
     assert np.max(abs(error)) < (1e-2 if load == "force" else 2e-2)
     if load == "force":
         np.testing.assert_allclose(blocks.contact_radius(at), run.contact_radius(at), rtol=0.01)
-        np.testing.assert_allclose(blocks.steady(at).stick_radius, steady.stick_radius, rtol=5e-3)
+        np.testing.assert_allclose(blocks.stick_radius(at), steady.stick_radius, rtol=5e-3)
         np.testing.assert_allclose(blocks.force_amplitude(at), force, rtol=1e-9)
         np.testing.assert_allclose(blocks.rate(at)[1], run.rate(at)[1], rtol=0.02)
     else:
-        sticks = np.asarray(blocks.steady(at).stick_radius)
+        sticks = np.asarray(blocks.stick_radius(at))
         assert np.all(np.diff(sticks) >= -5e-3 * sticks[-1]) and np.all(blocks.force_amplitude(at) < force)
 
 
