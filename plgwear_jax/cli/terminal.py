@@ -46,9 +46,12 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, again = sys.unraisablehook, list[threading.Timer]()
+    before, ended = sys.unraisablehook, threading.Event()
 
-    def interrupt() -> None:
+    def interrupt(left: threading.Event) -> None:
+        left.wait()  # on a busy machine the interrupt would come while `ignored` still starts this thread, and be lost
+        if ended.wait(_SOON):
+            return
         if hasattr(signal, "pthread_kill"):  # which also ends a wait
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
         else:
@@ -58,16 +61,18 @@ def _interrupts() -> Iterator[None]:
         if not issubclass(error.exc_type, KeyboardInterrupt):
             before(error)
             return
-        again.append(threading.Timer(_SOON, interrupt))
-        again[-1].start()
+        left = threading.Event()
+        try:
+            threading.Thread(target=interrupt, args=[left], daemon=True).start()
+        finally:
+            left.set()
 
     sys.unraisablehook = ignored
     try:
         yield
     finally:
         sys.unraisablehook = before
-        for timer in again:
-            timer.cancel()
+        ended.set()
 
 
 _SOON = 0.05  # s, after which a callback has ended
