@@ -24,6 +24,7 @@ PROGRAMS = {  # with the tables of each
     "designs": "designs life_designs",
     "numeric": "surfaces random_contacts",
     "cycles": "transient rigs",
+    "coatings": "rule pairs",
     "sweep": "sweep",
 }
 TABLES = {table: program for program, tables in PROGRAMS.items() for table in tables.split()}

@@ -1,24 +1,19 @@
-"""Numbers of the pages that no benchmark has: the rule on coatings of finite thickness, and digits of two quantities.
-
-    python docs/computed.py               writes docs/benchmarks/rule.txt and docs/benchmarks/pairs.txt; a minute
-    python docs/computed.py --again       prints them alone
+"""Which surface wears least on coatings of finite thickness, and the digits of two quantities of elastic pairs.
 
 The contact is that of the tutorial: a ball of steel, 50 N, friction 0.6, on coatings of moduli between 100 and 350 GPa.
 All have the same contact radius: each is as stiff as a whole as this needs.
 """
 
-import sys
 from collections.abc import Callable
 from itertools import product
-from pathlib import Path
 from typing import Any
 
-import jax
+import harness
 import numpy as np
+from harness import Part, Report
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded
 
-OUT = Path(__file__).parent / "benchmarks"
 STEEL, NU = Elastic(210e9, 0.3), 0.25
 FRICTION_FORCE = 0.6 * 50.0  # N
 LOW, HIGH = 100e9, 350e9  # Pa, about what the tutorial's coating may have
@@ -64,12 +59,11 @@ def coating(kind: str, thickness: float, surface: float, bottom: float) -> Calla
 
 def wear_at_the_same_radius(made: Callable[[float], Any], phi: tuple[float, ...] = PHI) -> np.ndarray:
     """The worn volumes on a coating over those on the homogeneous one of the same contact radius, minus 1, in %."""
-    factor = 1.0
-    for _ in range(40):
+    factor, missed = 1.0, np.inf
+    contact = HOMOGENEOUS
+    while abs(missed - 1.0) >= 1e-6:
         contact = on(made(factor))
         missed = radius_of(contact) / radius_of(HOMOGENEOUS)
-        if abs(missed - 1.0) < 1e-6:
-            break
         factor *= missed**5
     ours, others = (
         np.array([float(one.steady(x * FRICTION_FORCE).wear_volume) for x in phi]) for one in (contact, HOMOGENEOUS)
@@ -77,20 +71,22 @@ def wear_at_the_same_radius(made: Callable[[float], Any], phi: tuple[float, ...]
     return 100.0 * (ours / missed**4 / others - 1.0)  # volumes go with the fourth power of the radius
 
 
-def rule() -> list[list[str]]:
+def rule(report: Report, quick: bool) -> None:
     rows = []
-    for kind, thickness, stiff in product(("power law", "linear", "layer"), (1.0, 2.0, 3.0), (False, True)):
+    kinds = ("power law", "linear", "layer")[: 1 if quick else None]
+    for kind, thickness, stiff in product(kinds, (1.0, 2.0, 3.0), (False, True)):
         moduli = (HIGH, LOW) if stiff else (LOW, HIGH)
         more = wear_at_the_same_radius(coating(kind, thickness, *moduli))
         surface = "stiff" if stiff else "compliant"
         rows.append([kind, f"{thickness:g}", surface, *(f"{x:+.1f}" for x in more)])
-    return rows
+    told = "Change of the worn volume in % against no gradient at the same contact radius; thickness in contact radii"
+    report.table(told, ["gradient", "thickness", "surface", *(f"phi {x:g}" for x in PHI)], rows)
 
 
 # --- digits -----------------------------------------------------------------------------------------------------------
 
 
-def digits() -> list[list[str]]:
+def pairs(report: Report, quick: bool) -> None:
     """The worst difference between 4 digits, the default, and 5 on elastic pairs, at amplitudes from 0.05 to 0.95."""
     radius = radius_of(HOMOGENEOUS)
     bodies = {
@@ -102,7 +98,7 @@ def digits() -> list[list[str]]:
     rows = []
     for name, body in bodies.items():
         contact, worst = on(body), np.zeros(3)
-        for phi in (0.05, 0.2, 0.5, 0.74, 0.95):
+        for phi in (0.05, 0.2, 0.5, 0.74, 0.95)[: 1 if quick else None]:
             read = []
             for wanted in (4, 5):
                 steady = contact.steady(phi * FRICTION_FORCE, digits=wanted)
@@ -110,34 +106,14 @@ def digits() -> list[list[str]]:
                 read.append([*np.asarray(steady.edge_pressure(np.array(inside))), float(steady.deepest_wear)])
             worst = np.maximum(worst, np.abs(np.divide(*read) - 1.0))
         rows.append([name, *(f"{x:.1e}" for x in worst)])
-    return rows
-
-
-# --- tables -----------------------------------------------------------------------------------------------------------
-
-
-def boxed(title: str, heads: list[str], rows: list[list[str]]) -> str:
-    """A table as the benchmarks write them, and the same in Markdown."""
-    wide = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    lines = [title, f"┏{'┳'.join('━' * (n + 2) for n in wide)}┓"]
-    for left, cells in [("┃", heads), *(("│", row) for row in rows)]:
-        lines.append(f"{left} {f' {left} '.join(cell.ljust(n) for cell, n in zip(cells, wide, strict=True))} {left}")
-    return "\n".join([*lines, f"└{'┴'.join('─' * (n + 2) for n in wide)}┘"]) + "\n"
-
-
-def main() -> int:
-    jax.config.update("jax_enable_x64", True)
-    told = "Change of the worn volume in % against no gradient at the same contact radius; thickness in contact radii"
-    of_rule = boxed(told, ["gradient", "thickness", "surface", *(f"phi {x:g}" for x in PHI)], rule())
-    told = "Elastic pairs: the worst difference of 4 digits from 5 at phi from 0.05 to 0.95"
     heads = ["half-space under steel", "pressure at 0.01 a_0", "pressure at 10 um", "largest wear depth"]
-    of_pairs = boxed(told, heads, digits())
-    print(of_rule, of_pairs, sep="\n")
-    if "--again" not in sys.argv:
-        (OUT / "rule.txt").write_text(of_rule, encoding="utf-8")
-        (OUT / "pairs.txt").write_text(of_pairs, encoding="utf-8")
-    return 0
+    report.table("The worst difference of 4 digits from 5 at phi from 0.05 to 0.95", heads, rows)
 
+
+PARTS = {
+    "rule": Part("Stiff and compliant surfaces of coatings", rule),
+    "pairs": Part("Digits of elastic pairs", pairs),
+}
 
 if __name__ == "__main__":
-    sys.exit(main())
+    harness.run(PARTS)

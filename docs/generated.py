@@ -133,7 +133,7 @@ def random_contacts() -> str:
 
 
 def rule_on_coatings() -> str:
-    """The change of the worn volume on coatings of 1 and 3 contact radii, in %, from `docs/computed.py`."""
+    """The change of the worn volume on coatings of 1 and 3 contact radii, in %, from `benchmarks/coatings.py`."""
     ((heads, rows),) = tables("rule")
     shown = [heads.index(name) for name in ("phi 0.05", "phi 0.2", "phi 0.4", "phi 0.74")]
     lines = ["| gradient | contact radii | surface | $\\varphi = 0.05$ | 0.2 | 0.4 | 0.74 |"]

@@ -10,6 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
+from plgwear_jax._core.doubts import FELT
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
@@ -17,9 +18,6 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded, Layered
 
 __all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
-
-FELT = (0.1, 3.0)
-"""The range of depths that influences a contact, in contact radii."""
 
 _LEVEL = 0.95  # of confidence
 _FAR = 0.5  # least share of the stiffness within `FELT` that the depths of a table must cover

@@ -15,7 +15,7 @@ from plgwear_jax._core.units import written
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides
-FELT = np.geomspace(0.1, 3.0, 16)  # depths in contact radii at which the modulus of a coating has an effect
+FELT = 0.1, 3.0  # contact radii, the range of depths that influences a contact
 
 
 class DoubtfulInputWarning(UserWarning):
@@ -128,7 +128,7 @@ def of_design(depth: Any, modulus: Any, contact_radius: float, wear_depth: float
         contact_radius: In m.
         wear_depth: The largest one, in m.
     """
-    felt, found = contact_radius * FELT, []
+    felt, found = contact_radius * np.geomspace(*FELT, 16), []
     there = np.exp(np.interp(np.log(felt), np.log(depth), np.log(modulus)))
     worst = np.argmax(np.maximum(there / MADE[1], MADE[0] / there))
     if not MADE[0] <= there[worst] <= MADE[1]:

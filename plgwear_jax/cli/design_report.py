@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plgwear_jax import optimise
-from plgwear_jax._core.doubts import of_design
 from plgwear_jax.catalogue import DESIGNED, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.optimise.answers import doubtful
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
@@ -72,9 +72,8 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
         for one in (best, reference):
             one.pop("edge_exponent", None)
-    radius = float(np.asarray(found.contact.radius if punch else best["contact_radius"]))
-    doubtful = of_design(comparison.depths, comparison.modulus[0], radius, float(np.max(comparison.depth[0])))
-    return Findings(given, found, best, reference, distance, words, limited, why, forever, higher, doubtful)
+    told = doubtful(found, comparison)
+    return Findings(given, found, best, reference, distance, words, limited, why, forever, higher, told)
 
 
 def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:

@@ -1,5 +1,6 @@
 """The answers to the question of a design, with what Python prints, and what else is asked about them."""
 
+import contextlib
 import dataclasses
 import functools
 import math
@@ -494,10 +495,8 @@ def _in_words(found: Design) -> str:
     if found.question.scenarios is not None:
         lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
     if isinstance(found.contact, FrettingContact) and found.load is not None and found.question.by_force:
-        steady = found.contact.steady(found.load.amplitudes[0])
-        radius, depth = number(steady.contact_radius), number(steady.deepest_wear)
-        felt = radius * doubts.FELT
-        lines += textwrap.wrap(doubts.of_design(felt, material.modulus_at(felt), radius, depth) or "", _WIDTH - 2)
+        with contextlib.suppress(ValueError):  # of a design put together by hand, whose contacts cannot be compared
+            lines += textwrap.wrap(doubtful(found, compared(found)) or "", _WIDTH - 2)
     if found.limits:
         limits = []
         for state in found.limits.values():
@@ -613,6 +612,13 @@ def compared(found: Design) -> Comparison:
     both = jax.device_get(both)
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(both, quantities=both.quantities | objective)
+
+
+def doubtful(found: Design, comparison: Comparison) -> str | None:
+    """Why nobody could make or measure the best contact, if so, from what `compared` gives."""
+    punch = isinstance(found.contact, GrossSlipContact)
+    radius = number(found.contact.radius if punch else comparison.quantities["contact_radius"][0])
+    return doubts.of_design(comparison.depths, comparison.modulus[0], radius, number(np.max(comparison.depth[0])))
 
 
 def _depths_shown(question: Question) -> np.ndarray:

@@ -21,6 +21,7 @@ from plgwear_jax.plots.style import (
     GUIDE,
     OTHER,
     REFERENCE,
+    ROUGHNESS,
     legend_above,
     letters,
     mark,
@@ -175,7 +176,7 @@ def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = 
         if edge > 0.0:
             mark(axes, float(edge), symbol)
     if not mark_roughness(axes, max(float(np.max(row[1])) for row in worn)):
-        axes.set_title("below the roughness, 50 nm", loc="right")
+        axes.set_title(f"below the roughness, {ROUGHNESS}", loc="right")
     show_units(axes.xaxis, "r")
     show_units(axes.yaxis, "wear_depth", words)
 

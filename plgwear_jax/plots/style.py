@@ -13,8 +13,9 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
+from plgwear_jax._core.doubts import SMOOTH
 from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.units import readable
+from plgwear_jax._core.units import readable, written
 from plgwear_jax.catalogue import entry
 
 # Colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
@@ -31,7 +32,7 @@ UNWORN: dict[str, Any] = {
 FORBIDDEN: dict[str, Any] = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9, "zorder": 1}
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT: dict[str, Any] = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
-_ROUGHNESS = 50e-9  # m, of a ground surface: shallower wear cannot be told from it
+ROUGHNESS = written(SMOOTH, entry("wear_depth").unit)  # of a ground surface: shallower wear cannot be told from it
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
 STYLE: Any = {  # settings of matplotlib
@@ -96,10 +97,12 @@ def mark(axes: Axes, place: float, words: str) -> None:
 
 def mark_roughness(axes: Axes, deepest: float) -> bool:
     """Draw the roughness of a ground surface beside depths of wear, unless all are far below it, and set the limits."""
-    seen = deepest > 0.2 * _ROUGHNESS
-    axes.set_ylim(0.0, 1.15 * max(deepest, _ROUGHNESS if seen else 0.0))
+    seen = deepest > 0.2 * SMOOTH
+    axes.set_ylim(0.0, 1.15 * max(deepest, SMOOTH if seen else 0.0))
     if seen:
-        axes.axhline(_ROUGHNESS, color="0.4", linewidth=0.8, linestyle=DASH_DOT, zorder=1, label="roughness of 50 nm")
+        axes.axhline(
+            SMOOTH, color="0.4", linewidth=0.8, linestyle=DASH_DOT, zorder=1, label=f"roughness of {ROUGHNESS}"
+        )
     return seen
 
 
