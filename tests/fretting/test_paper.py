@@ -3,9 +3,17 @@
 import numpy as np
 import oracle
 import pytest
-from functions import fretting, gross_slip, material, partial_slip
+from functions import by_numpy
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
+from plgwear_jax import (
+    FrettingContact,
+    GrossSlipContact,
+    PowerLawGraded,
+    fretting,
+    gross_slip,
+    material,
+    partial_slip,
+)
 
 EXPONENTS = (-0.8, -0.5, -0.2, 0.0, 0.3, 0.6, 0.8)
 ROUNDING = 2e-14  # of a handful of double operations, a hundred units in the last place
@@ -43,27 +51,29 @@ FIELDS = {"steady_displacement": "h", "wear_depth": "h", "profile": "h", "steady
 BEFORE = {"initial_displacement": "h", "initial_pressure": "p"}
 
 
-@pytest.mark.parametrize("k", [-0.5, 0.3])
-def test_quantities_of_a_contact_are_dimensionless_ones_in_si_units(k):
-    graded = PowerLawGraded(E0, Z0, k, 0.3)
-    steady, theta = FrettingContact(graded, R, F_N, MU).steady(PHI * MU * F_N), float(graded.tangential_ratio())
-    a = float(steady.contact_radius)
+def contact_and_dimensionless(k):
+    """{name: (a quantity of a contact, the dimensionless one in its unit)}."""
+    graded, r, distance = PowerLawGraded(E0, Z0, k, 0.3), np.array([0.0, 0.5, 0.93, 1.02, 1.5]), np.array([0.1, 3.0])
+    steady, theta = FrettingContact(graded, R, F_N, MU).steady(PHI * MU * F_N), graded.tangential_ratio()
+    a = steady.contact_radius
     unit = {"1": 1.0, "a": a, "h": a**2 / R, "V": a**4 / R, "p": F_N / (np.pi * a**2), "t": MU * F_N / (np.pi * a**2)}
     unit |= {"u": MU * theta * a**2 / R, "W": MU**2 * theta * F_N * a**2 / R}
+    found = {"slip_amplitude": (steady.slip_amplitude(a * r), partial_slip.slip_amplitude(r, k, PHI) * unit["u"])}
     for name, scale in NUMBERS.items():
         module = fretting if hasattr(fretting, name) else partial_slip
-        np.testing.assert_allclose(getattr(steady, name), getattr(module, name)(k, PHI) * unit[scale], **SI)
-    r = np.array([0.0, 0.5, 0.93, 1.0, 1.02, 1.5])
+        found[name] = getattr(steady, name), getattr(module, name)(k, PHI) * unit[scale]
     for name, scale in (FIELDS | BEFORE).items():
-        at = (k,) if name in BEFORE else (k, PHI)
+        at = (r, k) if name in BEFORE else (r, k, PHI)
         read = getattr(steady, name.removeprefix("steady_") if scale in "pt" else name)
-        np.testing.assert_allclose(read(a * r), getattr(fretting, name)(r, *at) * unit[scale], rtol=1e-12, atol=1e-30)
-    slip = partial_slip.slip_amplitude(r, k, PHI) * unit["u"]
-    np.testing.assert_allclose(steady.slip_amplitude(a * r), slip, rtol=1e-12)
-    distance = np.array([0.0, 0.1, 3.0])
-    pressure = fretting.edge_pressure(distance, k, PHI) * unit["p"]
-    np.testing.assert_allclose(steady.edge_pressure(a * distance), pressure, **SI)
-    np.testing.assert_allclose(steady.peak_initial_pressure, steady.initial_pressure(0.0), **SI)
+        found[name] = read(a * r), getattr(fretting, name)(*at) * unit[scale]
+    found["edge_pressure"] = steady.edge_pressure(a * distance), fretting.edge_pressure(distance, k, PHI) * unit["p"]
+    return found | {"peak_initial_pressure": (steady.peak_initial_pressure, steady.initial_pressure(0.0))}
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.3])
+def test_quantities_of_a_contact_are_dimensionless_ones_in_si_units(k):
+    for name, both in by_numpy(contact_and_dimensionless)(np.asarray(k)).items():
+        np.testing.assert_allclose(*both, rtol=1e-12, atol=1e-30, err_msg=name)
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.3])
