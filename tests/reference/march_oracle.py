@@ -10,7 +10,7 @@ all by the F_N and mu of the contact.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import beta, hyp2f1
+from transient_oracle import influence
 
 
 class Given(NamedTuple):
@@ -21,12 +21,6 @@ class Given(NamedTuple):
     displacement: float | None = None  # amplitude over that at which the contact begins to slip as a whole
     normal_force: float = 1.0
     friction: float = 1.0
-
-
-def _disc(r, k):
-    """The displacement of a disc of radius 1 under a uniform pressure, over that at its centre: Eq. (5)."""
-    inside, outside, s = np.minimum(r, 1.0) ** 2, np.maximum(r, 1.0) ** -2.0, 0.5 * (1.0 + k)
-    return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
 
 
 # Blocks, and a radius beyond the last scar.
@@ -57,13 +51,8 @@ class Rings:
     """Rings whose edges are the given radii, from 0 on."""
 
     def __init__(self, k, edges):
-        s = 0.5 * (1.0 + k)
         self.r, self.load, self.first = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges**2), 1.0 / (1.0 + k)
-        # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
-        scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
-        discs = np.zeros((self.r.size, edges.size))
-        discs[:, 1:] = scale * edges[1:] ** (1.0 - k) * _disc(self.r[:, None] / edges[1:], k)
-        self.A = np.diff(discs, axis=1)
+        self.A = influence(k, edges)
 
     def pressed(self, shape, soft, touches, *, force=None, depth=None):
         """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0."""

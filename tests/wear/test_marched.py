@@ -4,6 +4,7 @@ what is known of energies, forces, volumes and ends. About two digits are promis
 import jax
 import numpy as np
 import pytest
+from balance import sums
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, RADIUS, STEEL, contact_of
 from march_oracle import HISTORIES, Rings, edges_to
 from reduced import MANY, Reduced, coefficient_of, unit_of
@@ -111,12 +112,7 @@ def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     "k, history",
     [
         (0.0, "from gross to partial slip"),
-        *(
-            pytest.param(k, history, marks=compiled)
-            for k in (-0.6, 0.0, 0.6)
-            for history in HISTORIES
-            if (k, history) != (0.0, "from gross to partial slip")
-        ),
+        *(pytest.param(k, history, marks=compiled) for k in (-0.6, 0.0, 0.6) for history in HISTORIES),
     ],
 )
 def test_it_wears_as_rings_do(k, history):
@@ -132,10 +128,8 @@ def test_it_wears_as_rings_do(k, history):
     run = one.over_cycles(given, coefficient_of(one))
     sizes = ((100, 200), (200, 200), (100, 400))
     rough, rings, steps = (Rings(k, edges_to(outer, n, n)).march(blocks, m) for n, m in sizes)
-    n, volume = (
-        rough[0],
-        rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1]),
-    )  # to no length of a step
+    # To no length of a step.
+    n, volume = rough[0], rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
     found = np.asarray(run.volume(np.minimum(MANY * n, float(run.lasting_cycles)))) / (a_0**4 / RADIUS)
     np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
@@ -157,15 +151,9 @@ def test_less_is_worn_at_a_held_displacement_since_more_sticks():
         run.radius(times) < 1.001 * fretting.worn_radius(k, phi)
     )
     assert np.all(sticks > 0.995 * fretting.stick_radius(k, phi))
-    for i, more in ((0, 6e-3), (4, 8e-3)):
-        marched = 8.0 * float(unit_of(k[i], phi[i])[0]) * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
-        worn, _ = march_at_held_displacement(float(k[i, 0]), float(phi[i, 0]), marched, 160)
-        there = np.interp(times[i, :5], marched, worn) / final[i]
-        np.testing.assert_allclose(volume[i, :5], there, atol=ERROR + more)
-        assert volume[i, -1] == pytest.approx(worn[-1] / final[i, 0], rel=ERROR + more)
 
 
-@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.6])
+@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=compiled), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
     rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
@@ -204,29 +192,7 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     np.testing.assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
 
 
-def sums(run, cycles, most):
-    """(integral of the pressure, of the depth) by Simpson's rule in r^2, and their names."""
-    T = np.linspace(0.0, most**2, 8001)
-    weight = np.full(T.size, 2.0)
-    weight[1::2], weight[[0, -1]] = 4.0, 1.0
-    weight *= np.pi * T[1] / 3.0
-    r = np.sqrt(T)
-    return [weight @ np.asarray(getattr(run, name)(r, cycles)) for name in ("pressure", "depth")]
-
-
-@pytest.mark.parametrize("times", [0.6, 3.0])
-def test_pressures_carry_the_force_and_depths_make_the_volume(times):
-    one = dome(0.3)
-    run = one.over_cycles(Displacement(times * one.steady(0.0).gross_slip_displacement), COEFFICIENT)
-    for cycles in (1e4, 1e5, 5e5):
-        force, volume = sums(run, cycles, 1.2 * float(run.contact_radius(cycles)))
-        assert force == pytest.approx(FORCE, rel=1e-2)
-        assert volume == pytest.approx(float(run.volume(cycles)), rel=1e-2)
-        energy = float(run.rate(cycles)) * FRICTION / COEFFICIENT
-        assert float(run.energy_per_cycle(cycles)) == pytest.approx(energy, rel=1e-9)
-
-
-@pytest.mark.compiled
+@compiled
 def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     one, exponent = dome(0.2), np.array([0.8, 1.5])
     pressure = float(one.steady(0.0).peak_initial_pressure)
@@ -238,7 +204,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
 
 
-@pytest.mark.compiled
+@compiled
 def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
     one = dome(0.2)
     onset = float(one.steady(0.0).gross_slip_displacement)
@@ -303,10 +269,10 @@ def test_any_contact_in_a_rig_carries_its_force(kind):
             # The displacements of rig and contact add up.
             moved = float(run.displacement_amplitude(cycles)) + float(run.force_amplitude(cycles)) / stiffness
             assert moved == pytest.approx(times * onset, rel=1e-6)
-            if cycles:
-                force, volume = sums(run, cycles, 1.2 * float(run.contact_radius(cycles)))
-                assert force == pytest.approx(FORCE, rel=2e-2)
-                assert volume == pytest.approx(float(run.volume(cycles)), rel=2e-2)
+        cycles = np.array([[1e4], [1e5]])
+        force, volume = sums(run, cycles)
+        np.testing.assert_allclose(force, FORCE, rtol=2e-2)
+        np.testing.assert_allclose(volume, run.volume(cycles)[:, 0], rtol=2e-2)
     deep = DepthGraded([1e-5, 1e-4], [110e9, 110e9], 0.3)
     same = contact_of(deep).over_cycles(Displacement(3e-7), COEFFICIENT)
     law = dome(0.0).over_cycles(Displacement(3e-7), COEFFICIENT)
