@@ -47,12 +47,14 @@ HISTORIES = {
 }
 
 
-class Rings:
-    """Rings whose edges are the given radii, from 0 on."""
+class Rings(NamedTuple):
+    """Rings of any half-space under a shape."""
 
-    def __init__(self, k, edges):
-        self.r, self.load, self.first = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges**2), 1.0 / (1.0 + k)
-        self.A = influence(k, edges)
+    r: np.ndarray  # of their middles
+    load: np.ndarray  # area over pi
+    shape: np.ndarray  # its height
+    A: np.ndarray  # displacements by pressures
+    first: float  # the penetration of the unworn contact
 
     def pressed(self, shape, soft, touches, *, force=None, depth=None):
         """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0."""
@@ -76,16 +78,16 @@ class Rings:
         raise RuntimeError("no pressures found")
 
     def march(self, blocks, steps):
-        """At the ends of all steps: n, volumes, force amplitudes over mu F_N, outer radii of the contact."""
+        """At the ends of all steps: n, volumes, force amplitudes over mu F_N, outer radii of contact and stick area."""
         worn, touches, sticks = np.zeros(self.r.size), self.r < 1.0, self.r < 1.0
-        p, depth = self.pressed(0.5 * self.r**2, 0.0 * worn, touches, force=blocks[0].normal_force)
-        n, found = 0.0, [(0.0, 0.0, np.nan, 1.0)]
+        p, depth = self.pressed(self.shape, 0.0 * worn, touches, force=blocks[0].normal_force)
+        n, found = 0.0, [(0.0, 0.0, np.nan, 1.0, np.nan)]
         for given in blocks:
             # Steps that grow, so that a new load is followed from its first moments on.
             lengths = given.n * np.diff(np.expm1(6.0 * np.linspace(0.0, 1.0, steps + 1)) / np.expm1(6.0))
-            p, depth = self.pressed(0.5 * self.r**2 + worn, 0.0 * worn, p > 0.0, force=given.normal_force)
+            p, depth = self.pressed(self.shape + worn, 0.0 * worn, p > 0.0, force=given.normal_force)
             for length in lengths:
-                shape, nothing = 0.5 * self.r**2 + worn, 0.0 * worn
+                shape, nothing = self.shape + worn, 0.0 * worn
                 if given.displacement is not None:
                     less = depth - given.displacement / given.friction * self.first
                     second = self.pressed(shape, nothing, sticks, depth=less) if less > shape.min() else (nothing, less)
@@ -98,9 +100,18 @@ class Rings:
                 p, depth = self.pressed(shape, soft, p > 0.0, force=given.normal_force)
                 worn, n = worn + soft * p, n + length
                 tangential = given.friction * (given.normal_force - self.load @ second[0])
-                touched = np.sqrt(np.sum(self.load[: np.flatnonzero(p)[-1] + 1]))
-                found.append((n, np.pi * self.load @ worn, tangential, touched))
+                found.append((n, np.pi * self.load @ worn, tangential, self.radius(p), self.radius(second[0])))
         return np.array(found).T
+
+    def radius(self, pressures):
+        """The outer one of the last ring with a pressure."""
+        return np.sqrt(np.sum(self.load[: np.max(np.flatnonzero(pressures), initial=-1) + 1]))
+
+
+def on_power_law(k, edges):
+    """Rings between edges, from 0 on, under a parabola."""
+    r = 0.5 * (edges[1:] + edges[:-1])
+    return Rings(r, np.diff(edges**2), 0.5 * r**2, influence(k, edges), 1.0 / (1.0 + k))
 
 
 def edges_to(outer, inner=60, beyond=60):

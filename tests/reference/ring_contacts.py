@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
+import march_oracle
 import numpy as np
 import surface_oracle
 import transient_oracle
@@ -187,11 +188,10 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     per_cycle = 4.0 * COEFFICIENT * mu * theta * F_N / (np.pi * A**2)
     rings = [surface_oracle.Wearing(both, A, c, end, number, n) for number in (40, 80)]
     coarse, fine = (A ** (2.0 + n) * transient_oracle.volumes_at(one, TIMES, 5) for one in rings)
-    # By Euler's method, extrapolated in its steps.
-    at_first = whole.depth / A**n, (whole.depth - inner.depth) / A**n
-    grids = [TIMES[-1] * np.linspace(0.0, 1.0, number + 1) ** 1.5 for number in (240, 480)]
-    held = [transient_oracle.rings_at_held_displacement(rings[-1], *at_first, times)[0] for times in grids]
-    held = [A ** (2.0 + n) * np.interp(TIMES, times, volume) for times, volume in zip(grids, held, strict=True)]
+    ends = rings[-1]
+    either = march_oracle.Rings(ends.r, ends.load, ends.shape, ends.influence, whole.depth / A**n)
+    given = march_oracle.Given(TIMES[-1], displacement=(whole.depth - inner.depth) / whole.depth)
+    once, twice = (np.interp(TIMES, *either.march([given], number)[:2]) for number in (120, 240))
     finite = isinstance(kind.half_space, DepthGraded)
     return {
         "normal_force": F_N,
@@ -225,7 +225,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
         },
         "cycles": TIMES / per_cycle,
         "volumes": fine + (fine - coarse) / 3.0,
-        "held": 2.0 * held[1] - held[0],
+        "held": A ** (2.0 + n) * (2.0 * twice - once),  # by Euler's method, extrapolated in its steps
     }
 
 

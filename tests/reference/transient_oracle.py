@@ -24,7 +24,7 @@ def disc(r, k):
 
 
 def influence(k, edges):
-    """The displacements at the middles of rings between edges by a uniform pressure on each of them, for a power law."""
+    """The displacements at the middles of rings between edges by a uniform pressure on each, for a power law."""
     s, middles = 0.5 * (1.0 + k), 0.5 * (edges[1:] + edges[:-1])
     # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
     scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
@@ -113,49 +113,6 @@ def volumes_at(contact, times, steps):
 
     one, two, four = by(steps), by(2 * steps), by(4 * steps)
     return (8.0 * four - 6.0 * two + one) / 3.0
-
-
-def march_at_held_displacement(k, phi, times, count):
-    """As `rings_at_held_displacement`, for a power law under a rigid parabola."""
-    rings = Rings(k, phi, count)
-    return rings_at_held_displacement(rings, 1.0 / (1.0 + k), (1.0 - rings.c**2) / (1.0 + k), times)
-
-
-def rings_at_held_displacement(rings, first, moved, times):
-    """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
-
-    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function. The
-    unworn penetration is `first`, and the displacement `moved` over mu theta.
-    """
-    A, load, shape = rings.influence, rings.load, rings.shape
-    worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
-
-    def beside(shape, depth, size):
-        """The gap of a shape at a depth, and the number of rings that touch, no fewer than a size."""
-        while True:
-            pressure = np.zeros(shape.size)
-            pressure[:size] = np.linalg.solve(A[:size, :size], (depth - shape)[:size])
-            gap = shape + A @ pressure - depth
-            if gap[size] >= 0.0:
-                return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
-            size += 1
-
-    slip, size = beside(shape, first - moved, int(np.sum(rings.r < rings.c)))
-    volumes, radii = [0.0], [rings.r[size - 1]]
-    for step in np.diff(times):
-        while True:
-            matrix = np.block([[A + np.diag(step * slip), -np.ones((shape.size, 1))], [load, np.zeros(1)]])
-            touch = np.append(np.arange(last), shape.size)
-            found = np.linalg.solve(matrix[np.ix_(touch, touch)], np.append(-(shape + worn)[:last], 1.0))
-            pressure = np.append(found[:-1], np.zeros(shape.size - last))
-            if (shape + worn + A @ pressure)[last] >= found[-1]:
-                break
-            last += 1
-        worn = worn + step * slip * pressure
-        slip, size = beside(shape + worn, found[-1] - moved, size)
-        volumes.append(np.pi * load @ worn)
-        radii.append(rings.r[size - 1])
-    return np.array(volumes), np.array(radii)
 
 
 def tangential_ratio(k, nu):

@@ -1,7 +1,7 @@
 """Objects that are solved once and then read: what `contact.steady` and `contact.over_cycles` promise to JAX."""
 
 import pickle
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
@@ -115,14 +115,9 @@ def test_objects_can_be_exported(contact):
 
 @each_engine
 def test_threads_read_one_object(contact):
-    steady, found = contact.steady(F_X, digits=2), []
-    expected = float(contact.steady(F_X, digits=2).wear_volume)
-    threads = [threading.Thread(target=lambda: found.append(float(steady.wear_volume))) for _ in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found == [expected] * 8
+    steady, expected = contact.steady(F_X, digits=2), float(contact.steady(F_X, digits=2).wear_volume)
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(lambda _: float(steady.wear_volume), range(8))) == [expected] * 8
 
 
 def test_nobody_changes_them():
