@@ -151,9 +151,8 @@ def test_what_a_thin_layer_adds_is_in_proportion_to_its_thickness():
     closed, share = every(contact_of(Elastic(110e9, NU), STEEL))[:, None, None], np.array([1e-9, 1e-7, 1e-5])
     modulus = np.array([[5.5e9, 110e9], [2200e9, 110e9]])[:, None]
     found = every(contact_of(Layered(8e-5 * share[:, None], modulus, NU), STEEL)) / closed - 1.0
-    np.testing.assert_array_less(abs(found[..., 0]), 2e-4)
     volume = found[STEADY.index("wear_volume")]
-    np.testing.assert_array_less(abs(volume), 100.0 * share + 5e-5)
+    assert np.all(abs(found[..., 0]) < 2e-4) and np.all(abs(volume) < 100.0 * share + 5e-5)
     assert volume[0, -1] > 0.0 > volume[1, -1]
 
 
