@@ -9,7 +9,7 @@ from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, RADIUS, STEEL, co
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
-from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw, fretting
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Shape
 from plgwear_jax.wear_laws import PressurePower
@@ -18,13 +18,6 @@ compiled = pytest.mark.compiled
 ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
 SAME = PressurePower(COEFFICIENT, 1.0)  # Archard's law, which only the march does not know
-
-
-class Own(WearLaw):
-    K: float
-
-    def rate(self, pressure, slip):
-        return self.K * pressure * slip
 
 
 class Cone(Shape):
@@ -72,7 +65,7 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
 @compiled
 @pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
 def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
-    volume, end, radius, stick = errors(KINDS[kind], 2.0, Own(COEFFICIENT))
+    volume, end, radius, stick = errors(KINDS[kind], 2.0, SAME)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
     assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
 
