@@ -170,3 +170,10 @@ def test_the_fields_of_a_run_balance_its_numbers(name):
     r = np.linspace(0.0, 1.2, 7) * np.asarray(run.contact_radius(cycles))
     unworn = run.profile(r, cycles) - run.depth(r, cycles)
     np.testing.assert_allclose(unworn, r**2 / (2.0 * contact.radius), rtol=1e-9, atol=1e-18)
+
+
+@pytest.mark.compiled
+def test_pressures_of_five_digits_carry_the_normal_force():
+    """Until they become singular at the stick edge, where the sum knows less of them."""
+    pressed, _ = sums(CLOSED.over_cycles(2.0, COEFFICIENT, digits=5), WEARS[:2, None])
+    np.testing.assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)
