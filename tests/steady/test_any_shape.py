@@ -67,6 +67,15 @@ def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
     np.testing.assert_allclose(steady(contact_with(shape, k), phi * FRICTION * FORCE), known, rtol=rtol)
 
 
+@pytest.mark.parametrize("name", [name for name in SHAPES if name != "table"])
+def test_heights_are_those_of_their_slopes(name):
+    shape, (piece,), _ = SHAPES[name]
+    r, begin = np.array([2e-5, 7e-5, 2e-4]), float(piece.begin)
+    terms = [(float(x), float(n) + 1.0) for x, n in piece.terms]
+    known = sum(x / n * (np.maximum(r, begin) ** n - begin**n) for x, n in terms)
+    np.testing.assert_allclose(shape.height(r, R), known, rtol=1e-9, atol=1e-18)
+
+
 @long
 @pytest.mark.parametrize("phi", [0.01, 0.5])
 def test_a_narrow_ring_of_a_truncated_sphere(phi):
