@@ -35,7 +35,7 @@ def design(
     """
     given = asked(scene_file)
     picture = picture or Path(f"{scene_file.stem}-design.png")
-    if given.design_space is not None and given.design_space.free is not None:
+    if given.design_space is not None and given.design_space.free:
         if sensitivities:
             refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
         if given.wears_otherwise:

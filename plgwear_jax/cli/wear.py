@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene import Scene
-    from plgwear_jax.scene.sections import Load
+    from plgwear_jax.scene.sections import LoadSection
     from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
@@ -205,7 +205,7 @@ def _doubt_wear(scene_file: Path, nearly: float | None, followed: float | None) 
 
 def _tell_course(
     report: Report,
-    load: "Load",
+    load: "LoadSection",
     columns: "dict[str, np.ndarray]",
     printed: "np.ndarray",
     shares: dict[float, float],
@@ -241,7 +241,7 @@ def _tell_course(
 _HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
 
 
-def _tell_blocks(report: Report, load: "Load", columns: "dict[str, np.ndarray]") -> None:
+def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]") -> None:
     slips = ((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
     report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
     left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))

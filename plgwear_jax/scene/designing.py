@@ -12,7 +12,7 @@ from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint, exponents
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.fields import OtherFileError, SceneError
+from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -36,10 +36,10 @@ def design(given: "Scene") -> optimise.Design:
 
 def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     """See `Scene.free_design`."""
-    window = given.asked().free
-    if window is None:
+    space = given.asked()
+    if not space.free:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
+    profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=space.steepness)
     with _refusing_extremes():
         return _finite(optimise.free_design(modulus=profile, starts=starts, **_question(given)))
 
@@ -82,7 +82,7 @@ def _question(given: "Scene") -> dict[str, Any]:
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space = given.asked()
-    if space.free is not None:
+    if space.free:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     asked, window = _question(given), space.variables.get("modulus")
     if window is not None:

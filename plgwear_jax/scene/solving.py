@@ -30,7 +30,7 @@ class Edge(NamedTuple):
     values: dict[str, Array]
 
 
-class Solved(NamedTuple):
+class SceneValues(NamedTuple):
     """The result of `evaluate`.
 
     Attributes:
@@ -54,7 +54,7 @@ def evaluate(
     weights: np.ndarray | None,
     distance: float | None = None,
     life: tuple[float, float] | None = None,
-) -> Solved:
+) -> SceneValues:
     """The named quantities; without a distance from the edge it is a hundredth of the contact radius.
 
     The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
@@ -88,7 +88,7 @@ def evaluate(
         if beside is not None:
             beside.values[name], found = found[-1], found[:-1]
         values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
-    return Solved(radii, values, edge)
+    return SceneValues(radii, values, edge)
 
 
 def homogeneous(contact: Any) -> Any:
@@ -103,7 +103,7 @@ def homogeneous(contact: Any) -> Any:
     return dataclasses.replace(contact, material=Elastic(material.E0, material.nu))
 
 
-class Moved(NamedTuple):
+class DisplacementEffect(NamedTuple):
     """What a displacement amplitude does to the unworn contact.
 
     Attributes:
@@ -118,11 +118,11 @@ class Moved(NamedTuple):
 
 
 @program()
-def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> Moved:
+def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> DisplacementEffect:
     """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
     force = jnp.asarray(contact.steady(Displacement(displacement, rig_stiffness)).tangential_force)
     limit = contact.steady(Force(0.0, rig_stiffness)).gross_slip_displacement
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
     at_rest = contact.steady(0.0)
     last = 4.0 * at_rest.gross_slip_energy_ratio * at_rest.gross_slip_displacement
-    return Moved(force, limit, last + 4.0 * (displacement - limit))
+    return DisplacementEffect(force, limit, last + 4.0 * (displacement - limit))

@@ -238,7 +238,7 @@ POINTS = 37  # of no other test, and no series has as many terms
 
 
 def asking_for(kind: str, *names: str) -> scene.Scene:
-    return scene.Scene.model_validate(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
+    return scene.scene_of(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
 
 
 def along_radius(kind: str, name: str) -> bool:
