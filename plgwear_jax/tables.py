@@ -296,14 +296,14 @@ def numbered_lines(text: str) -> tuple[list[int], list[str]]:
     return rows, lines
 
 
-def _split(lines: list[str], separator: str) -> list[list[str]]:
+def _cells_of(lines: list[str], separator: str) -> list[list[str]]:
     return list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
 
 
 def _numbers(lines: list[str], separator: str, allowed: Mapping[str, Domain]) -> np.ndarray | None:
     """The numbers in some lines, shape (lines, columns), or None if any of them is not allowed."""
     try:
-        cells = _split(lines, separator)
+        cells = _cells_of(lines, separator)
         if len(cells) != len(lines) or set(map(len, cells)) != {len(allowed)}:
             return None
         numbers = np.fromiter((float(cell) for row in cells for cell in row), float).reshape(-1, len(allowed))
@@ -317,10 +317,10 @@ def _header(line: str, separator: str, form: Form) -> tuple[dict[str, float | No
     """(The columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
     found: dict[str, float | None] = {}
     try:
-        (cells,) = _split([line], separator)
+        (cells,) = _cells_of([line], separator)
     except csv.Error as problem:
         return found, _not_csv(problem)
-    if all(number(cell) is not None for cell in cells):
+    if all(number_in(cell) is not None for cell in cells):
         return found, f"holds numbers; the first row must name the columns, {form.first_row}"
     for cell in cells:
         column, unit = _with_unit(cell.strip(), form.known)
@@ -356,14 +356,14 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
 def _complaint(line: str, separator: str, allowed: Mapping[str, Domain]) -> str | None:
     """What is wrong with a row; None if nothing is."""
     try:
-        (cells,) = _split([line], separator)
+        (cells,) = _cells_of([line], separator)
     except csv.Error as problem:
         return _not_csv(problem)
     if len(cells) > len(allowed):
         point = "; decimals are set off by a point" if separator == "," else ""
         return f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}"
     for (column, domain), cell in zip(allowed.items(), cells + [""] * len(allowed), strict=False):
-        value = number(cell)
+        value = number_in(cell)
         if not cell.strip():
             return f"{column}: missing; it {domain.text}"
         if value is None or not domain.contains(value):
@@ -372,7 +372,7 @@ def _complaint(line: str, separator: str, allowed: Mapping[str, Domain]) -> str 
     return None
 
 
-def number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
     """The number in a text; None if there is none."""
     try:
         return float(cell)

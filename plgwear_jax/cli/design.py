@@ -8,7 +8,7 @@ import typer
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, doubt_units, saved
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure
+from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, fields, measure
 from plgwear_jax.cli.terminal import refuse, warn, working
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
 
-def design(
+def design_command(
     scene_file: SceneFile,
     as_json: AsJson = False,
     picture: Picture = None,
@@ -87,13 +87,13 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     doubt_units(scene_file, given, found.contact_radii[2])
     load = amplitudes_told(given, found.objective)
     units = {"value": entry(found.objective).unit, "contact_radius": entry("contact_radius").unit}
-    report.put(units, load=load, **_as_json(found, counts))
+    report.put(units, load=load, **_free_facts(found, counts))
     report.say(load)
     if report.in_words:
         _say(report, found)
     report.end()
     if not found.certified:
-        warn(f"{scene_file}: {_verdict(found)}")
+        warn(f"{scene_file}: {_free_verdict(found)}")
         raise typer.Exit(1)
 
 
@@ -112,7 +112,7 @@ def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
     return np.asarray(contact.material.modulus_at(depths))
 
 
-def _verdict(found: "FreeDesign") -> str:
+def _free_verdict(found: "FreeDesign") -> str:
     best = found.minima[0]
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best gradient that it found"
@@ -126,7 +126,7 @@ def _verdict(found: "FreeDesign") -> str:
 _SIDES = "best", "power_law", "reference"
 
 
-def _values(found: "FreeDesign") -> tuple[float, float, float]:
+def _three_values(found: "FreeDesign") -> tuple[float, float, float]:
     """The objective on the free gradient, on the best power law and on the reference."""
     return found.value, found.power_law_value, found.reference_value
 
@@ -134,7 +134,7 @@ def _values(found: "FreeDesign") -> tuple[float, float, float]:
 def _say(report: Report, found: "FreeDesign") -> None:
     import numpy as np
 
-    compared = {found.objective: _values(found), "contact_radius": found.contact_radii}
+    compared = {found.objective: _three_values(found), "contact_radius": found.contact_radii}
     report.table(*by_quantity(("free gradient", f"power law, k = {found.exponent:.3g}", "reference"), compared))
     law = np.asarray(found.power_law.material.modulus)  # pyright: ignore[reportAttributeAccessIssue]
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
@@ -143,10 +143,10 @@ def _say(report: Report, found: "FreeDesign") -> None:
         f"{measure(low, 'modulus')} to {measure(high, 'modulus')}" for low, high in zip(lower, upper, strict=True)
     ]
     report.table(
-        each("depth", at),
-        each("modulus", found.modulus, "free gradient"),
-        each("modulus", law, "power law"),
-        each("modulus", reference, "reference"),
+        each_with_unit("depth", at),
+        each_with_unit("modulus", found.modulus, "free gradient"),
+        each_with_unit("modulus", law, "power law"),
+        each_with_unit("modulus", reference, "reference"),
         Column("allowed", allowed),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
@@ -156,25 +156,25 @@ def _say(report: Report, found: "FreeDesign") -> None:
         freedom = (
             f"the free gradient wears {100.0 * found.freedom:.3g} % less than the best power law within these bounds"
         )
-    report.say(saved(found.saving, entry(found.objective).words), freedom, _verdict(found))
+    report.say(saved(found.saving, entry(found.objective).words), freedom, _free_verdict(found))
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
 
 
-def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
+def _free_facts(found: "FreeDesign", counts: Any) -> dict[str, Any]:
     profile, law = found.profile, found.power_law.material
     return {
         **fields(found, "objective", "modulus"),
         "depth": profile.at,
         "at_bound": list(found.at_bound),
         **fields(profile, "lower", "upper", "steepness"),
-        "value": dict(zip(_SIDES, _values(found), strict=True)),
+        "value": dict(zip(_SIDES, _three_values(found), strict=True)),
         "contact_radius": dict(zip(_SIDES, found.contact_radii, strict=True)),
         "power_law": {"k": found.exponent, "modulus": law.modulus},  # pyright: ignore[reportAttributeAccessIssue]
         "less_wear_percent": 100.0 * found.saving,
         "less_than_power_law_percent": 100.0 * found.freedom,
         "minima": [minimum._asdict() for minimum in found.minima],
         **fields(found, "starts", "evaluations", "converged", "certified"),
-        "verdict": _verdict(found),
+        "verdict": _free_verdict(found),
         "where_it_counts": {"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
     }

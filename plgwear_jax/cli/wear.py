@@ -108,7 +108,7 @@ def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, dee
     report.say(told)
 
 
-def _span(first: float, last: float) -> str:
+def _interval(first: float, last: float) -> str:
     """An interval of cycles, of which an end may be open."""
     if first == 0.0 or not last < math.inf:
         return f"at most {counted(last)}" if first == 0.0 and last < math.inf else f"at least {counted(first)}"
@@ -154,6 +154,8 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
         import numpy as np
 
+        from plgwear_jax._core.doubts import of_wear
+
         run = given.over_cycles()
         ends = None if load.cycles is None else np.cumsum(load.cycles)
         shares, cycles, printed = _times(scene_file, run, life) if ends is None else ({}, ends, ends)
@@ -175,8 +177,10 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.draw("wear_picture", run, cycles, drawn, life)
     report.write_table(columns)
     doubt_units(scene_file, given, None if blocks else worn.get("worn_radius", float(columns["contact_radius"][-1])))
-    if not blocks:
-        _doubt_wear(scene_file, shares.get(0.99), None if life else end["cycles"])
+    if not blocks:  # few cycles after which nearly all is worn, or to which gross slip is followed
+        doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
+        if doubtful is not None:
+            warn(f"{scene_file}: [wear]: {doubtful}")
     law = {name: float(value) for name, value in vars(given.law).items()}
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if wear is not None and wear.half_space_share:
@@ -192,15 +196,6 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     own = blocks and wear is not None and wear.cycles is not None
     report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
-
-
-def _doubt_wear(scene_file: Path, nearly: float | None, followed: float | None) -> None:
-    """Warn of cycles after which nearly all is worn, or to which gross slip is followed, that are too few."""
-    from plgwear_jax._core.doubts import of_wear
-
-    said = of_wear(nearly) if nearly is not None else None if followed is None else of_wear(followed, grows=True)
-    if said is not None:
-        warn(f"{scene_file}: [wear]: {said}")
 
 
 def _tell_course(
@@ -222,7 +217,7 @@ def _tell_course(
         report.put(tangential_force=load.largest)
     report.put(regime=regime, life=life, **rows)
     report.say(load.remark)
-    report.table(*_columns(rows, steady))
+    report.table(*_course_columns(rows, steady))
     held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
     if steady is None:
         much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
@@ -295,7 +290,7 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
 
 
-def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
+def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
     wear, end = rows["volume_per_cycle"], steady or {}
     largest = max(end.get("volume", 0.0), float(rows["volume"].max()))
     # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
@@ -395,7 +390,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         best, *ends = through
         first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
-        known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_span(first, last)}"
+        known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_interval(first, last)}"
         _tell_until(given, report, until, best, "", known)
     report.end()
     if found.doubt is not None:

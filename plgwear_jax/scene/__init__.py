@@ -228,7 +228,7 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        return designing.design(self)
+        return designing.best_design(self)
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `optimise.design`, by name, with which `design` asks, to ask with some of them changed.
@@ -267,7 +267,7 @@ class Scene:
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        return designing.front(given, self.traded("x", x, distance), larger, points)
+        return designing.trade_off(given, self.traded("x", x, distance), larger, points)
 
     def free_design(self, *, starts: int = 20) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
@@ -283,7 +283,7 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        return designing.free_design(self, starts)
+        return designing.best_gradient(self, starts)
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
@@ -334,7 +334,7 @@ class Scene:
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             life = self.wear.cycles, self.archard
         force = None if load is None else Force(load.force, load.rig_stiffness)
-        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
+        radii, values, edge = solving.scene_values(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:

@@ -27,14 +27,14 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
     return arguments
 
 
-def design(given: "Scene") -> optimise.Design:
+def best_design(given: "Scene") -> optimise.Design:
     """See `Scene.design`."""
     arguments = arguments_of(given)
     with _refusing_extremes():
         return _finite(optimise.design(**arguments))
 
 
-def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
+def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
     """See `Scene.free_design`."""
     space = given.asked()
     if not space.free:
@@ -44,7 +44,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         return _finite(optimise.free_design(modulus=profile, starts=starts, **_question(given)))
 
 
-def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
+def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
     arguments, ((name, places),) = _arguments(given), x.items()
     if "scenarios" in arguments:
@@ -75,7 +75,7 @@ def _question(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _limits(space.allowed or {}),
+        "limits": _limits_of(space.allowed or {}),
         **({} if given.life is None else {"cycles": given.life, "law": given.law}),
     }
 
@@ -86,7 +86,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     asked, window = _question(given), space.variables.get("modulus")
     if window is not None:
-        asked["limits"] = _limits((space.allowed or {}) | {"modulus": window})
+        asked["limits"] = _limits_of((space.allowed or {}) | {"modulus": window})
     return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
@@ -129,12 +129,12 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     space, load = given.design_space, given.load
     if space is None or space.scatter is None or load is None or load.displacement is None:
         return None
-    found = solving.moved(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
+    found = solving.displacement_effect(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
     force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
     return np.broadcast_to(force, space.scatter.row.shape)
 
 
-def _limits(allowed: dict[str, Any]) -> dict[str, Any]:
+def _limits_of(allowed: dict[str, Any]) -> dict[str, Any]:
     """The limits as Python takes them: a window is one of the modulus at two depths."""
     window = allowed.get("modulus")
     if window is None:
@@ -163,7 +163,7 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         return
     assert given.load is not None
     contact = solving.homogeneous(given.build_contact())
-    found = solving.evaluate(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
+    found = solving.scene_values(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
     widest = float(found.values["stick_radius"])
     if distance >= widest:
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")

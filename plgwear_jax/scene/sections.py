@@ -268,7 +268,7 @@ class LoadSection(SimpleNamespace):
 
         assert self.material is not None
         pressed = solving.homogeneous(self.contact.record(material=self.material.record(), **self.pressed))
-        return solving.moved(pressed, self.given, self.rig_stiffness)
+        return solving.displacement_effect(pressed, self.given, self.rig_stiffness)
 
     @property
     def in_gross_slip(self) -> "np.ndarray":
@@ -410,7 +410,7 @@ class WearSection(SimpleNamespace):
 # --- designs --------------------------------------------------------------------------------------------------------
 
 
-def _window(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """The lowest and highest modulus that can be made, at two depths or more: at, lower, upper."""
     at, between = values["at"], values["between"]
     if len(at) != len(between):
@@ -451,7 +451,7 @@ class DesignSpace(SimpleNamespace):
         variables = {}
         for name, given in values["vary"].items():
             if name == "modulus" and given is not None:
-                variables[name] = _window("vary.modulus", given)
+                variables[name] = _window_of("vary.modulus", given)
                 free = len(given["at"]) > 2
                 if not free and (said := window_complaint(**variables[name])) is not None:
                     raise WrongKeyError("vary.modulus.between", said)
@@ -462,7 +462,7 @@ class DesignSpace(SimpleNamespace):
             if given is not None:
                 allowed[name] = {one: value for one, value in given.items() if value is not None}
             if name == "modulus" and given is not None:
-                allowed[name] = _window("limits.modulus", given)
+                allowed[name] = _window_of("limits.modulus", given)
                 if len(given["at"]) > 2:
                     text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
                     raise WrongKeyError("limits.modulus.at", text)

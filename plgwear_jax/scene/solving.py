@@ -31,7 +31,7 @@ class Edge(NamedTuple):
 
 
 class SceneValues(NamedTuple):
-    """The result of `evaluate`.
+    """The result of `scene_values`.
 
     Attributes:
         radii: In m, if any quantity needs them.
@@ -45,7 +45,7 @@ class SceneValues(NamedTuple):
 
 
 @program(static=3)
-def evaluate(
+def scene_values(
     names: tuple[str, ...],
     points: int,
     digits: int | None,
@@ -118,7 +118,9 @@ class DisplacementEffect(NamedTuple):
 
 
 @program()
-def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> DisplacementEffect:
+def displacement_effect(
+    contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None
+) -> DisplacementEffect:
     """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
     force = jnp.asarray(contact.steady(Displacement(displacement, rig_stiffness)).tangential_force)
     limit = contact.steady(Force(0.0, rig_stiffness)).gross_slip_displacement

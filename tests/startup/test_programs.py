@@ -306,7 +306,7 @@ def test_the_traps_do_catch(monkeypatch, kind, name):
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
     """The program that solving a scene comes down to, not run."""
-    lower, programs = solving.evaluate.jitted.lower, []
+    lower, programs = solving.scene_values.jitted.lower, []
 
     class LoweredError(Exception):
         pass
