@@ -5,7 +5,6 @@ to read a table.
 """
 
 import dataclasses
-import functools
 import math
 import os
 import re
@@ -14,10 +13,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from plgwear_jax._core.words import near, one_line, read_text, shown
-from plgwear_jax.catalogue import Law, laws_of
+from plgwear_jax._core.words import one_line, read_text, shown
+from plgwear_jax.catalogue import laws_of
 from plgwear_jax.rules import BY_THEN, PLACES, Complaint, placed_quantity
-from plgwear_jax.scene.complaints import Complaints, OtherFileError, SceneError, WrongKeyError
+from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
@@ -26,9 +25,12 @@ from plgwear_jax.scene.sections import (
     LoadSection,
     WearSection,
     contact_of,
+    edge_distance,
     kind_of_contact,
     kind_of_material,
+    laws_of_scene,
     material_of,
+    output_of,
 )
 
 if TYPE_CHECKING:
@@ -306,8 +308,8 @@ class Scene:
                 from the edge is larger than the stick radius or that of the punch, or under a displacement of the
                 scene the contact slips as a whole.
         """
-        laws = _laws(self.contact, self.load, self.wear)
-        distance = _edge_distance(self.design_space, self.output)
+        laws = laws_of_scene(self.contact, self.load, self.wear)
+        distance = edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
         left_out |= {"cycles"}
         edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
@@ -362,21 +364,6 @@ class Scene:
         return found
 
 
-def _laws(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
-    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
-    lasts = wear is not None and wear.cycles is not None
-    held = load is not None and load.history is None
-    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts and held else ())}
-    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
-
-
-def _edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
-    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
-    if output is not None and output.distance is not None:
-        return output.distance
-    return None if design is None else design.edge_distance
-
-
 # --- reading --------------------------------------------------------------------------------------------------------
 
 
@@ -416,40 +403,17 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     Raises:
         SceneError: See `load`.
     """
-    complaints = Complaints(name, document)
+    reading: Any = Reading(name, document, folder)
+    reading.read("material", kind_of_material, material_of)
+    reading.read("contact", kind_of_contact, contact_of)
+    reading.read("wear", lambda _: "Wear", WearSection.of)
+    reading.read("load", lambda _: "Load", LoadSection.of)
+    reading.read("design", lambda _: "Design", DesignSpace.of)
+    reading.read("output", lambda _: "Output", output_of)
     for section in ("material", "contact"):
         if section not in document:
-            complaints.refuse((section,), "missing; every input file needs this section")
-    material = complaints.read("material", kind_of_material, functools.partial(material_of, folder))
-    contact = complaints.read("contact", kind_of_contact, functools.partial(contact_of, folder, material))
-    wear = complaints.read("wear", lambda _: "Wear", lambda _, values: WearSection.of(contact, values))
-    if contact is not None and contact.kind == "fretting" and "load" not in document:
-        complaints.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
-    under = complaints.read(
-        "load", lambda _: "Load", lambda _, values: LoadSection.of(folder, material, contact, wear, values)
-    )
-    known = None if "load" in complaints.wrong else contact
-    space = complaints.read(
-        "design", lambda _: "Design", lambda _, values: DesignSpace.of(folder, material, known, under, wear, values)
-    )
-
-    def asked(_: str, values: dict[str, Any]) -> SimpleNamespace:
-        output = SimpleNamespace(**values)
-        for name in output.quantities:
-            if output.quantities.count(name) > 1:
-                raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
-        laws = {} if contact is None else _laws(contact, under, wear)
-        for name in output.quantities if contact is not None else ():
-            if name not in laws:
-                text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
-                raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
-            nowhere = "design" not in complaints.wrong and _edge_distance(space, output) is None
-            if "distance" in laws[name].arguments and nowhere:
-                text = f'"{name}" needs a distance from the stick edge'
-                raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
-        return output
-
-    output = complaints.read("output", lambda _: "Output", asked)
-    complaints.end()
-    assert material is not None and contact is not None
-    return Scene(material, contact, under, wear, space, output)
+            reading.refuse((section,), "missing; every input file needs this section")
+    if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
+        reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
+    reading.end()
+    return Scene(reading.material, reading.contact, reading.load, reading.wear, reading.design, reading.output)

@@ -3,12 +3,12 @@
 import math
 import re
 from collections.abc import Callable
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, Self
 
 from plgwear_jax._core.words import bare, near_or_all, shown
 from plgwear_jax.scene.keys import values_of
 
-_Part = TypeVar("_Part")
 _ABSENT = object()
 _NAMES = "material", "contact", "load", "wear", "design", "output"
 
@@ -29,19 +29,23 @@ class WrongKeyError(ValueError):
         self.path = tuple(re.findall(r"material\.\w+\[\d+\]|[^.]+", key))
 
 
-class Complaints:
-    """What is wrong in an input file.
+class Reading:
+    """An input file while it is read: its sections as far as they are known, and what is wrong.
 
     Args:
         file: The name of the file, for messages.
         document: What it holds.
+        folder: Where names of other files begin.
 
     Attributes:
         wrong: The sections in which something is wrong.
+        material, contact, wear, load, design, output: What the sections hold; None where they are absent or wrong.
     """
 
-    def __init__(self, file: str, document: dict[str, Any]) -> None:
-        self.file, self.document, self.wrong = file, document, set[str]()
+    material = contact = wear = load = design = output = None
+
+    def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
+        self.file, self.document, self.folder, self.wrong = file, document, folder, set[str]()
         self._lines: list[tuple[list[float], str]] = []
         for name in document:
             if name not in _NAMES:
@@ -69,29 +73,27 @@ class Complaints:
             line = f"{told}: {text}" if isinstance(value, dict) else f"{section} = {given}: {text}"
         self._keep(path[0], place, f"{self.file}: {line}")
 
-    def read(
-        self, section: str, kind: Callable[[Any], str], build: Callable[[str, dict[str, Any]], _Part]
-    ) -> _Part | None:
-        """What a section holds; None if it is absent or wrong.
+    def read(self, section: str, kind: Callable[[Any], str], build: Callable[[Self, str, dict[str, Any]], Any]) -> None:
+        """Read a section.
 
         Args:
             section: Its name.
             kind: Its name in `SECTIONS`, from its keys.
-            build: Makes it from this name and the values of its keys.
+            build: Makes it from what is read so far, this name, and the values of its keys.
         """
         given = self.document.get(section)
         try:
             if given is None:
-                return None
+                return
             if not isinstance(given, dict):
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
             values = values_of(name := kind(given), given, self.refuse, (section,))
-            return None if section in self.wrong else build(name, values)
+            if section not in self.wrong:
+                setattr(self, section, build(self, name, values))
         except WrongKeyError as error:
             self.refuse((section, *error.path), str(error))
         except OtherFileError as error:
             self._keep(section, self._find((section,))[0], str(error))
-        return None
 
     def _keep(self, section: str, place: list[float], line: str) -> None:
         self.wrong.add(section)

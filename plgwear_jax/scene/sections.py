@@ -5,12 +5,11 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
 from plgwear_jax._core.words import near, one_line
-from plgwear_jax.catalogue import element
+from plgwear_jax.catalogue import Law, element, laws_of
 from plgwear_jax.rules import (
     BY_THEN,
     OF_POWER_LAW,
@@ -23,7 +22,7 @@ from plgwear_jax.rules import (
     placed_quantity,
     window_complaint,
 )
-from plgwear_jax.scene.complaints import OtherFileError, SceneError, WrongKeyError
+from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError, WrongKeyError
 from plgwear_jax.scene.keys import ELEMENTS, MATERIALS, SECTIONS
 
 if TYPE_CHECKING:
@@ -39,12 +38,12 @@ _CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
-def from_table(form: Callable[[Any], Any], name: str, folder: Path) -> "Table":
+def _from_table(form: Callable[[Any], Any], name: str, reading: Reading) -> "Table":
     """The content of a CSV file that a scene names; `form` takes the module `tables` and gives its form."""
     from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
 
     try:
-        return tables.read(folder / name, form(tables))
+        return tables.read(reading.folder / name, form(tables))
     except tables.TableError as error:
         raise OtherFileError(str(error)) from None
 
@@ -90,18 +89,18 @@ class Body(SimpleNamespace):
         return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
 
 
-def body_of(folder: Path, section: str, values: Mapping[str, Any]) -> Body:
+def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
     fields, file = dict(values), None
     kind = fields.pop("kind", MATERIALS.get(section, ""))
     if "table" in fields:
         form, name = "HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table")
-        file = from_table(lambda tables: getattr(tables, form), name, folder)
+        file = _from_table(lambda tables: getattr(tables, form), name, reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in ("indenter", "shape"):
         if name in fields:
             given = fields[name]
-            fields[name] = body_of(folder, *given) if isinstance(given, tuple) else None
+            fields[name] = _body_of(reading, *given) if isinstance(given, tuple) else None
     return Body(_FLAT.get(kind, SECTIONS[section].record), kind, fields, file)
 
 
@@ -111,13 +110,13 @@ def kind_of_material(given: Mapping[str, Any]) -> str:
     return next((kind for key, kind in keys.items() if key in given), "Material")
 
 
-def material_of(folder: Path, section: str, values: Mapping[str, Any]) -> Body:
+def material_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     """The section [material]."""
     if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
         layers, moduli = len(values["thickness"]), len(values["modulus"])
         text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
         raise WrongKeyError("modulus", f"{text}, not {moduli}")
-    return body_of(folder, section, values)
+    return _body_of(reading, section, values)
 
 
 def kind_of_contact(given: Mapping[str, Any]) -> str:
@@ -128,13 +127,14 @@ def kind_of_contact(given: Mapping[str, Any]) -> str:
     return _CONTACTS[kind]
 
 
-def contact_of(folder: Path, material: Body | None, section: str, values: Mapping[str, Any]) -> Body:
-    """The section [contact] of a half-space, if it is known."""
+def contact_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+    """The section [contact]."""
+    material = reading.material
     if section == "GrossSlip" and material is not None and material.kind != "power law":
         raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
     if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
         raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
-    return body_of(folder, section, values)
+    return _body_of(reading, section, values)
 
 
 # --- loads and wear -------------------------------------------------------------------------------------------------
@@ -168,16 +168,9 @@ class LoadSection(SimpleNamespace):
     """
 
     @classmethod
-    def of(
-        cls,
-        folder: Path,
-        material: Body | None,
-        contact: Body | None,
-        wear: "WearSection | None",
-        values: Mapping[str, Any],
-    ) -> Self | None:
-        """The load of a contact, if it is known; force amplitudes of gross slip are refused."""
-        kind = _one_of(values, LOADS, "load")
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self | None:
+        """The load of the contact, if that is known; force amplitudes of gross slip are refused."""
+        kind, contact = _one_of(values, LOADS, "load"), reading.contact
         if contact is None:
             return None
         if contact.kind != "fretting":
@@ -189,8 +182,8 @@ class LoadSection(SimpleNamespace):
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
         file = None
         if named is not None:
-            file = from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, folder)
-        found = cls(**values, file=file, material=material, contact=contact, wear=wear)
+            file = _from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, reading)
+        found = cls(**values, file=file, material=reading.material, contact=contact, wear=reading.wear)
         if file is not None and not found.of_displacement:
             forces = file["tangential_force"]
             own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * forces for name in PRESSED} | found.pressed
@@ -361,9 +354,9 @@ class WearSection(SimpleNamespace):
     """
 
     @classmethod
-    def of(cls, contact: Body | None, values: Mapping[str, Any]) -> Self:
-        """The wear of a contact, if it is known."""
-        kind, found = _one_of(values, COEFFICIENTS, "wear coefficient"), cls(**values)
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """The wear of the contact, if that is known."""
+        kind, found, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), cls(**values), reading.contact
         for name in found.others:
             if kind != "coefficient":
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
@@ -438,16 +431,9 @@ class DesignSpace(SimpleNamespace):
     """
 
     @classmethod
-    def of(
-        cls,
-        folder: Path,
-        material: Body | None,
-        contact: Body | None,
-        load: LoadSection | None,
-        wear: WearSection | None,
-        values: Mapping[str, Any],
-    ) -> Self:
-        """The design space of a contact, as far as it is known."""
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """The design space of the contact, as far as that is known."""
+        material, contact, load, wear = reading.material, reading.contact, reading.load, reading.wear
         variables = {}
         for name, given in values["vary"].items():
             if name == "modulus" and given is not None:
@@ -484,7 +470,8 @@ class DesignSpace(SimpleNamespace):
         if material is None or contact is None:
             return found
         found._refuse_to_vary(material, contact, load)
-        if over is not None and found.scenarios is None and (load is None or load.table is None):
+        known = "load" not in reading.wrong
+        if over is not None and found.scenarios is None and known and (load is None or load.table is None):
             text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
             raise WrongKeyError("over", text)
         if found.scenarios is not None:
@@ -492,7 +479,7 @@ class DesignSpace(SimpleNamespace):
             names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
             names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
             columns = {name: domain_of(name) for name in names}
-            found.scatter = from_table(lambda tables: tables.scenarios(columns), found.scenarios, folder)
+            found.scatter = _from_table(lambda tables: tables.scenarios(columns), found.scenarios, reading)
         return found
 
     @property
@@ -566,3 +553,38 @@ _INSTEAD = (
     f"vary {' and '.join(map(json.dumps, ELEMENTS))} and so on, "
     "or give three depths or more in vary.modulus for a free gradient"
 )
+
+
+# --- what is asked for ------------------------------------------------------------------------------------------------
+
+
+def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
+    """The section [output]: names of quantities of the contact, if that is known."""
+    output, contact = SimpleNamespace(**values), reading.contact
+    laws = {} if contact is None else laws_of_scene(contact, reading.load, reading.wear)
+    for name in output.quantities:
+        if output.quantities.count(name) > 1:
+            raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
+    for name in output.quantities if contact is not None else ():
+        if name not in laws:
+            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
+            raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
+        nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
+        if "distance" in laws[name].arguments and nowhere:
+            text = f'"{name}" needs a distance from the stick edge'
+            raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
+    return output
+
+
+def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
+    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
+    lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
+    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
+    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
+
+
+def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
+    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
+    if output is not None and output.distance is not None:
+        return output.distance
+    return None if design is None else design.edge_distance

@@ -1,6 +1,5 @@
 """Tables of amplitudes: how they may be written, what is refused, in which words, and how large ones are read."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -77,15 +76,6 @@ def test_history_is_read(file, content, rows):
     assert "weight" not in found.columns
 
 
-def test_tables_are_equal_where_all_numbers_are(file):
-    table, history = read(file, TABLE), read(file, HISTORY, columns=1)
-    assert table == read(file, TABLE.replace(",", ";")) and history == read(file, HISTORY, columns=1)
-    for other in ("0.3,2", "0.1,3", "\n0.1,2"):
-        assert table != read(file, TABLE.replace("0.1,2", other))
-    assert table != history and history != table and table != TABLE
-    assert table != dataclasses.replace(table, name="other.csv")
-
-
 @pytest.mark.parametrize(
     "heading, factor",
     [("volume", 1.0), ("volume (mm^3)", 1e-9), ("volume [um3]", 1e-18), ("volume_mm3", 1e-9), ("volume(nm^3)", 1e-27),
@@ -143,7 +133,7 @@ def test_round_trip(tmp_path_factory, rows):
 
 
 @pytest.mark.parametrize("rows", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
-def test_large_tables_are_read_in_blocks(file, rows):
+def test_large_tables_are_read(file, rows):
     expected = np.random.default_rng(1).random((rows, 2))
     content = "tangential_force,weight\n" + "".join(f"{force!r},{weight!r}\n" for force, weight in expected.tolist())
     np.testing.assert_array_equal(numbers(read(file, content)), expected)
@@ -173,8 +163,7 @@ def test_refusal_of_a_history(file, case):
     assert is_told(complaint(file, case["content"], columns=1), case, "loads.csv")
 
 
-def test_refusal_far_down_the_file(file, monkeypatch):
-    monkeypatch.setattr(tables, "_BLOCK", 3)
+def test_refusal_far_down_the_file(file):
     rows = 10 * ["0.1,1"]
     assert read(file, "\n".join(["tangential_force,weight", *rows])).row.tolist() == list(range(2, 12))
     for row in range(2, 12):
