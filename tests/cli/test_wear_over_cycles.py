@@ -11,9 +11,9 @@ import xarray
 from matplotlib import image
 from typer.testing import CliRunner
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, fitting, scene
+from plgwear_jax import FrettingContact, PowerLawGraded, cli, fitting, scene
 from plgwear_jax.loads import Block, Displacement
-from plgwear_jax.wear_laws import Archard, PressurePower
+from plgwear_jax.wear_laws import PressurePower
 
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -103,10 +103,6 @@ def test_less_is_worn_at_a_held_displacement():
     printed = plgwear().stdout
     assert printed.startswith(f"displacement 2e-07 m of the rig: a force amplitude of {force:.4g} N before wear\n")
     assert "at a constant displacement amplitude 50 % is worn after" in printed
-    cycles, held = np.array([2e5, 6e5, 2e6, 8e6]), Displacement(2e-7, 3e7)
-    found = fitting.fit_wear_coefficient(its, held, cycles, its.over_cycles(held, 2e-15).volume(cycles))
-    assert found.wear_coefficient == pytest.approx(2e-15, rel=1e-3)
-    assert found.steady_volume == pytest.approx(told["steady_state"]["volume"], rel=1e-3)
 
 
 def test_sweeps_and_designs_for_a_life_take_a_held_displacement():
@@ -189,28 +185,14 @@ def measured():
     return its, np.asarray(its.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
 
-def test_a_fit_finds_the_coefficient_and_its_interval(measured):
+def test_an_interval_reaches_to_where_the_squares_have_risen(measured):
+    """By 1.96^2."""
     its, volume = measured
-    exact = fitting.fit_wear_coefficient(its, FORCE, CYCLES, volume)
-    np.testing.assert_allclose(exact.wear_coefficient, COEFFICIENT, rtol=1e-8)
-    assert exact.doubt is None
-    np.testing.assert_allclose(exact.fitted, volume, rtol=1e-7, atol=1e-30)
-    random = np.random.default_rng(1)
-    inside = 0
-    for _ in range(8):
-        noisy = volume * (1.0 + 0.05 * random.standard_normal(volume.size))
-        found = fitting.fit_wear_coefficient(its, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22)
-        low, high = found.interval
-        assert low < found.wear_coefficient < high
-        inside += low < COEFFICIENT < high
-    assert inside >= 6  # of 8, at 95 %
-    # An interval reaches to where the sum of squares has risen by 1.96^2.
-    rise = [
-        np.sum(((fitting_curve(found, end) - noisy)[1:] / found.deviation[1:]) ** 2)
-        for end in (found.wear_coefficient, *found.interval)
-    ]
-    np.testing.assert_allclose(np.diff(rise[:2]), 1.96**2, rtol=0.05)
-    np.testing.assert_allclose(rise[2] - rise[0], 1.96**2, rtol=0.05)
+    noisy = volume * (1.0 + 0.05 * np.random.default_rng(1).standard_normal(volume.size))
+    found = fitting.fit_wear_coefficient(its, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22)
+    ends = found.wear_coefficient, *found.interval
+    least, *rise = (np.sum(((fitting_curve(found, end) - noisy)[1:] / found.deviation[1:]) ** 2) for end in ends)
+    np.testing.assert_allclose(np.array(rise) - least, 1.96**2, rtol=0.05)
 
 
 def fitting_curve(found: fitting.Fit, coefficient: float) -> np.ndarray:
@@ -394,30 +376,6 @@ def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
 def test_gross_slip_is_followed_to_a_scar_of_some_radii():
     write(SLIDING.replace("cycles = 5e5", "cycles = 5e12"))
     assert refused().startswith("mine.toml: [wear] cycles = 5e+12: after ")
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    "load, exponent",
-    [
-        (Displacement(1e-5), 1.0),
-        (Displacement(1e-5, 1e7), 1.0),
-        (2.0, 1.5),
-        ([Block(2.0, 2e5), Block(Displacement(2e-6), 1e4, 5.0, 0.3), Block(3.0, 5e5, 20.0)], 1.0),
-    ],
-)
-@pytest.mark.parametrize("indenter", [None, Elastic(210e9, 0.3)])
-def test_a_fit_of_any_test(load, exponent, indenter):
-    """It finds the coefficient from its own volumes, with an interval that contains it."""
-    its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4, indenter)
-    law = Archard(COEFFICIENT) if exponent == 1.0 else PressurePower(2e-19, exponent)
-    cycles = np.array([5e4, 1.5e5, 2.05e5, 2.1e5, 4e5])
-    volume = np.asarray(its.over_cycles(load, law).volume(cycles)) * np.array([1.01, 0.99, 1.01, 0.99, 1.01])
-    found = fitting.fit_wear_coefficient(its, load, cycles, volume, 0.01 * volume, exponent=exponent)
-    K = COEFFICIENT if exponent == 1.0 else 2e-19
-    assert found.wear_coefficient == pytest.approx(K, rel=0.02)
-    assert found.interval[0] < K < found.interval[1] and found.doubt is None
-    assert (found.steady_volume is None) == (exponent == 1.0)
 
 
 @pytest.mark.compiled

@@ -72,34 +72,6 @@ def test_short_names_are_those_of_fretting_first():
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize(
-    "contact, single",
-    [
-        (CONTACT, ["contact_radius", "wear_volume"]),
-        (PUNCH, ["initial_force", "steady_force", "force_ratio", "force_drop", "volume_change"]),
-        pytest.param(
-            CONTACT,
-            ["stick_radius", "worn_radius", "penetration", "deepest_wear", "edge_intensity"],
-            marks=pytest.mark.long,
-        ),
-    ],
-    ids=["fretting", "gross slip", "fretting, the rest"],
-)
-def test_every_quantity_of_a_contact_can_be_swept(contact, single):
-    load = {"tangential_force": np.array([0.5, 2.0])} if contact is CONTACT else {}
-    z0 = np.array([1e-5, 1e-3])
-    ds = sweep.sweep(single, contact=contact, z0=z0, k=K, **load)
-    full = grid(z0, K, *load.values())
-    changed = dataclasses.replace(contact, material=dataclasses.replace(contact.material, z0=full[0], k=full[1]))
-    for name in single:
-        expected = getattr(changed.steady(*full[2:]), name)
-        if name in ("force_ratio", "force_drop"):
-            assert ds[name].dims == ("k",)
-        np.testing.assert_allclose(ds[name].broadcast_like(xr.Dataset(ds.coords)), expected, rtol=1e-12)
-    assert ("friction" in ds.coords) == (contact is CONTACT) and "tangential_force" not in {*ds.coords} - {*load}
-
-
-@pytest.mark.compiled
 def test_radii_and_the_relative_amplitude_of_a_contact():
     r = np.array([1e-5, 6.6e-5])
     ds = sweep.sweep(["wear_depth", "edge_pressure"], contact=CONTACT, r=r, phi=PHI, distance=1e-6)
@@ -185,24 +157,6 @@ def test_loads_are_an_axis_and_quantities_their_means():
             expected = np.average(contact.steady(force).wear_volume, weights=weight)
             np.testing.assert_allclose(ds.wear_volume.sel(z0=z0, load_case=name), expected, rtol=1e-13)
     assert ds.wear_volume.attrs["long_name"].startswith("mean over the load of: ")
-
-
-@pytest.mark.long  # one amplitude is a load of one
-def test_designs_are_those_of_optimise():
-    ds = sweep.sweep(
-        ["design.k", "design.saving", "design.scan_found_nothing_better"],
-        contact=CONTACT,
-        design=DESIGN,
-        z0=[1e-5],
-        phi=[0.02, 0.2],
-    )
-    contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
-    for phi in (0.02, 0.2):
-        best = optimise.design(contact, 4.0 * phi, **DESIGN)
-        found = ds.sel(phi=phi)
-        np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
-        np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
-        assert bool(found.design_scan_found_nothing_better) is best.scan_found_nothing_better is True
 
 
 @pytest.mark.compiled
@@ -312,15 +266,6 @@ def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):
     for _ in range(2):
         found = sweep.sweep(names, k=[0.1, 0.2], phi=[0.0], r=r, chunk=1, out=tmp_path / "map.zarr")
         assert found.attrs["unfinished"] == 0 and not found.wear_volume.any()
-
-
-def test_a_sweep_that_is_all_there_is_not_computed(tmp_path, monkeypatch):
-    first = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr").load()
-    monkeypatch.setattr("plgwear_jax.sweep.plan.Engine", None)
-    steps = []
-    again = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr", progress=lambda *step: steps.append(step))
-    xr.testing.assert_identical(first, again.load())
-    assert steps == [(35, 35)]
 
 
 @given(st.lists(st.integers(1, 10**6), min_size=1, max_size=4), st.integers(1, 10**7))
