@@ -66,8 +66,10 @@ def refuse_extremes(scene_file: Path, finite: Any, what: str = "the wear exceeds
         refuse(f"{scene_file}: {what} the range of numbers: some value in the input file is too extreme")
 
 
-def interval(key: str, text: str, ends: tuple[float, float], form: str) -> tuple[float, float]:
+def interval(key: str, text: str | None, ends: tuple[float, float], form: str) -> tuple[float, float] | None:
     """The numbers of LOWEST:HIGHEST between these ends, or a line that says so, with a form behind it."""
+    if text is None:
+        return None
     try:
         lower, upper = map(float, text.split(":"))
     except ValueError:

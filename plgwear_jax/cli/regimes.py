@@ -62,8 +62,9 @@ def regimes(
     given = read_scene(scene_file)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    moves = _given_range("--displacement", displacement, entry("displacement_amplitude").unit)
-    forces = _given_range("--normal-force", normal_force, entry("normal_force").unit)
+    within, form = (0.0, math.inf), " in {}, 0 < LOWEST < HIGHEST"
+    moves = interval("--displacement", displacement, within, form.format(entry("displacement_amplitude").unit))
+    forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
     if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
         refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
@@ -75,7 +76,10 @@ def regimes(
         found, cut = _computed(scene_file, contact, moves, forces, own, rig)
     _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
     report.draw("regimes_picture", found, cut, own, rig)
-    report.write_table(_map_columns(found))
+    names = "normal_force", "displacement_amplitude"
+    pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
+    columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
+    report.write_table({name: np.ravel(values) for name, values in columns.items()})
     doubt_units(scene_file, given, onset=float(cut.gross_slip_displacement[0]))
     _tell(report, found, cut, own, rig)
     report.end()
@@ -83,10 +87,6 @@ def regimes(
 
 def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
     refuse_extremes(scene_file, ((values > 0.0) & (values < math.inf)).all(), "the loops exceed")
-
-
-def _given_range(name: str, text: str | None, unit: str) -> tuple[float, float] | None:
-    return None if text is None else interval(name, text, (0.0, math.inf), f" in {unit}, 0 < LOWEST < HIGHEST")
 
 
 def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.ndarray]":
@@ -140,15 +140,6 @@ def _computed(
     both = ((np.arange(rows.size), of_map), (np.array([rows.size]), ~of_map))
     found, cut = (whole.part(some, np.flatnonzero(which)) for some, which in both)
     return found, cut
-
-
-def _map_columns(found: "SlipRegimes") -> "dict[str, np.ndarray]":
-    """The map with a row for each pair."""
-    import numpy as np
-
-    forces, moves = np.meshgrid(found.normal_force, found.displacement_amplitude, indexing="ij")
-    named = {"normal_force": forces, "displacement_amplitude": moves, **fields(found, *_NAMES)}
-    return {name: np.ravel(values) for name, values in named.items()}
 
 
 def _tell(

@@ -108,13 +108,6 @@ def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, dee
     report.say(told)
 
 
-def _interval(first: float, last: float) -> str:
-    """An interval of cycles, of which an end may be open."""
-    if first == 0.0 or not last < math.inf:
-        return f"at most {counted(last)}" if first == 0.0 and last < math.inf else f"at least {counted(first)}"
-    return f"{counted(first)} to {counted(last)}"
-
-
 def _share_out(given: "Scene", worn: dict[str, float]) -> str | None:
     """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
     share = 0.0 if given.wear is None else given.wear.half_space_share
@@ -188,7 +181,22 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     if blocks:
         _tell_blocks(report, load, columns)
     else:
-        _tell_course(report, load, columns, printed, shares, life, steady, end)
+        slips = columns["stick_radius"] <= 0.0
+        regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
+        regime = "gross slip" if slips.all() else regime
+        at = abs(cycles - printed[:, None]).argmin(axis=1)
+        rows = {name: values[at] for name, values in columns.items()}
+        report.put(regime=regime, life=life, **rows)
+        if not load.in_gross_slip.any():
+            report.put(tangential_force=load.largest)
+        report.say(load.remark)
+        report.table(*_course_columns(rows, steady))
+        held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
+        if steady is None:
+            much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
+            report.say(f"{regime} {held}: {much}; the wear goes on")
+        else:
+            _tell_steady(report, held, shares, life, steady, end["volume"])
     report.say(both)
     if until is not None and through is not None:
         ends = f": the deepest wear is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
@@ -198,36 +206,14 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     report.end()
 
 
-def _tell_course(
-    report: Report,
-    load: "LoadSection",
-    columns: "dict[str, np.ndarray]",
-    printed: "np.ndarray",
-    shares: dict[float, float],
-    life: float | None,
-    steady: dict[str, float] | None,
-    end: dict[str, float],
+def _tell_steady(
+    report: Report, held: str, shares: dict[float, float], life: float | None, steady: dict[str, float], volume: float
 ) -> None:
-    at = abs(columns["cycles"] - printed[:, None]).argmin(axis=1)
-    rows = {name: values[at] for name, values in columns.items()}
-    slips = columns["stick_radius"] <= 0.0
-    regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
-    regime = "gross slip" if slips.all() else regime
-    if not load.in_gross_slip.any():
-        report.put(tangential_force=load.largest)
-    report.put(regime=regime, life=life, **rows)
-    report.say(load.remark)
-    report.table(*_course_columns(rows, steady))
-    held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
-    if steady is None:
-        much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
-        report.say(f"{regime} {held}: {much}; the wear goes on")
-        return
     report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
     if life is not None:
         unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
-        after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
-        report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
+        after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
+        report.say(f"{after}: {100.0 * volume / steady['volume']:.3g} %")
     first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
     then = "".join(f", {much} after {number}" for much, number in later)
     report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
@@ -390,7 +376,10 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         best, *ends = through
         first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
-        known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_interval(first, last)}"
+        known = f"{counted(first)} to {counted(last)}"
+        if first == 0.0 or not last < math.inf:
+            known = f"at least {counted(first)}" if first or not last < math.inf else f"at most {counted(last)}"
+        known = f", 95 % confidence: {known}" if low == low and best < math.inf else ""
         _tell_until(given, report, until, best, "", known)
     report.end()
     if found.doubt is not None:
