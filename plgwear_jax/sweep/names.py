@@ -22,6 +22,7 @@ from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.catalogue import (
+    AMPLITUDES,
     AXES,
     FRETTING,
     GROSS_SLIP,
@@ -48,12 +49,62 @@ class QuantityError(ValueError):
     """Why a quantity cannot be computed, in one line that begins with its name."""
 
 
+class AxisNames:
+    """What a contact and its load have by the names of axes: `k` is `material.k`, `load[0].cycles` that of a block.
+
+    Args:
+        contact: The contact; None for the dimensionless functions.
+        load: A load that has numbers.
+
+    Attributes:
+        paths: The path in the contact of each of its numbers, by all names that it has.
+        own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
+            has them.
+        of_load: The numbers of the load.
+        allowed: All names; elements of an array are one.
+    """
+
+    def __init__(self, contact: Any, load: Load | None = None) -> None:
+        leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
+        leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
+        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
+        self.own, self._load = dict[str, Any](), load
+        for path, value in leaves.items():
+            points = [f"{path}[{place}]" for place in range(np.shape(value)[-1])] if np.ndim(value) else [path]
+            name = path.removeprefix("material.")
+            if path not in AXES:
+                self.paths = {one.removeprefix("material."): one for one in points} | self.paths
+            self.paths |= {one: one for one in points}
+            self.own[name if name in AXES and name not in leaves and path not in AXES else path] = value
+        self.of_load = {} if load is None else paths_of(load)
+        if load is not None and load.lasts:
+            self.of_load = {name.removesuffix("_amplitude"): value for name, value in self.of_load.items()}
+        else:
+            self.of_load = {f"load{path.removeprefix('of')}": value for path, value in self.of_load.items()}
+        self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
+        self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
+        if isinstance(contact, FrettingContact):
+            self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", "r", "distance", "z"]
+            self.allowed += ["cycles", "wear_coefficient", "share"]
+
+    def part_of_load(self, name: str) -> str | None:
+        """The path in the load of a number of a block, also of one that it has not; None of other names."""
+        path = f"of{name.removeprefix('load')}"
+        try:
+            return (
+                path if name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(self._load, path)) else None
+            )
+        except (AttributeError, LookupError, TypeError):
+            return None
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class SweepTarget:
     """The contact and its loads.
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
+        names: The names of its numbers.
         load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         paths: The path in the contact of each axis and each single value that is a number of it.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
@@ -65,7 +116,8 @@ class SweepTarget:
         digits: Correct digits wanted.
     """
 
-    contact: FrettingContact | GrossSlipContact | None = None
+    contact: FrettingContact | GrossSlipContact | None
+    names: AxisNames
     load: Any = None
     paths: Mapping[str, str] = dataclasses.field(default_factory=dict)
     inputs: tuple[str, ...] = ()
@@ -255,7 +307,7 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
 
 
 def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
-    path = paths_by_name(subject.contact).get(by)
+    path = subject.names.paths.get(by)
     if not (by in asked.slopes or (path is not None and asked.slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(asked.slopes)}" if asked.slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
@@ -286,32 +338,6 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
 # --- contacts and loads ---------------------------------------------------------------------------------------------
 
 
-def paths_by_name(contact: Any) -> dict[str, str]:
-    """The path in a contact of each of its numbers, by the names of axes: `material.k` is also `k`."""
-    found = {"indenter_E": "indenter.E"} if getattr(contact, "indenter", None) is not None else {}
-    for path, value in _leaves_of(contact).items():
-        points = [f"{path}[{place}]" for place in range(np.shape(value)[-1])] if np.ndim(value) else [path]
-        if path not in AXES:
-            found = {one.removeprefix("material."): one for one in points} | found
-        found |= {one: one for one in points}
-    return found
-
-
-def _leaves_of(contact: Any) -> dict[str, Any]:
-    """The leaves of a contact by path, with Holl's ratio, which is none for JAX."""
-    nu = getattr(getattr(contact, "material", None), "nu", None)
-    return paths_of(contact) | ({"material.nu": nu} if isinstance(nu, str) else {})
-
-
-def fields_of(contact: Any) -> dict[str, Any]:
-    """The leaves of a contact by name: those of the material without `material.`, if the catalogue has them."""
-    leaves, found = _leaves_of(contact), {}
-    for path, value in leaves.items():
-        name = path.removeprefix("material.")
-        found[name if name in AXES and name not in leaves and path not in AXES else path] = value
-    return found
-
-
 def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
@@ -319,13 +345,6 @@ def contact_at(subject: SweepTarget, values: Values) -> Any:
         if name in values:
             contact = with_leaf(contact, path, values[name])
     return contact
-
-
-def numbers_of(load: Load) -> dict[str, Any]:
-    """The numbers of a load, by the names that they have as inputs of a sweep."""
-    if not load.lasts:
-        return {f"load{path.removeprefix('of')}": value for path, value in paths_of(load).items()}
-    return {name.removesuffix("_amplitude"): value for name, value in paths_of(load).items()}
 
 
 def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
@@ -360,8 +379,7 @@ def _slips(subject: SweepTarget, values: Values, _: dict[Any, Any]) -> Array:
 
 def _differentiable(needs: tuple[str, ...], subject: SweepTarget) -> tuple[str, ...]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
-    fields = fields_of(subject.contact).items()
-    numbers = [name for name, value in fields if not isinstance(value, str) and not np.ndim(value)]
+    numbers = [name for name, value in subject.names.own.items() if not isinstance(value, str) and not np.ndim(value)]
     return tuple(name for name in (*needs, *numbers) if name != "load_case" and not (subject.holl and name == "nu"))
 
 

@@ -28,7 +28,6 @@ from plgwear_jax.sweep.names import (
     SweepTarget,
     axis_unit,
     digits_of,
-    fields_of,
     is_search,
     label_of,
     resolve,
@@ -239,7 +238,7 @@ def _told(values: np.ndarray) -> str:
 def _told_bodies(subject: SweepTarget) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
     bodies = {name: getattr(subject.contact, name, None) for name in BODIES}
-    rows = {name: value for name, value in fields_of(subject.contact).items() if np.ndim(value)}
+    rows = {name: value for name, value in subject.names.own.items() if np.ndim(value)}
     kinds = {name: type(body).__name__ for name, body in bodies.items() if body is not None}
     return kinds | {name: _told(np.asarray(row)) for name, row in rows.items()}
 

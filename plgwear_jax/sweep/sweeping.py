@@ -5,7 +5,6 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 """
 
 import collections
-import dataclasses
 import functools
 import os
 import warnings
@@ -19,7 +18,7 @@ import xarray as xr
 
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.doubts import doubt, of_contact
-from plgwear_jax._core.leaves import leaf_of, with_leaf
+from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
@@ -30,12 +29,10 @@ from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
     SLIPS,
+    AxisNames,
     QuantityError,
     SweepTarget,
     axis_unit,
-    fields_of,
-    numbers_of,
-    paths_by_name,
     variable_name,
 )
 from plgwear_jax.sweep.plan import LOAD, SweepPlan, chunk_shape, default_chunk
@@ -245,10 +242,10 @@ def _plan(
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
     given = None if load is None else load_of(load)
-    of_load = {} if given is None else numbers_of(given)
     held = given if given is not None and not given.lasts else None
-    of_load = {name: values for name, values in of_load.items() if name not in axes}
-    rows, fixed, paths = _sorted_out(of_load | dict(axes), contact, held)
+    known = AxisNames(contact, given)
+    of_load = {name: values for name, values in known.of_load.items() if name not in axes}
+    rows, fixed, paths = _sorted_out(of_load | dict(axes), known, contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
@@ -261,7 +258,7 @@ def _plan(
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
-    subject = SweepTarget(contact, held, paths, inputs, holl, forces, weights, design, bounds, digits)
+    subject = SweepTarget(contact, known, held, paths, inputs, holl, forces, weights, design, bounds, digits)
 
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:
@@ -302,24 +299,23 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 
 
 def _sorted_out(
-    axes: Mapping[str, Any], contact: FrettingContact | GrossSlipContact | None, load: Any
+    axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None, load: Any
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
     """The axes, the inputs with a single value, including the fields of the contact, and the paths of both there."""
     fixed: dict[str, Any] = {}
-    for name, value in fields_of(contact).items():
+    for name, value in known.own.items():
         if isinstance(value, str) or not np.ndim(value):
             fixed[name] = value
         elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
-    allowed, known = _axes_of(contact), paths_by_name(contact)
-    paths = {known[name]: name for name in fixed}
+    paths = {known.paths[name]: name for name in fixed}
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
-        path = known.get(name)
-        of_block = path is None and name.startswith("load[") and _is_of_block(load, name)
-        if path is None and name not in allowed and not of_block:
+        path = known.paths.get(name)
+        of_block = None if path is not None or load is None else known.part_of_load(name)
+        if path is None and name not in known.allowed and of_block is None:
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
-            raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, allowed)}")
+            raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, known.allowed)}")
         if path is not None:
             if paths.get(path, name) in axes and paths.get(path, name) != name:
                 raise AxisError(f"{name}: is the same as {paths[path]}")
@@ -333,8 +329,8 @@ def _sorted_out(
             continue
         array = check_axis(name, values)
         try:
-            if path is not None or of_block:
-                with_leaf(load if of_block else contact, f"of{name.removeprefix('load')}" if of_block else path, array)
+            if path is not None or of_block is not None:
+                with_leaf(load if path is None else contact, path or of_block, array)
         except ValueError as error:
             raise AxisError(f"{name}: {error}") from None
         if array.ndim:
@@ -342,25 +338,6 @@ def _sorted_out(
         else:
             fixed[name] = float(array)
     return rows, fixed, {name: path for path, name in paths.items()}
-
-
-def _is_of_block(load: Any, name: str) -> bool:
-    """Whether a name is that of a number of a block, such as "load[0].cycles"."""
-    try:
-        return not dataclasses.is_dataclass(leaf_of(load, f"of{name.removeprefix('load')}"))
-    except (AttributeError, LookupError, TypeError):
-        return False
-
-
-def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
-    """The axes that there are for a contact; elements of a row are one."""
-    if contact is None:
-        return ["k", "phi", "nu", "r", "distance"]
-    fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
-    if isinstance(contact, GrossSlipContact):
-        return [*fields, "r", "z"]
-    of_load = *reversed(AMPLITUDES), "rig_stiffness", "factor"
-    return [*fields, *of_load, "r", "distance", "z", "cycles", "wear_coefficient", "share"]
 
 
 def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
@@ -400,7 +377,7 @@ def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
 def _refuse_needs(plan: SweepPlan) -> None:
     """Refuse quantities that need an input without a value."""
     available = {*plan.axes, *plan.fixed, *([LOAD] if plan.subject.forces is not None else [])}
-    allowed = _axes_of(plan.subject.contact)
+    allowed = plan.subject.names.allowed
     for asked in plan.asked:
         for need in asked.needs:
             if need not in available:
