@@ -13,7 +13,7 @@ def cases(file: str | Path, kind: str) -> Any:
     return pytest.mark.parametrize("case", found, ids=[case["line"][:60] for case in found])
 
 
-def is_told(line: str, case: dict[str, Any], file: str) -> bool:
-    """Whether a line is that of the case, after the name of the file; "…" at its end stands for anything."""
-    expected = f"{file}: {case['line']}"
+def is_told(line: str, case: dict[str, Any], file: str = "") -> bool:
+    """Whether a line is that of the case, after the name of a file; "…" at its end stands for anything."""
+    expected = f"{file}: {case['line']}" if file else case["line"]
     return line == expected or (expected.endswith("…") and line.startswith(expected[:-1]))

@@ -3,12 +3,14 @@
 import dataclasses
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from refusals import cases, is_told
 
 from plgwear_jax import (
     Cone,
@@ -202,36 +204,11 @@ def test_a_leaf_has_one_name_or_its_path():
     np.testing.assert_allclose(holl.contact_radius, expected, rtol=1e-13)
 
 
-@pytest.mark.parametrize(
-    "names, given, line",
-    [
-        ("contact_radius", {"indenter.F": [1.0, 2.0]},
-         "indenter.F: is no axis of a FrettingContact; did you mean indenter.E?"),
-        ("contact_radius", {"material.modulus[3]": [1e9, 2e9]},
-         "material.modulus[3]: is no axis of a FrettingContact; did you mean material.modulus[i]?"),
-        ("contact_radius", {"material.modulus": [1e9, 2e9]},
-         "material.modulus: is no axis of a FrettingContact; did you mean material.modulus[i]?"),
-        ("contact_radius", {"material.modulus[1]": [1e9, -2e9]},
-         "material.modulus[1] = -2000000000.0 at index 1: must be > 0 and finite"),
-        ("contact_radius", {"shape.exponent": [0.5, 3.0]},
-         "shape.exponent: exponent = 0.5 at index 0 is outside the allowed range exponent >= 1 and finite"),
-        ("contact_radius", {"material.depth[1]": [1e-5, 2e-4]},
-         "material.depth[1]: depth = 0.0002 m is followed by 0.0001 m: depths must increase"),
-        ("contact_radius", {"nu": [0.1, 0.2], "material.nu": [0.1, 0.2]}, "material.nu: is the same as nu"),
-        ("contact_radius.dindenter.F", {"radius": [1e-3, 2e-3]},
-         "contact_radius: has no derivative by indenter.F; it has those by nu, radius, normal_force, friction, "
-         "indenter.E, indenter.nu, shape.exponent"),
-        ("slip_amplitud", {"radius": [1e-3, 2e-3]},
-         "slip_amplitud: there is no such quantity; did you mean slip_amplitude?"),
-        ("transient.wear_volume", {"radius": [1e-3, 2e-3], "tangential_force": 1.0},
-         "transient.wear_volume: needs cycles"),
-        ("slip_amplitude", {"radius": [1e-3, 2e-3], "tangential_force": 1.0}, "slip_amplitude: needs r in m"),
-    ],
-)  # fmt: skip
-def test_unknown_leaves_and_quantities_are_refused_in_a_line(names, given, line):
+@cases(Path(__file__).with_name("refused.toml"), "leaves")
+def test_unknown_leaves_and_quantities_are_refused_in_a_line(case):
     with pytest.raises(ValueError, match=r".") as caught:
-        sweep.sweep(names, contact=LAYERED, **given)
-    assert str(caught.value) == line
+        sweep.sweep(case["names"], contact=LAYERED, **case["given"])
+    assert is_told(str(caught.value), case)
 
 
 # --- leaves by path -------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -18,6 +19,7 @@ from functions import FUNCTIONS, arguments, fretting, gross_slip, values
 from hypothesis import given
 from hypothesis import strategies as st
 from optima import optima
+from refusals import cases, is_told
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
 from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, MATERIAL
@@ -292,57 +294,14 @@ def complaint(*args, **kwargs):
 WEAR = "wear_volume"
 
 
-@pytest.mark.parametrize(
-    "names, given, line",
-    [
-        ([], {}, "quantities: name at least one"),
-        ([WEAR, WEAR], AXES, "wear_volume: is asked for more than once"),
-        ("wear_volum", AXES, "wear_volum: there is no such quantity; did you mean wear_volume?"),
-        ("gross_slip.force", AXES, "gross_slip.force: there is no such quantity; did you mean gross_slip.force_drop?"),
-        ("wear_volume.dq", AXES, "wear_volume.dq: there is no such quantity; did you mean wear_volume?"),
-        ("wear_volume.dr", AXES, "wear_volume: has no derivative by r; it has those by k, phi"),
-        ("contact_radius", AXES, None),
-        ("optimal_exponent", AXES, None),
-        ("optimal_exponent.l", AXES, None),
-        ("optimal_exponent.certified.dphi", AXES, "optimal_exponent.certified: has no derivative by phi"),
-        ("h_N.dnu", {"k": K, "nu": "holl"}, "h_N: has no derivative by nu; it has those by k"),
-        ("design.k", AXES, None),
-        (WEAR, {"k": K}, "wear_volume: needs phi"),
-        ("profile", AXES, "profile: needs r in a_0"),
-        (WEAR, {**AXES, "r": [0.1]}, "r: none of wear_volume depends on it"),
-        (WEAR, {**AXES, "r": 0.1}, "r: none of wear_volume depends on it"),
-        (WEAR, {**AXES, "z0": [1e-4]}, None),
-        (WEAR, {**AXES, "psi": [0.1]}, "psi: is no axis of a sweep without a contact; did you mean phi?"),
-        (WEAR, {"k": 0.1, "phi": 0.2}, "nothing to sweep: give at least one axis several values, shape (n,)"),
-        (WEAR, {"k": K, "phi": [0.1, 1.0]}, "phi = 1.0 at index 1: must be 0 <= phi < 1"),
-        (WEAR, {"k": [np.nan], "phi": PHI}, "k = nan at index 0: must be -1 < k < 1"),
-        (WEAR, {"k": [], "phi": PHI}, "k: holds no values; there must be at least one"),
-        (WEAR, {"k": "soft", "phi": PHI}, "k = 'soft': takes numbers"),
-        (WEAR, {**AXES, "digits": 16}, None),
-        (WEAR, {**AXES, "chunk": 0}, "chunk = 0: must be at least 1 point"),
-        (WEAR, {**AXES, "bounds": (0.5, -0.5)}, "bounds = (0.5, -0.5): the lowest exponent must be below the highest"),
-        (WEAR, {**AXES, "loads": LOADS}, "loads: only a FrettingContact has them"),
-        (WEAR, {**AXES, "out": "map.nc"}, "map.nc: must end in .zarr"),
-        (WEAR, {**AXES, "out": "missing/map.zarr"}, None),
-        (WEAR, {**AXES, "scheduler": "tcp://127.0.0.1:9"}, None),
-        (WEAR, {"contact": CONTACT, "k": K}, "wear_volume: needs tangential_force in N, phi, displacement or loads"),
-        (WEAR, {"contact": CONTACT, "k": K, "phi": 0.1, "tangential_force": 0.1}, None),
-        (WEAR, {"contact": CONTACT, "loads": {}, "k": K}, "loads: name at least one"),
-        (WEAR, {"contact": CONTACT, "loads": {"a": ([0.1], [0.0])}, "k": K}, "load a: weight: all weights are zero"),
-        (WEAR, {"contact": CONTACT, "loads": {"a": ([-0.1], [1.0])}, "k": K}, None),
-        (WEAR, {"contact": CONTACT, "loads": {"a": ([4.0], [1.0])}, "k": K}, None),
-        (WEAR, {"contact": CONTACT, "friction": [0.1, 0.4], "tangential_force": 1.0}, None),
-        ("design.k", {"contact": CONTACT, "tangential_force": [1.0]}, None),
-        ("design.E0", {"contact": CONTACT, "tangential_force": [1.0], "design": DESIGN}, None),
-        ("design.k", {"contact": CONTACT, "tangential_force": [1.0], "design": {"vary": {"q": (0, 1)}}}, None),
-        ("volume_change", {"contact": PUNCH, "normal_force": [1.0]}, None),
-        ("steady_pressure", {"contact": PUNCH, "k": K}, "steady_pressure: needs r in m"),
-    ],
-)  # fmt: skip
-def test_refusals(tmp_path, monkeypatch, names, given, line):
+@cases(Path(__file__).with_name("refused.toml"), "sweeps")
+def test_refusals(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
-    said = complaint(names, **given)
-    assert line is None or said == line
+    named = {"CONTACT": CONTACT, "PUNCH": PUNCH, "LOADS": LOADS, "DESIGN": DESIGN}
+    given = {name: named.get(x, x) if isinstance(x, str) else x for name, x in case["given"].items()}
+    if "bounds" in given:
+        given["bounds"] = tuple(given["bounds"])
+    assert is_told(complaint(case["names"], **(AXES if case.get("axes") else {}), **given), case)
     assert os.listdir() == []
 
 
