@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray
 from matplotlib import image
 from typer.testing import CliRunner
 
@@ -103,21 +102,6 @@ def test_less_is_worn_at_a_held_displacement():
     printed = plgwear().stdout
     assert printed.startswith(f"displacement 2e-07 m of the rig: a force amplitude of {force:.4g} N before wear\n")
     assert "at a constant displacement amplitude 50 % is worn after" in printed
-
-
-def test_sweeps_and_designs_for_a_life_take_a_held_displacement():
-    held = SCENE.replace("tangential_force = 2.0", "displacement = 1e-7")
-    write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
-    asked = scene.load(Path("mine.toml")).arguments()
-    assert asked["load"] == Displacement(1e-7) and asked["cycles"] == 5e5
-    swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
-    result = CliRunner().invoke(cli.app, ["sweep", *swept])
-    assert result.exit_code == 0, result.stderr
-    with xarray.open_zarr("x.zarr") as found:
-        swept = found.transient_wear_volume.to_numpy()
-    assert np.all(np.diff(swept) > 0.0)
-    worn = the_contact().over_cycles(Displacement(1e-7), COEFFICIENT).volume(1e5)
-    np.testing.assert_allclose(swept[-1], worn, rtol=1e-6)
 
 
 @pytest.mark.compiled

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from refusals import cases, is_told
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, rules, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene
 from plgwear_jax.catalogue import QUANTITIES as LAWS
 from plgwear_jax.scene import solving
 
@@ -192,16 +192,12 @@ def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     )
 
 
-@pytest.mark.parametrize(
-    "load, line",
-    [
-        ("history", '[design] over = "worst": only for a load with a table, which gives the amplitudes and '
-         "their weights, or for scenarios"),
-    ],
-)  # fmt: skip
-def test_refusal_of_what_does_not_go_with_a_load(file, load, line):
-    text = with_files(FRETTING, f'{load} = "amplitudes.csv"', amplitudes=LOADS if load == "table" else CYCLES)
-    assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: {line}"
+def test_refusal_of_what_does_not_go_with_a_load(file):
+    text = with_files(FRETTING, 'history = "amplitudes.csv"', amplitudes=CYCLES)
+    line = (
+        'over = "worst": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'
+    )
+    assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: [design] {line}"
 
 
 def test_refusal_of_profiles_over_a_table(file):
@@ -299,54 +295,37 @@ def test_contact_has_the_numbers_of_the_file(file):
     assert read(file, GROSS_SLIP).build_contact() == GrossSlipContact(material, 2e-3, 1e-6)
 
 
-def test_design_has_what_the_search_takes(file):
-    def designed(*changes: tuple[str, str], table: bool = False):
-        text = with_files(FRETTING, 'table = "loads.csv"', loads=LOADS) if table else FRETTING
-        text = changed(text.partition("[output]")[0], *changes)
-        found = read(file, text).design_space
-        assert found is not None
-        return found
-
-    plain = designed()
-    assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
-    assert plain.hold == "contact_radius" and plain.level == 0.0 and plain.allowed is None
-    free = designed(
-        (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
-    )
-    assert free.hold is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
-    assert free.minimise == "worn_radius"
-    # the modulus at two depths
-    window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
-    plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
-    assert window.variables == {"modulus": plain_window} and window.hold is None
-    steepest = np.log(400 / 60) / np.log(100)
-    np.testing.assert_allclose(rules.exponents(**plain_window), [-steepest, steepest], rtol=1e-14)
-    # over which part of the load
-    for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
-        assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
-    assert designed(table=True).level == 0.0
-    # the limits
-    limits = (
-        f"edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }}, modulus = {EXAMPLE}"
-    )
-    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {{ {limits} }}")).allowed == {
-        "edge_pressure": {"below": 5e8, "distance": 1e-6}, "penetration": {"below": 2e-6}, "modulus": plain_window
-    }  # fmt: skip
-    for radii, ends in (
-        ("above = 5e-5, below = 8e-5", {"above": 5e-5, "below": 8e-5}),
-        ("below = 8e-5", {"below": 8e-5}),
-        ("between = [5e-5, 8e-5]", {"between": (5e-5, 8e-5)}),
-    ):
-        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ {radii} }} }}"))
-        assert limited.allowed == {"contact_radius": ends}
+PLAIN_WINDOW = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
+DESIGNED = {"variables": {"k": (-0.9, 0.9)}, "minimise": "wear_volume", "hold": "contact_radius", "level": 0.0}
+FREE_HOLD = (HOLD, "")
 
 
-def test_design_of_gross_slip(file):
-    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design_space
-    assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
-    assert design.hold is None and design.level == 0.0 and design.allowed is None
-    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design_space
-    assert volume is not None and volume.minimise == "volume_change"
+def limited(text: str) -> tuple[str, str]:
+    return MINIMISE, f"{MINIMISE}\nlimits = {{ {text} }}"
+
+
+@pytest.mark.parametrize(
+    "changes, told",
+    [
+        ([], DESIGNED | {"allowed": None}),
+        ([(VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), FREE_HOLD, (MINIMISE, "minimise='worn_radius'")],
+         {"hold": None, "variables": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}, "minimise": "worn_radius"}),
+        ([(VARY, f"vary = {{ modulus = {EXAMPLE} }}"), FREE_HOLD], {"variables": {"modulus": PLAIN_WINDOW}}),
+        *(([(MINIMISE, f"{MINIMISE}\nover = {over}")], DESIGNED | {"level": level})
+          for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0))),
+        ([limited("edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = { below = 2e-6 }, "
+                  f"modulus = {EXAMPLE}")],
+         {"allowed": {"edge_pressure": {"below": 5e8, "distance": 1e-6}, "penetration": {"below": 2e-6},
+                      "modulus": PLAIN_WINDOW}}),
+        *(([FREE_HOLD, limited(f"contact_radius = {{ {radii} }}")], {"allowed": {"contact_radius": ends}})
+          for radii, ends in (("above = 5e-5, below = 8e-5", {"above": 5e-5, "below": 8e-5}),
+                              ("between = [5e-5, 8e-5]", {"between": (5e-5, 8e-5)}))),
+    ],
+)  # fmt: skip
+def test_design_has_what_the_search_takes(file, changes, told):
+    text = with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=LOADS)
+    found = read(file, changed(text, *changes)).design_space
+    assert {name: getattr(found, name) for name in told} == told
 
 
 def test_load_has_the_amplitudes_of_the_file(file):
