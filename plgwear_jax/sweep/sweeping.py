@@ -350,11 +350,8 @@ def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.
         except (ValueError, TypeError) as error:
             raise SweepError(f"load {name}: {error}") from None
     longest = max(force.size for force, _ in pairs)
-    forces, weights = np.empty((len(pairs), longest)), np.zeros((len(pairs), longest))
-    for row, (force, shares) in enumerate(pairs):
-        forces[row] = force[0]
-        forces[row, : force.size], weights[row, : force.size] = force, shares
-    return forces, weights
+    forces = [np.pad(force, (0, longest - force.size), mode="edge") for force, _ in pairs]
+    return np.stack(forces), np.stack([np.pad(shares, (0, longest - shares.size)) for _, shares in pairs])
 
 
 def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
