@@ -69,7 +69,9 @@ class DesignReport:
             higher = optimise.under_other_load(found, 1.1)
         except ValueError:
             return {"line": f"{said} the contact is in gross slip", "loss": None}
-        violated = [f"the {self._limited[name]} is {_value(x)}" for name, x in higher.limits.items() if not x.kept]
+        violated = [
+            f"the {self._limited[name]} is {_measure(x.value, x)}" for name, x in higher.limits.items() if not x.kept
+        ]
         if violated:
             line = f"this design violates a limit: {violated[0]}"
         elif not higher.best.converged:
@@ -115,7 +117,7 @@ class DesignReport:
                 more = found.rival_value / float(found.value) - 1.0
                 worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
                 rival = f"the next best minimum, at {_where(found.rival)}, is {worse if more > 1e-9 else 'as good'}"
-            report.say(gain, self.verdict, rival, self._higher and self._higher["line"])
+            report.say(gain, self.verdict, rival, None if self._higher is None else self._higher["line"])
         report.say(self._doubtful)
         self._tell_life(report)
 
@@ -135,8 +137,8 @@ class DesignReport:
             standing = "kept" if state.kept else "VIOLATED"
             if state.active and found.keeps_limits:
                 standing = f"active; relaxing it by 1 % saves {float(state.multiplier):.2g} %"
-            allowed = f"at {'least' if state.lowest else 'most'} {measure(float(state.allowed), state.quantity)}"
-            rows.append((self._limited[name], _value(state), allowed, standing))
+            allowed = f"at {'least' if state.lowest else 'most'} {_measure(state.allowed, state)}"
+            rows.append((self._limited[name], _measure(state.value, state), allowed, standing))
         report.put(
             vary={
                 name: {"value": found.variables[name], "bounds": list(ends), "at_bound": found.at_bound[name]}
@@ -225,9 +227,9 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
     return best, reference
 
 
-def _value(state: optimise.LimitState) -> str:
-    """What a limited quantity is."""
-    return measure(float(np.asarray(state.value)), state.quantity)
+def _measure(value: Any, state: optimise.LimitState) -> str:
+    """A value of a limited quantity."""
+    return measure(float(np.asarray(value)), state.quantity)
 
 
 def _where(variables: dict[str, float]) -> str:

@@ -403,7 +403,7 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     Raises:
         SceneError: See `load`.
     """
-    reading: Any = Reading(name, document, folder)
+    reading = Reading(name, document, folder)
     reading.read("material", kind_of_material, material_of)
     reading.read("contact", kind_of_contact, contact_of)
     reading.read("wear", lambda _: "Wear", WearSection.of)

@@ -42,7 +42,12 @@ class Reading:
         material, contact, wear, load, design, output: What the sections hold; None where they are absent or wrong.
     """
 
-    material = contact = wear = load = design = output = None
+    material: Any = None
+    contact: Any = None
+    wear: Any = None
+    load: Any = None
+    design: Any = None
+    output: Any = None
 
     def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
         self.file, self.document, self.folder, self.wrong = file, document, folder, set[str]()
