@@ -141,7 +141,7 @@ def _taken(value: Any, schema: Mapping[str, Any]) -> Any:
         return value
     if kind == "object" and isinstance(value, dict):
         return {name: _taken(one, schema["additionalProperties"]) for name, one in value.items()}
-    if kind == "array" and isinstance(value, list):
+    if kind == "array" and isinstance(value, list | tuple):
         value = tuple(_taken(one, schema["items"]) for one in value)
         rises = all(low < high for low, high in itertools.pairwise(value))
         size = len(value) if rises or "increasing" not in schema else math.nan
@@ -192,7 +192,8 @@ def json_schema() -> dict[str, Any]:
     }
     elements = models.pop("Elements")["properties"]
     models["Vary"]["patternProperties"] = {_ELEMENT.pattern: elements["modulus"]}
-    models["Design"]["properties"]["minimise"]["anyOf"][0] = {"enum": [*_LIMITED]}
+    minimise = models["Design"]["properties"]["minimise"]
+    minimise["anyOf"] = [{"enum": [*_LIMITED]}, *minimise["anyOf"][1:]]
     # The kind of the material is told by a key, so that a validator says what is wrong within the kind that was meant.
     material: dict[str, Any] = _reference("Material")
     for key, kind in (("modulus", "Layers"), ("thickness", "Layers"), ("table", "Tabulated")):

@@ -138,3 +138,10 @@ def test_the_module_is_the_script():
     ]
     assert outputs[0] == outputs[1] and "plgwear new SCENE.toml" in outputs[0]
     assert "--install-completion" in outputs[0]
+
+
+def test_the_schema_leaves_the_reader_as_it_was():
+    plgwear("schema")
+    Path("mine.toml").write_text(FRETTING.replace('minimise = "wear_volume"', 'minimise = "depth"'))
+    with pytest.raises(scene.SceneError, match="depth is no quantity of a fretting contact; did you mean wear_depth"):
+        scene.load("mine.toml")
