@@ -1,8 +1,7 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
-import contextlib
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -30,8 +29,7 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
 def best_design(given: "Scene") -> optimise.Design:
     """See `Scene.design`."""
     arguments = arguments_of(given)
-    with _refusing_extremes():
-        return _finite(optimise.design(**arguments))
+    return _answer(lambda: optimise.design(**arguments))
 
 
 def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
@@ -40,8 +38,8 @@ def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
     if not space.free:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
     profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=space.steepness)
-    with _refusing_extremes():
-        return _finite(optimise.free_design(modulus=profile, starts=starts, **_question(given)))
+    question = _question(given)
+    return _answer(lambda: optimise.free_design(modulus=profile, starts=starts, **question))
 
 
 def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
@@ -60,8 +58,7 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
-    with _refusing_extremes():
-        return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
+    return _answer(lambda: optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
 
 def _question(given: "Scene") -> dict[str, Any]:
@@ -169,18 +166,12 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
-@contextlib.contextmanager
-def _refusing_extremes() -> Iterator[None]:
-    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
+def _answer(ask: Callable[[], _Found], name: str = "value") -> _Found:
+    """The answer; refused are numbers that the library refuses, such as a modulus beyond the range of numbers."""
     try:
-        yield
-    except SceneError:
-        raise
+        found = ask()
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
-
-
-def _finite(found: _Found, name: str = "value") -> _Found:
     values = np.asarray(getattr(found, name))
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")

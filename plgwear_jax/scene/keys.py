@@ -20,6 +20,7 @@ from plgwear_jax.rules import limit_form
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
 REQUIRED = object()
+_DOCUMENT = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
 _ELEMENT = re.compile(r"^material\.(thickness|depth|modulus)\[\d+\]$")
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
@@ -64,11 +65,10 @@ def _reference(section: str) -> dict[str, str]:
 
 
 def _sections() -> dict[str, SectionKeys]:
-    document = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
-    forms, found = document.pop("forms"), {}
-    for name, section in document.items():
+    forms, found = _DOCUMENT["forms"], {}
+    for name, section in _DOCUMENT.items():
         keys = {}
-        for key, told in section["keys"].items():
+        for key, told in section.get("keys", {}).items():
             takes, default = told["takes"], told.get("default", REQUIRED)
             text = told.get("must") or forms.get(takes, {}).get("must", takes)
             keys[key] = Key(
@@ -77,7 +77,8 @@ def _sections() -> dict[str, SectionKeys]:
                 told["about"],
                 None if default == "" else default,
             )
-        found[name] = SectionKeys(keys, section["about"], section.get("record", ""))
+        if keys:
+            found[name] = SectionKeys(keys, section["about"], section.get("record", ""))
     for name in _LIMITED:
         limit = Key(_reference("Allowed"), f"must be {limit_form(name)}", entry(name).name, None)
         found["Limits"].keys[name] = limit
@@ -194,20 +195,4 @@ def json_schema() -> dict[str, Any]:
     models["Vary"]["patternProperties"] = {_ELEMENT.pattern: elements["modulus"]}
     minimise = models["Design"]["properties"]["minimise"]
     minimise["anyOf"] = [{"enum": [*_LIMITED]}, *minimise["anyOf"][1:]]
-    # The kind of the material is told by a key, so that a validator says what is wrong within the kind that was meant.
-    material: dict[str, Any] = _reference("Material")
-    for key, kind in (("modulus", "Layers"), ("thickness", "Layers"), ("table", "Tabulated")):
-        material = {"if": {"required": [key]}, "then": _reference(kind), "else": material}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "plgwear scene",
-        "type": "object",
-        "properties": {
-            "material": {"type": "object"} | material,
-            "contact": {"oneOf": [_reference("Fretting"), _reference("GrossSlip")]},
-            **{name.lower(): _reference(name) for name in ("Load", "Wear", "Design", "Output")},
-        },
-        "required": ["material", "contact"],
-        "additionalProperties": False,
-        "$defs": models,
-    }
+    return _DOCUMENT["schema"] | {"$defs": models}

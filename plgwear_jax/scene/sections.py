@@ -236,23 +236,17 @@ class LoadSection(SimpleNamespace):
             return not (self.tangential_force or self.displacement)
         return not (self.given * self.file.columns.get("weight", 1.0)).any()
 
-    @property
-    def loads(self) -> list[Any]:
-        """The amplitudes as loads of the library, each a `Force` or a `Displacement`."""
+    def record(self) -> Any:
+        """The load of a test over cycles: an amplitude, or the blocks of a history."""
         from plgwear_jax import loads
 
         kind = loads.Displacement if self.of_displacement else loads.Force
-        return [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
-
-    def record(self) -> Any:
-        """The load of a test over cycles: an amplitude, or the blocks of a history."""
-        from plgwear_jax.loads import Block
-
+        every = [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
         if self.cycles is None:
-            return self.loads[0]
+            return every[0]
         names, columns = [*self.pressed], [self.cycles, *self.pressed.values()]
-        rows = zip(self.loads, *(column.tolist() for column in columns), strict=True)
-        return [Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
+        rows = zip(every, *(column.tolist() for column in columns), strict=True)
+        return [loads.Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
 
     @cached_property
     def moved(self) -> "DisplacementEffect":
