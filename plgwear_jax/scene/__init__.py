@@ -416,4 +416,5 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
         reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
     reading.end()
-    return Scene(reading.material, reading.contact, reading.load, reading.wear, reading.design, reading.output)
+    sections = "material", "contact", "load", "wear", "design", "output"
+    return Scene(*(getattr(reading, section) for section in sections))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from plgwear_jax._core.words import bare, near_or_all, shown
-from plgwear_jax.scene.keys import values_of
+from plgwear_jax.scene.keys import SECTIONS, values_of
 
 _ABSENT = object()
 _NAMES = "material", "contact", "load", "wear", "design", "output"
@@ -84,7 +84,7 @@ class Reading:
         Args:
             section: Its name.
             kind: Its name in `SECTIONS`, from its keys.
-            build: Makes it from what is read so far, this name, and the values of its keys.
+            build: Makes it from what is read so far, this name, and the values of all its keys.
         """
         given = self.document.get(section)
         try:
@@ -94,7 +94,7 @@ class Reading:
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
             values = values_of(name := kind(given), given, self.refuse, (section,))
             if section not in self.wrong:
-                setattr(self, section, build(self, name, values))
+                setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name].keys) | values))
         except WrongKeyError as error:
             self.refuse((section, *error.path), str(error))
         except OtherFileError as error:

@@ -146,12 +146,11 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     window = variables.get("modulus")
     if window is None:
         return variables
-    (first, second), *moduli = (np.log(window[name]) for name in ("at", "lower", "upper"))
-    part = (np.log(contact.material.z0) - first) / (second - first)
-    reached = [(1.0 - part) * one + part * other for one in np.stack(moduli)[:, 0] for other in np.stack(moduli)[:, 1]]
-    k = exponents(window["at"], window["lower"], window["upper"])
+    (first, second), *moduli = np.log([*window.values()])
+    part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
+    reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
     others = {name: x for name, x in variables.items() if name != "modulus"}
-    return {"k": k, "E0": (float(np.exp(min(reached))), float(np.exp(max(reached)))), **others}
+    return {"k": exponents(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
 def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:

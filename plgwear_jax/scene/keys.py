@@ -94,7 +94,7 @@ Refuse = Callable[[tuple[str, ...], str], None]  # what is done with the path of
 
 
 def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tuple[str, ...] = ()) -> dict[str, Any]:
-    """The values of the keys of a section, as the library takes them, and its defaults.
+    """The values of those keys of a section that are there or have a default, as the library takes them.
 
     Args:
         section: Its name in `SECTIONS`.
@@ -111,10 +111,11 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
             refuse((*path, name), _stray(section, name))
     for name, key in keys.items():
         here, value, inner = (*path, name), given.get(name), _section_of(key.schema)
-        found[name] = key.default
         if name not in given:
             if key.default is REQUIRED:
                 refuse(here, key.text)
+            elif key.default is not None:
+                found[name] = key.default
         elif inner and isinstance(value, dict) and (value or inner == "Window"):
             found[name] = values_of(inner, value, refuse, here)
         else:

@@ -403,7 +403,7 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
     if len(at) != len(between):
         text = f"must hold a pair [lower, upper] for each of the {len(at)} depths of at"
         raise WrongKeyError(f"{key}.between", text)
-    if values["steepness"] is not None and len(at) == 2:
+    if "steepness" in values and len(at) == 2:
         text = "only for a free gradient, with three to eight depths; at two it is |k|"
         raise WrongKeyError(f"{key}.steepness", text)
     return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
@@ -428,28 +428,26 @@ class DesignSpace(SimpleNamespace):
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
         """The design space of the contact, as far as that is known."""
         material, contact, load, wear = reading.material, reading.contact, reading.load, reading.wear
-        variables = {}
+        variables, allowed = {}, dict(values["limits"] or {})
         for name, given in values["vary"].items():
-            if name == "modulus" and given is not None:
+            if name == "modulus":
                 variables[name] = _window_of("vary.modulus", given)
-                free = len(given["at"]) > 2
-                if not free and (said := window_complaint(**variables[name])) is not None:
+                if len(given["at"]) == 2 and (said := window_complaint(**variables[name])) is not None:
                     raise WrongKeyError("vary.modulus.between", said)
-            inner = {f"{name}.{one}": ends for one, ends in given.items()} if isinstance(given, dict) else {name: given}
-            variables |= {one: ends for one, ends in inner.items() if ends is not None and name != "modulus"}
-        allowed = {}
-        for name, given in (values["limits"] or {}).items():
-            if given is not None:
-                allowed[name] = {one: value for one, value in given.items() if value is not None}
-            if name == "modulus" and given is not None:
-                allowed[name] = _window_of("limits.modulus", given)
-                if len(given["at"]) > 2:
-                    text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
-                    raise WrongKeyError("limits.modulus.at", text)
+            else:
+                inner = (
+                    {f"{name}.{one}": ends for one, ends in given.items()} if isinstance(given, dict) else {name: given}
+                )
+                variables |= inner
+        if "modulus" in allowed:
+            allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
+            if len(allowed["modulus"]["at"]) > 2:
+                text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
+                raise WrongKeyError("limits.modulus.at", text)
         over = values["over"]
         found = cls(
             variables=variables,
-            steepness=(values["vary"]["modulus"] or {}).get("steepness"),
+            steepness=values["vary"].get("modulus", {}).get("steepness"),
             allowed=allowed or None,
             level=over[1]["cvar"] if isinstance(over, tuple) else float(over == "worst"),
             **{name: values[name] for name in ("hold", "minimise", "scenarios")},
@@ -459,8 +457,7 @@ class DesignSpace(SimpleNamespace):
         if load is not None and load.pressed and not (lasts and load.cycles is not None):
             text = "a design cannot be combined with a history that changes the normal force or the friction"
             raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-        power_law = material is not None and material.kind == "power law"
-        found._refuse(None if contact is None else contact.kind, power_law and material.k == 0.0)
+        found._refuse(getattr(contact, "kind", None), getattr(material, "k", None) == 0.0)
         if material is None or contact is None:
             return found
         found._refuse_to_vary(material, contact, load)
@@ -555,11 +552,13 @@ _INSTEAD = (
 def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
     """The section [output]: names of quantities of the contact, if that is known."""
     output, contact = SimpleNamespace(**values), reading.contact
-    laws = {} if contact is None else laws_of_scene(contact, reading.load, reading.wear)
     for name in output.quantities:
         if output.quantities.count(name) > 1:
             raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
-    for name in output.quantities if contact is not None else ():
+    if contact is None:
+        return output
+    laws = laws_of_scene(contact, reading.load, reading.wear)
+    for name in output.quantities:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
             raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")

@@ -315,7 +315,7 @@ def program_of(monkeypatch, given: scene.Scene) -> Made:
         programs.append(made_of(lower(*args, **kwargs)))
         raise LoweredError
 
-    monkeypatch.setattr(solving, "evaluate", lowered)
+    monkeypatch.setattr(solving, "scene_values", lowered)
     with pytest.raises(LoweredError):
         given.solve()
     return programs[0]
