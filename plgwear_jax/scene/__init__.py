@@ -408,13 +408,13 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     reading.read("contact", kind_of_contact, contact_of)
     reading.read("wear", lambda _: "Wear", WearSection.of)
     reading.read("load", lambda _: "Load", LoadSection.of)
+    if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
+        reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
     reading.read("design", lambda _: "Design", DesignSpace.of)
     reading.read("output", lambda _: "Output", output_of)
     for section in ("material", "contact"):
         if section not in document:
             reading.refuse((section,), "missing; every input file needs this section")
-    if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
-        reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
     reading.end()
     sections = "material", "contact", "load", "wear", "design", "output"
     return Scene(*(getattr(reading, section) for section in sections))
