@@ -14,8 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from commands import plgwear, refused
 from matplotlib import image
-from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import (
@@ -41,9 +41,8 @@ contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder of one's own, with the scene of the electrical contact in it, but without its limits."""
-    monkeypatch.chdir(tmp_path)
+def folder() -> None:
+    """The scene of the electrical contact, but without its limits."""
     before, limits, after = re.split(
         r"^(\[design\.limits\]\n.*?\n)\n", CONTACT.read_text(), flags=re.DOTALL | re.MULTILINE
     )
@@ -53,20 +52,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         'quantities = ["contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_intensity", "profile", ',
         'quantities = ["contact_radius", "wear_volume", "pressure", ',
     )
-    return tmp_path
-
-
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, arguments)
-
-
-def refused(*arguments: str) -> str:
-    """The one line with which bad input is refused."""
-    before = sorted(os.listdir())
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
-    (line,) = result.stderr.splitlines()
-    return line
 
 
 def rewrite(old: str, new: str) -> None:
@@ -813,8 +798,7 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
     assert "pip install 'plgwear-jax[cli]'" in capsys.readouterr().err
 
 
-def test_a_free_gradient_in_gross_slip_is_refused_before_it_is_looked_for(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_free_gradient_in_gross_slip_is_refused_before_it_is_looked_for(monkeypatch):
     Path("sliding.toml").write_text(
         """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -832,8 +816,7 @@ vary = { modulus = { at = [1e-6, 1e-5, 1e-4], between = [[60e9, 200e9], [60e9, 2
     )
 
 
-def test_where_nothing_moves_no_edge_has_an_intensity(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_where_nothing_moves_no_edge_has_an_intensity():
     scene = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
 contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
@@ -846,8 +829,7 @@ load = { tangential_force = 0.0 }
 
 
 @pytest.mark.compiled
-def test_the_command_design_takes_gross_slip(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_design_takes_gross_slip():
     Path("sliding.toml").write_text(
         """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }

@@ -10,21 +10,12 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from typer.testing import CliRunner
+from commands import plgwear
 
-from plgwear_jax import cli, scene
+from plgwear_jax import scene
 from plgwear_jax.cli.new import FRETTING
 
 SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, arguments)
 
 
 @pytest.fixture(scope="module")

@@ -10,32 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import plgwear, refused
 from matplotlib import image
-from typer.testing import CliRunner
 
-from plgwear_jax import cli, scene, sweep
+from plgwear_jax import scene, sweep
 from plgwear_jax.loads import Block, Displacement
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, arguments)
-
-
-def refused(*arguments: str) -> str:
-    """The one line with which bad input is refused."""
-    before = sorted(Path().rglob("*"))
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(Path().rglob("*")) == before
-    (line,) = result.stderr.splitlines()
-    return line
 
 
 def test_a_map_is_written_resumed_and_drawn():

@@ -1,16 +1,16 @@
 """The command `plgwear wear`, and the wear coefficient from measured volumes."""
 
 import csv
+import functools
 import json
-import os
 from pathlib import Path
 
+import commands
 import numpy as np
 import pytest
 from matplotlib import image
-from typer.testing import CliRunner
 
-from plgwear_jax import FrettingContact, PowerLawGraded, cli, fitting, scene
+from plgwear_jax import FrettingContact, PowerLawGraded, fitting, scene
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import PressurePower
 
@@ -24,8 +24,7 @@ COEFFICIENT, FORCE = 1e-14, 2.0
 
 
 @pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def _scene(_folder: None) -> None:
     write(SCENE)
 
 
@@ -33,16 +32,7 @@ def write(text: str) -> None:
     Path("mine.toml").write_text(text)
 
 
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, ["wear", "mine.toml", *arguments])
-
-
-def refused(*arguments: str) -> str:
-    before = sorted(os.listdir())
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
-    (line,) = result.stderr.splitlines()
-    return line
+plgwear, refused = (functools.partial(run, "wear", "mine.toml") for run in (commands.plgwear, commands.refused))
 
 
 def the_contact() -> FrettingContact:
