@@ -336,14 +336,14 @@ class Scene:
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             life = self.wear.cycles, self.archard
         force = None if load is None else Force(load.force, load.rig_stiffness)
-        radii, values, edge = solving.scene_values(names, points, digits, contact, force, weights, distance, life)
-        if edge is not None and distance is not None and not distance < float(edge.radius):
+        values = solving.scene_values(names, points, digits, contact, force, weights, distance, life)
+        values = {name: np.asarray(value) for name, value in values.items()}
+        if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:
                 key = "[output] distance"
             whose = "the stick radius" if load is not None else "the radius of the punch"
-            raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(edge.radius):.3g} m")
-        radii = None if radii is None else np.asarray(radii)
+            raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
         shape = self.contact.fields.get("shape")
         heights = None if shape is None else shape.file
         if heights is not None and any(np.any(np.isnan(value)) for value in values.values()):
@@ -351,12 +351,11 @@ class Scene:
             raise OtherFileError(f"{heights.name}: row {heights.row[-1]}: {end}; give heights further out")
         found = {}
         for name in names:
-            law, value = laws[name], np.asarray(values[name])
+            law, value, beside = laws[name], values[name], ()
             if "r" in law.arguments:
-                found[name] = Quantity(value, law.unit, law.description, radii)
-                if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
-                    beside = law.unbounded_at, float(edge.distance), float(edge.values[name])
-                    found[name] = Quantity(value, law.unit, law.description, radii, *beside)
+                if f"{name} beside" in values and (load is None or load.largest > 0.0):
+                    beside = law.unbounded_at, float(values["edge distance"]), float(values[f"{name} beside"])
+                found[name] = Quantity(value, law.unit, law.description, values["radii"], *beside)
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None

@@ -16,34 +16,6 @@ from plgwear_jax.material import PowerLawGraded
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
 
-class Edge(NamedTuple):
-    """What lies beside the edge where quantities are unbounded.
-
-    Attributes:
-        radius: Of the edge in m: the stick radius at the largest amplitude, or the radius of the punch.
-        distance: The distance inside it in m.
-        values: The unbounded functions of the radius at this distance, by name.
-    """
-
-    radius: Array
-    distance: Array
-    values: dict[str, Array]
-
-
-class SceneValues(NamedTuple):
-    """The result of `scene_values`.
-
-    Attributes:
-        radii: In m, if any quantity needs them.
-        values: The quantities by name; weighted sums where the load has weights.
-        edge: What is known of the edge, if any quantity needs it.
-    """
-
-    radii: Array | None
-    values: dict[str, Array]
-    edge: Edge | None
-
-
 @program(static=3)
 def scene_values(
     names: tuple[str, ...],
@@ -54,41 +26,43 @@ def scene_values(
     weights: np.ndarray | None,
     distance: float | None = None,
     life: tuple[float, float] | None = None,
-) -> SceneValues:
-    """The named quantities; without a distance from the edge it is a hundredth of the contact radius.
+) -> dict[str, Array]:
+    """The named quantities; weighted sums where the load has weights.
+
+    With them come the "radii" in m, if any quantity needs them, and of the edge where any quantity is unbounded, which
+    is the stick radius at the largest amplitude or that of the punch, its "edge radius" and the "edge distance" inside
+    it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
+    there, as "profile beside".
 
     The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
     """
-    frets, laws = isinstance(contact, FrettingContact), laws_of(contact)
-    solved: dict[Any, Any] = {}
+    frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
     given: dict[str, Any] = {"distance": distance}
     if life is not None:
         given["cycles"], given["wear_coefficient"] = life
-    edge, unbounded = None, [name for name in names if laws[name].unbounded_at]
-    if unbounded:
-        radius = inside = jnp.asarray(contact.radius)
-        if frets:
-            radius = jnp.min(read(contact, "stick_radius", load, given, digits=digits, solved=solved))
-            inside = read(contact, "contact_radius", load, given, digits=digits, solved=solved)
-        edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
-    radii = None
+
+    def value_of(name: str) -> Any:
+        return read(contact, name, load, given, digits=digits, solved=solved)
+
+    found, beside, punch = dict[str, Array](), None, jnp.asarray(contact.radius)
+    if any(laws[name].unbounded_at for name in names):
+        found["edge radius"] = jnp.min(value_of("stick_radius")) if frets else punch
+        relative = _RELATIVE * (value_of("contact_radius") if frets else punch)
+        found["edge distance"] = relative if distance is None else jnp.asarray(distance)
+        beside = jnp.maximum(found["edge radius"] - found["edge distance"], 0.0)
     if any("r" in laws[name].arguments for name in names):
-        widest = 2.0 * jnp.asarray(contact.radius)
-        if frets:
-            widest = 1.25 * jnp.max(read(contact, "worn_radius", load, given, digits=digits, solved=solved))
-        radii = widest * jnp.linspace(0.0, 1.0, points)
-    values = {}
+        widest = 1.25 * jnp.max(value_of("worn_radius")) if frets else 2.0 * punch
+        found["radii"] = widest * jnp.linspace(0.0, 1.0, points)
     for name in names:
-        beside = edge if name in unbounded and "r" in laws[name].arguments else None
-        at = radii
-        if beside is not None:
-            assert radii is not None
-            at = jnp.append(radii, jnp.maximum(beside.radius - beside.distance, 0.0))
-        found = read(contact, name, load, given | {"r": at}, digits=digits, solved=solved)
-        if beside is not None:
-            beside.values[name], found = found[-1], found[:-1]
-        values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
-    return SceneValues(radii, values, edge)
+        law, given["r"] = laws[name], found.get("radii")
+        at_edge = beside is not None and law.unbounded_at and "r" in law.arguments
+        if at_edge:
+            given["r"] = jnp.append(found["radii"], beside)
+        value = value_of(name)
+        if at_edge:
+            found[f"{name} beside"], value = value[-1], value[:-1]
+        found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
+    return found
 
 
 def homogeneous(contact: Any) -> Any:
