@@ -403,14 +403,14 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
         SceneError: See `load`.
     """
     reading = Reading(name, document, folder)
-    reading.read("material", kind_of_material, material_of)
-    reading.read("contact", kind_of_contact, contact_of)
-    reading.read("wear", lambda _: "Wear", WearSection.of)
-    reading.read("load", lambda _: "Load", LoadSection.of)
+    reading.read("material", material_of, kind_of_material)
+    reading.read("contact", contact_of, kind_of_contact)
+    reading.read("wear", WearSection.of)
+    reading.read("load", LoadSection.of)
     if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
         reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
-    reading.read("design", lambda _: "Design", DesignSpace.of)
-    reading.read("output", lambda _: "Output", output_of)
+    reading.read("design", DesignSpace.of)
+    reading.read("output", output_of)
     for section in ("material", "contact"):
         if section not in document:
             reading.refuse((section,), "missing; every input file needs this section")

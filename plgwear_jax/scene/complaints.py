@@ -78,13 +78,15 @@ class Reading:
             line = f"{told}: {text}" if isinstance(value, dict) else f"{section} = {given}: {text}"
         self._keep(path[0], place, f"{self.file}: {line}")
 
-    def read(self, section: str, kind: Callable[[Any], str], build: Callable[[Self, str, dict[str, Any]], Any]) -> None:
+    def read(
+        self, section: str, build: Callable[[Self, str, dict[str, Any]], Any], kind: Callable[[Any], str] | None = None
+    ) -> None:
         """Read a section.
 
         Args:
             section: Its name.
-            kind: Its name in `SECTIONS`, from its keys.
-            build: Makes it from what is read so far, this name, and the values of all its keys.
+            build: Makes it from what is read so far, its name in `SECTIONS`, and the values of all its keys.
+            kind: Tells this name by its keys, if there are several.
         """
         given = self.document.get(section)
         try:
@@ -92,7 +94,8 @@ class Reading:
                 return
             if not isinstance(given, dict):
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
-            values = values_of(name := kind(given), given, self.refuse, (section,))
+            name = section.capitalize() if kind is None else kind(given)
+            values = values_of(name, given, self.refuse, (section,))
             if section not in self.wrong:
                 setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name].keys) | values))
         except WrongKeyError as error:
