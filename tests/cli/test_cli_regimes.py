@@ -9,6 +9,7 @@ import commands
 import numpy as np
 import pytest
 from matplotlib import image
+from refusals import cases, is_told
 
 from plgwear_jax import contact, plots, scene
 from plgwear_jax.loads import Force
@@ -92,25 +93,10 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     assert "the energy ratio is 0.2 at 589.5 nm, at the onset" in plgwear().stdout
 
 
-@pytest.mark.parametrize(
-    "change, arguments, line",
-    [
-        (None, ("--normal-force", "20:5"), "--normal-force 20:5: must be LOWEST:HIGHEST in N, 0 < LOWEST < HIGHEST"),
-        (None, ("--displacement", "1e-7"), "--displacement 1e-7: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
-        (None, ("--displacement", "0:x"), "--displacement 0:x: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
-        (None, ("--rig-stiffness", "-1"), "--rig-stiffness -1: must be a finite number > 0, in N/m"),
-        (None, ("--picture", "map.bmp"), "map.bmp: must end in .png, .pdf or .svg"),
-        (("displacement = 1.5e-7", "displacement = -1"), (), "mine.toml: [load] displacement = -1: must be a finite"),
-        (
-            ("0.005, normal_force = 10.0", "1e305, normal_force = 1e305"),
-            (),
-            "mine.toml: the loops exceed the range of numbers: some value in the input file is too",
-        ),
-    ],
-)
-def test_refusal(change, arguments, line):
-    write(SCENE.replace(*change) if change else SCENE)
-    assert refused(*arguments).startswith(line)
+@cases(Path(__file__).with_name("refused.toml"), "regimes")
+def test_refusal(case):
+    write(SCENE.replace(case["old"], case["new"]))
+    assert is_told(refused(*case["arguments"]), case)
 
 
 def test_a_punch_has_no_regimes():

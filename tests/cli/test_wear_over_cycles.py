@@ -9,6 +9,7 @@ import commands
 import numpy as np
 import pytest
 from matplotlib import image
+from refusals import cases, is_told
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fitting, scene
 from plgwear_jax.loads import Block, Displacement
@@ -21,6 +22,7 @@ load = { tangential_force = 2.0 }
 wear = { coefficient = 1e-14, cycles = 5e5 }
 """
 COEFFICIENT, FORCE = 1e-14, 2.0
+REFUSED = Path(__file__).with_name("refused.toml")
 
 
 @pytest.fixture(autouse=True)
@@ -118,25 +120,13 @@ def test_a_coefficient_in_another_unit_is_doubted():
     assert result.stderr.startswith("mine.toml: [wear]: 99 % is worn after 0.00074 cycles; is the unit of the ")
 
 
-@pytest.mark.parametrize(
-    "old, new, line",
-    [
-        ("wear =", "[other]\nwear =", "mine.toml: [other]: there is no such section; allowed are material"),
-        ("wear = {", "# {", "mine.toml: [wear]: missing; it gives the wear coefficient"),
-        ("tangential_force = 2.0", "tangential_force = 0.0", "mine.toml: [load]: an amplitude of 0: nothing wears"),
-        ("tangential_force = 2.0", 'table = "l.csv"', "mine.toml: [load] table: wear over cycles is of one amplitude"),
-        ("tangential_force = 2.0", 'history = "h.csv"', "mine.toml: [load] history: its amplitudes have no cycles"),
-        ("2.0", '2.0, control = "force"', 'mine.toml: [load] control = "force": there is no such key; allowed are'),
-        ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
-        ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
-    ],
-)
-def test_refusal(old, new, line):
+@cases(REFUSED, "wear")
+def test_refusal(case):
     Path("l.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("h.csv").write_text("tangential_force\n0.3\n")
     Path("o.csv").write_text("tangential_force,cycles\n0.3,1\n")
-    write(SCENE.replace(old, new))
-    assert refused().startswith(line)
+    write(SCENE.replace(case["old"], case["new"]))
+    assert is_told(refused(), case)
 
 
 def test_refusal_for_gross_slip_and_of_targets():
@@ -208,21 +198,10 @@ def test_the_command_fits(measured):
     assert f"wear coefficient: {told['wear_coefficient']:.4g} 1/Pa" in printed and "95 % confidence: " in printed
 
 
-@pytest.mark.parametrize(
-    "content, line",
-    [
-        ("cycles\n1\n", "v.csv: row 1: column volume: missing; the first row must be cycles,volume"),
-        ("cycles,volume\n-1,1\n", "v.csv: row 2: cycles = -1: must be a finite number >= 0"),
-        (
-            "cycles,volume,deviation\n1,1,0\n",
-            "v.csv: row 2: deviation = 0: must be a finite number > 0, the standard deviation",
-        ),
-        ("cycles,volume\n0,1\n1e5,0\n", "v.csv: volume: nothing is worn after any cycles"),
-    ],
-)
-def test_refusal_of_measured_volumes(content, line):
-    Path("v.csv").write_text(content)
-    assert refused("--fit", "v.csv").startswith(line)
+@cases(REFUSED, "volumes")
+def test_refusal_of_measured_volumes(case):
+    Path("v.csv").write_text(case["content"])
+    assert is_told(refused("--fit", "v.csv"), case)
     assert refused("--fit", "v.csv", "--csv", "c.csv").startswith("--csv: a fit writes no course")
 
 
