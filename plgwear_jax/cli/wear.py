@@ -186,9 +186,9 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         regime = "gross slip" if slips.all() else regime
         at = abs(cycles - printed[:, None]).argmin(axis=1)
         rows = {name: values[at] for name, values in columns.items()}
-        report.put(regime=regime, life=life, **rows)
         if not load.in_gross_slip.any():
             report.put(tangential_force=load.largest)
+        report.put(regime=regime, life=life, **rows)
         report.say(load.remark)
         report.table(*_course_columns(rows, steady))
         held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
