@@ -4,12 +4,10 @@ Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dat
 computed and written chunk by chunk; after a stop, finished chunks are not computed again.
 """
 
-import collections
 import functools
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import jax
@@ -169,36 +167,20 @@ def _run(
     keep: Callable[[int, Mapping[str, np.ndarray]], None],
     progress: Progress | None,
 ) -> None:
-    """Compute chunks while earlier ones are written, a few at a time."""
-    done = plan.points - plan.size(numbers)
-    report = progress or (lambda *_: None)
+    """Compute chunks; the next ones are computed while the last ones are kept."""
+    done, report = plan.points - plan.size(numbers), progress or (lambda *_: None)
     report(done, plan.points)
     if not numbers:
         return
-    engine = plan.engine
-
-    def finish(some: Sequence[int], started: Any) -> int:
-        for number, variables in zip(some, engine.finish(some, started), strict=True):
-            keep(number, variables)
-        return plan.size(some)
-
-    waiting: collections.deque[Future[int]] = collections.deque()
-    with ThreadPoolExecutor(_KEEPERS) as keepers:
-        try:
-            for some in [*engine.batches(numbers), None]:
-                if some is not None:
-                    waiting.append(keepers.submit(finish, some, engine.start(some)))
-                while waiting and (some is None or len(waiting) > _IN_FLIGHT or waiting[0].done()):
-                    done += waiting.popleft().result()
-                    report(done, plan.points)
-        except BaseException:
-            for future in waiting:
-                future.cancel()
-            raise
-
-
-_KEEPERS = 1  # threads that write results: a second one would take the cores from the computation
-_IN_FLIGHT = 3  # chunks that are computed or written at a time
+    engine, before = plan.engine, None
+    for some in [*engine.batches(numbers), ()]:
+        started = engine.start(some) if some else {}
+        if before is not None:
+            for number, variables in zip(before[0], engine.finish(*before), strict=True):
+                keep(number, variables)
+            done += plan.size(before[0])
+            report(done, plan.points)
+        before = some, started
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
