@@ -21,6 +21,7 @@ ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are writte
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
 REQUIRED = object()
 _DOCUMENT = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
+_FORMS: dict[str, dict[str, Any]] = _DOCUMENT["forms"]
 _ELEMENT = re.compile(r"^material\.(thickness|depth|modulus)\[\d+\]$")
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
@@ -50,14 +51,14 @@ class SectionKeys(NamedTuple):
     record: str
 
 
-def _schema(takes: str, forms: Mapping[str, Any]) -> dict[str, Any]:
+def _schema(takes: str) -> dict[str, Any]:
     """The schema of what a key takes: words in quotation marks, forms, sections, or one of several."""
     first, *others = takes.split(" or ")
     if others:
-        return {"anyOf": [_schema(one, forms) for one in (first, *others)]}
+        return {"anyOf": list(map(_schema, (first, *others)))}
     if first.startswith('"'):
         return {"enum": [json.loads(first)]}
-    return {name: x for name, x in forms[first].items() if name != "must"} if first in forms else _reference(first)
+    return {name: x for name, x in _FORMS[first].items() if name != "must"} if first in _FORMS else _reference(first)
 
 
 def _reference(section: str) -> dict[str, str]:
@@ -65,14 +66,14 @@ def _reference(section: str) -> dict[str, str]:
 
 
 def _sections() -> dict[str, SectionKeys]:
-    forms, found = _DOCUMENT["forms"], {}
+    found = {}
     for name, section in _DOCUMENT.items():
         keys = {}
         for key, told in section.get("keys", {}).items():
             takes, default = told["takes"], told.get("default", REQUIRED)
-            text = told.get("must") or forms.get(takes, {}).get("must", takes)
+            text = told.get("must") or _FORMS.get(takes, {}).get("must", takes)
             keys[key] = Key(
-                _schema(takes, forms),
+                _schema(takes),
                 f"must be {text}{told.get('said', '')}",
                 told["about"],
                 None if default == "" else default,
@@ -149,7 +150,7 @@ def _taken(value: Any, schema: Mapping[str, Any]) -> Any:
         size = len(value) if rises or "increasing" not in schema else math.nan
     elif kind == "string" and isinstance(value, str):
         size = len(value)
-    elif kind == "number" and type(value) in (int, float):
+    elif kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
         value = size = float(value)
     elif kind != "integer" or type(value) is not int:
         raise ValueError
