@@ -403,6 +403,9 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
         SceneError: See `load`.
     """
     reading = Reading(name, document, folder)
+    for section in ("material", "contact"):
+        if section not in document:
+            reading.refuse((section,), "missing; every input file needs this section")
     reading.read("material", material_of, kind_of_material)
     reading.read("contact", contact_of, kind_of_contact)
     reading.read("wear", WearSection.of)
@@ -411,9 +414,6 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
         reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
     reading.read("design", DesignSpace.of)
     reading.read("output", output_of)
-    for section in ("material", "contact"):
-        if section not in document:
-            reading.refuse((section,), "missing; every input file needs this section")
     reading.end()
     sections = "material", "contact", "load", "wear", "design", "output"
     return Scene(*(getattr(reading, section) for section in sections))
