@@ -29,7 +29,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from plgwear_jax import catalogue, scene
+from plgwear_jax import catalogue
+from plgwear_jax.scene import keys
 
 DOCS = Path(__file__).parent
 QUOTED = re.compile(
@@ -189,7 +190,6 @@ UNIT = re.compile(r"\bin (1/Pa|m\^3/\(N m\)|mm\^3/\(N m\)|mm\^3/J|N/m|Pa|m|N)(?=
 
 def input_keys() -> str:
     """Every key of an input file, as tables."""
-    models = scene.Scene.model_json_schema()["$defs"]
     lines = list[str]()
     for title, names in SECTIONS:
         lines += [f"## {title}", ""]
@@ -197,28 +197,16 @@ def input_keys() -> str:
             if name in HEADS:
                 lines += [HEADS[name], ""]
             lines += ["| key | what it is | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
-            lines += [*_rows(models[name]), ""]
+            lines += [*_rows(keys.SECTIONS[name]), ""]
     return "\n".join(lines)
 
 
-def attributes(description: str) -> dict[str, str]:
-    """What a docstring says of each attribute."""
-    told, name = dict[str, str](), ""
-    for line in description.partition("Attributes:")[2].splitlines():
-        if start := re.match(r" {4}(\w+): (.*)", line):
-            name, told[start[1]] = start[1], start[2]
-        elif line.strip():
-            told[name] += f" {line.strip()}"
-    return told
-
-
-def _rows(model: dict[str, Any]) -> Iterator[str]:
-    told = attributes(model["description"])
-    for key, about in model["properties"].items():
-        unit = UNIT.search(told[key])
-        default = "required" if key in model.get("required", ()) else _default(about.get("default"))
-        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", told[key])  # the unit has its column
-        cells = f"`{key}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(about), default
+def _rows(section: keys.SectionKeys) -> Iterator[str]:
+    for name, key in section.keys.items():
+        unit = UNIT.search(key.about)
+        default = "required" if key.default is keys.REQUIRED else _default(key.default)
+        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", key.about)  # the unit has its column
+        cells = f"`{name}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(key), default
         yield f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
 
@@ -226,15 +214,12 @@ def _default(value: Any) -> str:
     return "" if value is None else f"`{value}`" if not isinstance(value, str) else f'`"{value}"`'
 
 
-def _allowed(about: dict[str, Any]) -> str:
-    """Which values a key takes, from the schema."""
-    said = re.sub(
-        r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", about.get("description", "").removeprefix("must be ")
-    )
+def _allowed(key: keys.Key) -> str:
+    """Which values a key takes, from what messages say or from its schema."""
+    said = re.sub(r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", key.text.removeprefix("must be "))
     if any(mark in said for mark in ("[", "{", '"', "name of", "list of", "whole number")):
         return _as_code(said)
-    options = [one for one in about.get("anyOf", [about]) if one.get("type") != "null"]
-    return " or ".join(_range(one) for one in options)
+    return " or ".join(_range(one) for one in key.schema.get("anyOf", [key.schema]))
 
 
 def _as_code(text: str) -> str:
@@ -243,8 +228,8 @@ def _as_code(text: str) -> str:
 
 
 def _range(one: dict[str, Any]) -> str:
-    if "const" in one or "enum" in one:
-        return " or ".join(f'`"{value}"`' for value in one.get("enum", [one.get("const")]))
+    if "enum" in one:
+        return " or ".join(f'`"{value}"`' for value in one["enum"])
     low = f"> {one['exclusiveMinimum']:g}" if "exclusiveMinimum" in one else ""
     low = f"≥ {one['minimum']:g}" if "minimum" in one else low
     high = f"< {one['exclusiveMaximum']:g}" if "exclusiveMaximum" in one else ""

@@ -10,7 +10,7 @@ from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, each, fields, measure
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
@@ -163,10 +163,10 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         **fields(fit, "scatter", "felt", "covered"),
     )
     known = np.isfinite(fit.fitted) & (fit.fitted > 0.0)
-    fitted, near = each("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)
+    fitted, near = each_with_unit("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)
     report.table(
-        each("depth", fit.depth, "depth"),
-        each("modulus", fit.modulus, "modulus"),
+        each_with_unit("depth", fit.depth, "depth"),
+        each_with_unit("modulus", fit.modulus, "modulus"),
         fitted._replace(cells=[cell if sure else "" for cell, sure in zip(fitted.cells, known, strict=True)]),
         Column("difference (%)", [f"{x:+.2g}" if sure else "" for x, sure in zip(near, known, strict=True)]),
         Column("counts (%)", [f"{100.0 * share:.2g}" if share > 0.0 else "0" for share in fit.weight]),
