@@ -64,7 +64,7 @@ from plgwear_jax.optimise.question import (
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
-from plgwear_jax.optimise.search import Minimum, conditions, inclination, minimise, solved
+from plgwear_jax.optimise.search import Minimum, conditions, inclination, minimise, solved_by_elimination
 from plgwear_jax.rules import BY_THEN, LARGER, is_linear, one_of
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import amplitude_of
@@ -1048,7 +1048,7 @@ def sensitivities(found: Design) -> Sensitivities:
             values, slopes = (np.tensordot(_weights(steps), part, 1) for part in parts)
         of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
         of_limits = np.where(state.active > 0.0, values[1:], 0.0)
-        dx = -solved(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
+        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
         variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
         saving[one.name] = -share * float(values[0] + here[1][0, 0] @ dx)
     return Sensitivities(variables, saving)

@@ -31,7 +31,7 @@ from plgwear_jax.optimise.question import (
     with_leaf,
 )
 from plgwear_jax.optimise.scenarios import solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.search import Interval, Minimum, Plan, found_by, plan_of, with_slopes
+from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, found_by, plan_of, values_and_jacobian
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
@@ -299,7 +299,7 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes, state = with_slopes(there, True)(jnp.zeros(len(here), point.dtype))
+    values, slopes, state = values_and_jacobian(there, True)(jnp.zeros(len(here), point.dtype))
     if modulus is None:
         return values, slopes, state
     if outside:  # E0 moves with the others, so that the contact radius stays
@@ -427,7 +427,7 @@ class Evaluator:
         return found
 
 
-def plan_for(question: Question) -> Plan:
+def plan_for(question: Question) -> SearchPlan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(question.limits))
     if not solved_one_by_one(question) or read_from_runs(question):

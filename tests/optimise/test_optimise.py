@@ -8,7 +8,6 @@ import re
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 import oracle
 import pytest
 from coated import COATING as REFERENCE
@@ -20,13 +19,7 @@ from mpmath import mp
 from optima import optima
 
 from plgwear_jax import FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
-from plgwear_jax.optimise import (
-    Interval,
-    answers,
-    differentiable,
-    exponent,
-    minimise,
-)
+from plgwear_jax.optimise import Interval, answers, exponent, minimise, search
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
 
@@ -48,16 +41,8 @@ def two_valleys(v):
     return (v["x"] ** 2 - 0.5) ** 2 + 0.1 * v["x"]
 
 
-@pytest.mark.parametrize(
-    "solver",
-    [
-        None,
-        pytest.param(optax.adam(0.05), marks=pytest.mark.compiled),
-        pytest.param(optax.lbfgs(), marks=pytest.mark.long),
-    ],
-)
-def test_any_optax_transformation_finds_the_minimum(solver, in_square):
-    found = in_square["bowl"] if solver is None else searched(bowl, SQUARE, solver=solver, max_steps=2000)
+def test_a_minimum_between_the_bounds_is_found(in_square):
+    found = in_square["bowl"]
     assert float(found.variables["x"]) == pytest.approx(0.3, abs=1e-9)
     assert float(found.variables["y"]) == pytest.approx(1.09, abs=1e-9)
     assert bool(found.converged) and bool(found.certified)
@@ -115,10 +100,6 @@ def away(v):
     return (v["x"] - 1.0) ** 2 + (v["y"] - 2.0) ** 2
 
 
-def drawn_to(a):
-    return lambda v: (v["x"] - a) ** 2 + v["y"] * v["x"] ** 2
-
-
 @pytest.fixture(scope="module")
 def in_square():
     """Questions over the same box, by name, in one program."""
@@ -128,7 +109,6 @@ def in_square():
         "away": (away, lambda v: (v["x"] + v["y"] - 1.0, v["x"] - 1.5)),
         "not to be kept": (bowl, lambda v: (5.0 - v["x"], FAR)),
         "bowl": (bowl, lambda v: (FAR, FAR)),
-        "drawn to 0.3": (drawn_to(0.3), lambda v: (FAR, FAR)),
     }
 
     def best(which):
@@ -230,43 +210,35 @@ def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coeffic
 
 @pytest.mark.compiled
 def test_derivatives_follow_the_implicit_function_theorem():
-    def best(a, c, known=None):
+    def best(a, c):
         def objective(v):
             return (v["x"] - a) ** 2 + jnp.exp(c * v["x"]) + v["y"] * v["x"] ** 2 + (v["y"] - 1.0) ** 2
 
-        find = minimise if known is None else functools.partial(differentiable, known)
-        found = find(objective, SQUARE, limits=lambda v: (v["x"] + v["y"] - c)[None])
-        numbers = jnp.stack([found.variables["x"], found.variables["y"], found.value, found.multipliers[0]])
-        return numbers, (numbers, found)
+        found = minimise(objective, SQUARE, limits=lambda v: (v["x"] + v["y"] - c)[None])
+        return jnp.stack([found.variables["x"], found.variables["y"], found.value, found.multipliers[0]])
 
-    # The search is compiled once: the other derivatives take its minimum over.
-    forward = jax.jit(jax.jacfwd(best, (0, 1), has_aux=True))
-    reverse = jax.jit(jax.jacrev(lambda a, c, known: best(a, c, known)[0], (0, 1)))
-
-    def value(a, c):
-        return forward(a, c)[1][0]
-
+    value, forward, reverse = (jax.jit(f) for f in (best, jax.jacfwd(best, (0, 1)), jax.jacrev(best, (0, 1))))
     step = 1e-4
     for a, c in ((0.3, 3.0), (0.3, 0.7)):  # the limit not active, and active
         numeric = [
             (value(a + step, c) - value(a - step, c)) / (2 * step),
             (value(a, c + step) - value(a, c - step)) / (2 * step),
         ]
-        slopes, (_, known) = forward(a, c)
-        np.testing.assert_allclose(slopes, numeric, atol=1e-7)
-        np.testing.assert_allclose(reverse(a, c, known), numeric, atol=1e-7)
-    second = jax.jit(jax.hessian(lambda a, known: best(a, 0.7, known)[0][0]))(0.3, known)
-    slopes = [forward(0.3 + h, 0.7)[0][0][0] for h in (step, -step)]
+        for slopes in (forward(a, c), reverse(a, c)):
+            np.testing.assert_allclose(slopes, numeric, atol=1e-7)
+    second = jax.jit(jax.hessian(lambda a: best(a, 0.7)[0]))(0.3)
+    slopes = [forward(0.3 + h, 0.7)[0][0] for h in (step, -step)]
     assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
 
 
-def test_a_known_minimum_is_taken_over_with_its_derivatives(in_square):
-    def best(a):
-        known, limits = in_square["drawn to 0.3"], lambda v: jnp.full(2, FAR)
-        return differentiable(known, drawn_to(a), SQUARE, limits=limits).variables["x"]
+def test_a_known_minimum_moves_with_what_its_function_depends_on():
+    def function(u, a):  # x = a/(1 + y) with y = u + 2 on its lower bound; the limit is not reached
+        return jnp.stack([(u[0] - a) ** 2 + (u[1] + 2.0) * u[0] ** 2, u[0] - 5.0])
 
-    value, slope = by_numpy(jax.value_and_grad(best))(jnp.asarray(0.3))
-    assert [float(value), float(slope)] == pytest.approx([0.3 / 1.1, 1.0 / 1.1])  # x = a/(1 + y), y on its bound
+    u = jnp.array([[0.15, -1.0]])
+    found = u, jnp.zeros((1, 1)), *search.slopes_at(function, u, 0.3)
+    (moved,) = by_numpy(jax.jacfwd(lambda a: search.tied(function, jnp.ones(2), found, a)[0]))(jnp.asarray(0.3))
+    np.testing.assert_allclose(moved, [0.5, 0.0], atol=1e-12)
 
 
 def test_bounds_may_be_batched(between):
