@@ -77,6 +77,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
         assert given.load is not None
         found = given.free_design()
         from plgwear_jax import coating
+        from plgwear_jax._core import doubts
 
         force = given.load.largest
         counts = coating.where_it_counts(found.contact, force)
@@ -91,6 +92,8 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     report.say(load)
     if report.in_words:
         _say(report, found)
+        depths, moduli, *_ = curves
+        report.say(doubts.of_design(depths, moduli, found.contact_radii[0], float(rings[0]["deepest_wear"])))
     report.end()
     if not found.certified:
         warn(f"{scene_file}: {_verdict(found)}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.question import with_leaf
+from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.rules import complaint, exponents
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import OtherFileError, SceneError
@@ -116,9 +116,9 @@ def _in_scenarios(given: "Scene") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
     contact, scatter = given.build_contact(), given.asked().scatter
     assert scatter is not None
-    for name, values in scatter.columns.items():
-        contact = contact if name in ("wear_coefficient", "weight") else with_leaf(contact, name, values)
-    return contact
+    return with_variables(
+        contact, {name: x for name, x in scatter.columns.items() if name not in ("wear_coefficient", "weight")}
+    )
 
 
 def forces_in_scenarios(given: "Scene") -> np.ndarray | None:

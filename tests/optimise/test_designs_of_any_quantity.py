@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from plgwear_jax import DepthGraded, Elastic, GrossSlipContact, PowerLawGraded, cli, optimise
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.question import question_of, with_leaf
+from plgwear_jax.optimise.question import question_of, with_variables
 
 STEEL = Elastic(210e9, 0.3)
 PLACES = {"distance": 2e-6, "r": 6.6e-5, "z": 1e-5}  # within the worn ring
@@ -24,19 +24,13 @@ def places_of(name):
     return {place: PLACES[place] for place in (FRETTING | TANGENTIAL)[name].arguments if place in PLACES}
 
 
-def on(contact, variables):
-    for name, value in variables.items():
-        contact = with_leaf(contact, name, value)
-    return contact
-
-
 def values_are_those_of_the_contact(question, points, rtol):
     """Objective, limits and slopes, at some points, against the methods of the contacts and differences of them."""
     found = evaluate(question, points)
     (force,) = question.load.amplitudes
     count = found.values.shape[0]
     for i in range(count):
-        contact = on(question.contact, {name: float(x[i]) for name, x in points.items()})
+        contact = with_variables(question.contact, {name: float(x[i]) for name, x in points.items()})
         assert contact is not question.contact
         value = float(read(contact, question.objective, force, question.places))
         np.testing.assert_allclose(found.objective[i], value, rtol=rtol)
@@ -95,7 +89,7 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
 @pytest.mark.compiled
 def test_a_design_of_friction_and_exponent_is_that_of_scipy():
     def contact(x):
-        return on(CONTACT, {"k": x[0], "friction": x[1]})
+        return with_variables(CONTACT, {"k": x[0], "friction": x[1]})
 
     goal = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).deepest_wear))
     kept = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).edge_pressure(1e-6) / 7e8))
@@ -231,7 +225,7 @@ def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
     told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
     assert told.exit_code == 0, told.stderr or told.exception
     found = json.loads(told.stdout)
-    best = on(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
+    best = with_variables(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
     np.testing.assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
     np.testing.assert_allclose(found["best"]["friction"], found["vary"]["friction"]["value"], rtol=1e-12)
     limits = found["limits"]

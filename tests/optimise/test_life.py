@@ -120,7 +120,7 @@ def test_refusal_of_a_life(given, said):
 def test_a_saving_ends_where_it_last_changes_its_sign():
     lives = np.geomspace(1.0, 1e4, 9)
     more = 0.01 * np.log(lives / 3e2)
-    assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert answers.overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
     more[1] = 0.02  # once before
-    assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
-    assert answers._crossing(lives, -more) is None and answers._crossing(lives, abs(more)) is None
+    assert answers.overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert answers.overtaken_at(lives, -more) is None and answers.overtaken_at(lives, abs(more)) is None

@@ -106,9 +106,11 @@ def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
 @pytest.mark.long
 def test_the_contact_radius_can_be_held():
     ranged = {"k": (-0.5, -0.05)}
-    found, closed = (optimise.design(under(one), 1.5, ranged, hold=True) for one in (Elastic(1e19, 0.3), None))
+    found, closed = (
+        optimise.design(under(one), 1.5, ranged, hold="contact_radius") for one in (Elastic(1e19, 0.3), None)
+    )
     nearly_the_same(found, closed)
-    pair = optimise.design(under(STEEL), 1.5, ranged, hold=True)
+    pair = optimise.design(under(STEEL), 1.5, ranged, hold="contact_radius")
     assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
     np.testing.assert_allclose(pair.value, pair.contact.steady(1.5).wear_volume, rtol=1e-9)
     np.testing.assert_allclose(
