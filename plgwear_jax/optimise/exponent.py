@@ -317,7 +317,6 @@ def _in_between(k: Array) -> Array:
     return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
 
 
-@jax.custom_jvp
 def _roots(lower: Array, upper: Array) -> Array:
     """The three amplitudes for each pair of bounds, shape (3, n)."""
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
@@ -327,11 +326,18 @@ def _roots(lower: Array, upper: Array) -> Array:
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
 
     def mean_slope(phi: Array) -> Array:
+        at = jnp.broadcast_to(phi[..., None], k.shape)
+        by_k = jax.jvp(lambda k: fretting.wear_volume(k, at), (k,), (jnp.ones_like(k),))[1]
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
-        return _by_k(k, jnp.broadcast_to(phi[..., None], k.shape)) @ weights * (1.0 - phi) / (phi * phi)
+        return by_k @ weights * (1.0 - phi) / (phi * phi)
 
     above, below = (jnp.broadcast_to(jnp.array(ends, k.dtype)[:, None], first.shape) for ends in _BRACKETS)
-    return _bracketed_root(mean_slope, above, below)
+    return jax.lax.custom_root(
+        mean_slope,
+        above,
+        lambda f, above: _bracketed_root(f, above, below),
+        lambda along, value: value / along(jnp.ones_like(value)),
+    )
 
 
 _BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))
@@ -368,37 +374,3 @@ def _bracketed_root(f: Callable[[Array], Array], above: Array, below: Array) -> 
     rough = jnp.full_like(above, 0.1)
     unknown = jnp.full_like(above, jnp.inf)
     return jax.lax.fori_loop(0, _SECANTS, secant, _Bracket(below, -rough, above, rough, above * jnp.nan, unknown)).best
-
-
-@_roots.defjvp
-def _roots_jvp(primals, tangents):
-    """The implicit functions: V_kk dk + V_kphi dphi = 0 at each bound, and dV(upper) = dV(lower)."""
-    at_lower, at_upper, equal = roots = _roots(*primals)
-    k, turning, equal = (jnp.concatenate(pair) for pair in (primals, (at_lower, at_upper), (equal, equal)))
-    bend = _along(lambda k: _by_k(k, turning), k)
-    twist = _along(lambda phi: _by_k(k, phi), turning)
-    slope = _by_k(k, equal)
-    rise = _along(lambda phi: fretting.wear_volume(k, phi), equal)
-
-    # As products of matrices, which XLA does not fuse with the four factors: fused, compiling takes three times as
-    # long.
-    def coefficients(which: np.ndarray, *parts: Array) -> Array:
-        return jnp.asarray(which, k.dtype) @ jnp.concatenate(parts).reshape(4, -1)
-
-    by_lower, by_upper = (coefficients(_EQUATIONS * at, bend, slope) for at in ([1, 0, 1, 0], [0, 1, 0, 1]))
-    by_phi = coefficients(_EQUATIONS, twist, rise)
-    return roots, -(by_lower * tangents[0] + by_upper * tangents[1]) / by_phi
-
-
-# A row for each of the three amplitudes: the factors of two numbers at the lower and the upper bound.
-_EQUATIONS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 1]])
-
-
-def _by_k(k: Array, phi: Array) -> Array:
-    """dV/dk."""
-    return _along(lambda k: fretting.wear_volume(k, phi), k)
-
-
-def _along(f: Callable[[Array], Array], x: Array) -> Array:
-    """The derivative of each element of f."""
-    return jax.jvp(f, (x,), (jnp.ones_like(x),))[1]

@@ -325,20 +325,6 @@ def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False
     return first
 
 
-def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
-    """Values, Jacobian and second derivatives."""
-
-    def second(u: Array) -> tuple[Array, Array, Array]:
-        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
-            values, slopes = values_and_jacobian(function)(u)
-            return slopes, (values, slopes)
-
-        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
-        return values, slopes, materialised(curvatures, u[0])
-
-    return second
-
-
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
     """Values and Jacobians at the best minimum and at its rival."""
     return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
@@ -360,12 +346,15 @@ def _tied_jvp(function, primals, tangents):
     def scaled(u: Array, params: Any) -> Array:
         return function(u, params) / scale
 
+    def known(u: Array, params: Any) -> tuple[Array, Array]:
+        return values_and_jacobian(lambda u: scaled(u, params))(u)
+
     def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
-        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
+        slopes, curvatures, values = values_and_jacobian(lambda u: known(u, params)[::-1], True)(u)
+        state = conditions(values, slopes, curvatures, u, multipliers)
 
         def left(params: Any) -> Array:
-            values, slopes = values_and_jacobian(lambda u: scaled(u, params))(u)
-            return _residual(values, slopes, u, multipliers, state.side, state.active)
+            return _residual(*known(u, params), u, multipliers, state.side, state.active)
 
         _, by_params = jax.jvp(left, (params,), (dparams,))
         step = -solved_by_elimination(state.matrix, by_params)
