@@ -76,6 +76,8 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     with computing("looking for the gradient that wears least", one_question=True):
         assert given.load is not None
         found = given.free_design()
+        import numpy as np
+
         from plgwear_jax import coating
         from plgwear_jax._core import doubts
 
@@ -93,7 +95,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     if report.in_words:
         _say(report, found)
         depths, moduli, *_ = curves
-        report.say(doubts.of_design(depths, moduli, found.contact_radii[0], float(rings[0]["deepest_wear"])))
+        report.say(doubts.of_design(depths, moduli, found.contact_radii[0], float(np.max(rings[0]["wear_depth"]))))
     report.end()
     if not found.certified:
         warn(f"{scene_file}: {_verdict(found)}")

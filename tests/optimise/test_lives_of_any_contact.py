@@ -214,8 +214,6 @@ def test_a_free_gradient_for_a_life():
     "changes, said",
     [
         ({"control": "displacement"}, "a design takes no control"),
-        ({"cycles": 1e5}, "cycles and law go together"),
-        ({**LIFE, "minimise": "penetration"}, 'penetration is minimised in the steady state; after cycles "wear_vol'),
     ],
 )
 def test_what_no_life_has(changes, said):

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from optima import optima
 
-from plgwear_jax import FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
+from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
 from plgwear_jax.optimise import Interval, answers, exponent, minimise, search
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
@@ -472,8 +472,10 @@ def test_what_python_prints_of_a_design_fits_a_screen(held):
         assert len(lines) <= 12 and max(map(len, lines)) <= 100
         assert f"k = {held.variables['k']:.4g}, between -0.9 and 0.9" in repr(design)
     assert "BROKEN" in repr(design)
-    layers = Layered([2e-6, 3e-6], [400e9, 200e9, 110e9], 0.3)
-    told = repr(dataclasses.replace(held, contact=dataclasses.replace(held.contact, material=layers)))
+    bodies = Layered([2e-6, 3e-6], [400e9, 200e9, 110e9], 0.3), DepthGraded([0.0, 5e-5], [100e9, 150e9], 0.3)
+    contacts = (dataclasses.replace(held.contact, material=body) for body in bodies)
+    told, graded = (repr(dataclasses.replace(held, contact=contact)) for contact in contacts)
+    assert "E(z) at depths" in graded
     assert "material: thickness = [2 µm, 3 µm], modulus = [400 GPa, 200 GPa, 110 GPa]; contact_radius held" in told
     jax.jit(lambda design: len(repr(design)))(held)
     assert repr(jax.tree.map(lambda leaf: jnp.stack([leaf, leaf]), held)).startswith("Design(of k, wear_volume=")
