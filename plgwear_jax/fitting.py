@@ -373,7 +373,7 @@ def fit_wear_coefficient(
         def excess(x: float) -> float:
             return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
 
-        low, high = (math.nan, math.nan) if math.isnan(rise) else (_crossing(excess, best, end) for end in ends)
+        low, high = (math.nan, math.nan) if math.isnan(rise) else (_exceeded_at(excess, best, end) for end in ends)
         said = None
         if math.isnan(rise):
             said = "one point and one unknown: without its deviation the data tell no interval"
@@ -418,7 +418,7 @@ def fit_wear_coefficient(
         )
 
 
-def _crossing(excess: Callable[[float], float], best: float, end: float) -> float:
+def _exceeded_at(excess: Callable[[float], float], best: float, end: float) -> float:
     """Where the excess becomes positive between the best and an end; infinite if it does not."""
     from scipy import optimize
 

@@ -1043,11 +1043,11 @@ def sensitivities(found: Design) -> Sensitivities:
             moved[[*question.bounds].index(variable)] = 1.0
             moved *= side == (-1, 1)[end]
         else:
-            steps = _steps(question, one)
+            steps = _input_steps(question, one)
             beside = zip(*(_at(changed(question, one, step), at[None], runs) for step in steps), strict=True)
             # Values are subtracted first, so that the derivative of what does not change is exactly 0.
             parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
-            values, slopes = (np.tensordot(_weights(steps), part, 1) for part in parts)
+            values, slopes = (np.tensordot(_weights_of_nodes(steps), part, 1) for part in parts)
         of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
         of_limits = np.where(state.active > 0.0, values[1:], 0.0)
         dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
@@ -1070,7 +1070,7 @@ def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
     slopes = _at(question, stencil, runs)[1].reshape(_NODES.size, at.size, -1, at.size)
-    return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
+    return np.einsum("j,jimk->mki", _weights_of_nodes(_NODES), slopes) / step
 
 
 _NODES = np.arange(-2.0, 3.0)
@@ -1081,7 +1081,7 @@ def _step() -> float:
     return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 
 
-def _steps(question: Question, by: "Input") -> np.ndarray:
+def _input_steps(question: Question, by: "Input") -> np.ndarray:
     """Changes of an input that leave it well within its range, (5,)."""
     room, of = 1.0, by.path[-1]
     if of == "k":
@@ -1094,7 +1094,7 @@ def _steps(question: Question, by: "Input") -> np.ndarray:
     return steps - max(float(by.value) + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
 
 
-def _weights(nodes: np.ndarray) -> np.ndarray:
+def _weights_of_nodes(nodes: np.ndarray) -> np.ndarray:
     """The weights of the values at five nodes in the derivative at 0."""
     scale = np.max(np.abs(nodes))
     powers = np.vander(nodes / scale, increasing=True).T

@@ -111,13 +111,13 @@ def optimal_exponent(
     few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     # Within a program everything is traced, even constants.
     traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
-    return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
+    return _optimal_exponents(*values, digits) if traced or not few else _few_optimal_exponents(values, digits)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
 
 
-def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
+def _few_optimal_exponents(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
     phi, lower, upper = np.broadcast_arrays(*(np.asarray(value) for value in values))
     noise = None if digits is None else 10.0**-digits
     found = []
@@ -171,7 +171,7 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
     from plgwear_jax.optimise.along_exponent import (  # seldom needed, and take time
         NODES,
-        nodes_of,
+        exponents_of_runs,
         shares_of_nodes,
         with_room,
     )
@@ -184,7 +184,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
     valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
     ends = jnp.stack(with_room(upper, lower))
-    k = jnp.moveaxis(nodes_of(ends, NODES), -1, 0)
+    k = jnp.moveaxis(exponents_of_runs(ends, NODES), -1, 0)
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.005)
     volume = wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits)

@@ -252,19 +252,19 @@ def read_from_runs(question: Question) -> bool:
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------
 
 
-def _path(name: str) -> str:
+def _path_of(name: str) -> str:
     return f"material.{name}" if name in ("k", "E0", "z0", "nu") else name
 
 
 def variable_of(contact: Any, name: str) -> Any:
     """The number of a contact that a variable of this name is."""
-    return leaves.leaf_of(contact, _path(name))
+    return leaves.leaf_of(contact, _path_of(name))
 
 
 def with_variables(contact: Any, values: Mapping[str, Any]) -> Any:
     """The contact with other numbers in these places."""
     for name, value in values.items():
-        contact = leaves.with_leaf(contact, _path(name), value)
+        contact = leaves.with_leaf(contact, _path_of(name), value)
     return contact
 
 
@@ -293,11 +293,11 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        _refuse_gross_slip(question, weighted.amplitudes[0] if own is None else own)
+        _refuse_lowest_bounds(question, weighted.amplitudes[0] if own is None else own)
     return question
 
 
-def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
+def _refuse_lowest_bounds(question: Question, force: ArrayLike) -> None:
     """Refuse bounds of the friction and the normal force between which the whole contact slips."""
     varied = [name for name in ("friction", "normal_force") if name in question.bounds]
     if varied:

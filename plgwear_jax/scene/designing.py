@@ -10,7 +10,7 @@ import numpy as np
 from plgwear_jax import optimise
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
-from plgwear_jax.rules import complaint, exponents
+from plgwear_jax.rules import complaint, exponents_between
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import OtherFileError, SceneError
 
@@ -152,7 +152,7 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     (first, second), *moduli = (np.log(window[name]) for name in ("at", "lower", "upper"))
     part = (np.log(contact.material.z0) - first) / (second - first)
     reached = [(1.0 - part) * one + part * other for one in np.stack(moduli)[:, 0] for other in np.stack(moduli)[:, 1]]
-    k = exponents(window["at"], window["lower"], window["upper"])
+    k = exponents_between(window["at"], window["lower"], window["upper"])
     others = {name: x for name, x in variables.items() if name != "modulus"}
     return {"k": k, "E0": (float(np.exp(min(reached))), float(np.exp(max(reached)))), **others}
 

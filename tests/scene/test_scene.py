@@ -748,7 +748,7 @@ def test_design_has_what_the_search_takes(file):
     plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
     assert window.variables == {"modulus": plain_window} and window.hold is None
     steepest = np.log(400 / 60) / np.log(100)
-    np.testing.assert_allclose(rules.exponents(**plain_window), [-steepest, steepest], rtol=1e-14)
+    np.testing.assert_allclose(rules.exponents_between(**plain_window), [-steepest, steepest], rtol=1e-14)
     # over which part of the load
     for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
         assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
