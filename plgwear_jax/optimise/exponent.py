@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -299,8 +299,6 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
 _FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-# Nine give 12 digits or more for any bounds; each further one multiplies the number of digits by 1.5.
-_SECANTS = 12
 
 
 @jax.jit
@@ -331,46 +329,16 @@ def _roots(lower: Array, upper: Array) -> Array:
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
         return by_k @ weights * (1.0 - phi) / (phi * phi)
 
-    above, below = (jnp.broadcast_to(jnp.array(ends, k.dtype)[:, None], first.shape) for ends in _BRACKETS)
-    return jax.lax.custom_root(
-        mean_slope,
-        above,
-        lambda f, above: _bracketed_root(f, above, below),
-        lambda along, value: value / along(jnp.ones_like(value)),
-    )
+    def halved(f: Callable[[Array], Array], above: Array) -> Array:
+        def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+            middle = 0.5 * (ends[0] + ends[1])
+            positive = f(middle) > 0.0
+            return jnp.where(positive, middle, ends[0]), jnp.where(positive, ends[1], middle)
+
+        return jax.lax.fori_loop(0, jnp.finfo(above.dtype).nmant + 4, halve, (above, below))[0]
+
+    above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
+    return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
 
 
 _BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))
-
-
-class _Bracket(NamedTuple):
-    """Two points with a root between them, the newer one first, and the best point so far."""
-
-    here: Array
-    f_here: Array
-    behind: Array
-    f_behind: Array
-    best: Array
-    f_best: Array
-
-
-def _bracketed_root(f: Callable[[Array], Array], above: Array, below: Array) -> Array:
-    """The root of each element of f, positive at one end and negative at the other, by the Illinois method."""
-
-    def secant(_, at: _Bracket) -> _Bracket:
-        rise = at.f_here - at.f_behind
-        step = at.f_here * (at.behind - at.here) / jnp.where(rise == 0.0, 1.0, rise)
-        there = at.here + jnp.where(rise == 0.0, 0.0, step)
-        f_there = f(there)
-        same = jnp.sign(f_there) == jnp.sign(at.f_here)
-        # The value at an end that stays is halved, so that the next secant crosses to its side.
-        behind, f_behind = jnp.where(same, at.behind, at.here), jnp.where(same, 0.5 * at.f_behind, at.f_here)
-        # Later secants follow rounding errors and may move away from the root again.
-        better = jnp.abs(f_there) < jnp.abs(at.f_best)
-        best, f_best = jnp.where(better, there, at.best), jnp.where(better, f_there, at.f_best)
-        return _Bracket(there, f_there, behind, f_behind, best, f_best)
-
-    # Rough values at the ends are good enough, and the program then contains f only once.
-    rough = jnp.full_like(above, 0.1)
-    unknown = jnp.full_like(above, jnp.inf)
-    return jax.lax.fori_loop(0, _SECANTS, secant, _Bracket(below, -rough, above, rough, above * jnp.nan, unknown)).best
