@@ -1401,7 +1401,6 @@ def free_design(
     modulus: ModulusProfile,
     *,
     starts: int = 20,
-    seed: int = 0,
     **keywords: Unpack[Keywords],
 ) -> FreeDesign:
     """Find the E(z) on which the indenter wears least, by its values at some depths, with PCHIP between them.
@@ -1413,7 +1412,6 @@ def free_design(
         load: As of `design`; the time grows with the number of amplitudes.
         modulus: The depths, and the bounds of the modulus there.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
-        seed: Seed of the random numbers.
         **keywords: As of `design`, without scenarios.
 
     Returns:
@@ -1448,7 +1446,7 @@ def free_design(
     problem = _FreeModuli(dataclasses.replace(question, limits=(*question.limits, last)), modulus, hold)
 
     power_law, exponent = _best_power_law(problem)
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     begun = [power_law] + [0.05 + 0.9 * random.integers(0, 2, problem.depth.size) for _ in range(starts - 1)]
     minima = _distinct(problem, [(problem.descended(x, _COARSE), 1) for x in begun])
     refined = [(problem.descended(x, _FINE), n) for x, n in minima[:_REFINED]]
