@@ -64,10 +64,11 @@ from plgwear_jax.optimise.question import (
     question_of,
     read_from_runs,
     solved_one_by_one,
+    unless_refused,
 )
 from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
 from plgwear_jax.optimise.search import Minimum, conditions, inclination, minimise, solved_by_elimination
-from plgwear_jax.rules import BY_THEN, LARGER, is_linear, one_of
+from plgwear_jax.rules import BY_THEN, LARGER, free_complaint, is_linear, one_of
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import amplitude_of
 
@@ -1438,8 +1439,7 @@ def free_design(
     ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
     vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
     question = question_of(on(modulus.lower), load, vary, **keywords)
-    if hold and any(one.quantity == "contact_radius" for one in question.limits):
-        raise ValueError("limits.contact_radius: cannot be limited while hold fixes it")
+    unless_refused(free_complaint((), hold, {one.quantity for one in question.limits}))
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
     radius = float(np.asarray(contact.steady(0.0).contact_radius))
     last = Limit(radius, {}, "contact_radius", "contact_radius", False)

@@ -109,6 +109,13 @@ class Limit:
     lowest: bool = static()
 
 
+def unless_refused(found: Any) -> Any:
+    """What was found, or a ValueError if that is a complaint."""
+    if isinstance(found, Complaint):
+        raise ValueError(f"{found.key}: {found.text}")
+    return found
+
+
 def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     """The limits in the order of their names, or an error that says what is wrong with them."""
     if not isinstance(given, Mapping | None):
@@ -117,10 +124,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     for name, allowed in (given or {}).items():
         several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
         for place, one in enumerate(several):
-            said = limited_quantity(name, one, kind)
-            if isinstance(said, Complaint):
-                raise ValueError(f"{said.key}: {said.text}")
-            quantity, *ends, places = said
+            quantity, *ends, places = unless_refused(limited_quantity(name, one, kind))
             sides = dict(zip(("lowest", "highest"), ends, strict=True))
             for side, value in sides.items():
                 if value is not None:
@@ -156,9 +160,7 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
             raise ValueError(f"{key}: {text}, not {given!r}") from None
-    found = placed_quantity(key, name, places, kind)
-    if isinstance(found, Complaint):
-        raise ValueError(f"{found.key}: {found.text}")
+    found = unless_refused(placed_quantity(key, name, places, kind))
     _check_places(f"{key}: {{}}", places)
     return found, places
 
@@ -333,9 +335,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
     k = contact.material.k if power else np.nan
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
-    wrong = complaint(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
-    if wrong is not None:
-        raise ValueError(f"{wrong.key}: {wrong.text}")
+    unless_refused(complaint(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat))
     if hold and not power:
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
     load = None if load is None else load_of(load)
