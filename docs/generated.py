@@ -104,28 +104,39 @@ def quoted(text: str) -> str:
     return QUOTED.sub(fresh, text)
 
 
-def fewest_digits() -> str:
-    """The fewest correct digits of each function in float64 towards the edges of its domain."""
+def digits_of_functions() -> dict[str, dict[str, str]]:
+    """The fewest correct digits in float64 of each function and order of derivative towards the edges of its domain."""
     found: dict[str, dict[str, str]] = {}
     for _, rows in tables("extremes"):
         for name, order, dtype, digits, *_ in rows:
             if dtype == "float64":
                 found.setdefault(name, {})[order] = digits
+    return found
+
+
+def fewest_digits() -> str:
+    """The functions that keep fewer than ten digits somewhere, and the worst of all others."""
+    found = digits_of_functions()
+    others = {name: by for name, by in found.items() if min(map(float, by.values())) > 10.0}
+    rows = {f"`{name}`": by for name, by in found.items() if name not in others}
+    rows["the worst of all others"] = {order: min((by[order] for by in others.values()), key=float) for order in "012"}
     lines = ["| function | value | first derivatives | second derivatives |", "| --- | ---: | ---: | ---: |"]
-    return "\n".join(
-        lines + [f"| `{name}` | {' | '.join(by[order] for order in '012')} |" for name, by in found.items()]
-    )
+    return "\n".join(lines + [f"| {name} | {' | '.join(by[order] for order in '012')} |" for name, by in rows.items()])
 
 
 def random_contacts() -> str:
-    """The errors of random contacts: 95 of 100 are below the first number of a cell, all below the second one."""
+    """The worst errors of some quantities of random contacts."""
     *errors, (_, refused) = tables("random_contacts")
     groups = [row[0] for row in refused]
-    titles = "against 5 digits", "balance", "float32, $\\varphi \\ge 0.1$"
+    shown = {  # what the page shows of the tables, in their order
+        "against 5 digits": ("radii", "wear volume", "energy", "pressure before", "pressure worn", "derivatives"),
+        "balance": ("force worn", "derivatives"),
+        "float32, $\\varphi \\ge 0.1$": ("wear volume", "pressure worn"),
+    }
     lines = [f"| quantity | held to | {' | '.join(groups)} |", f"| --- | --- |{' ---: |' * len(groups)}"]
-    for title, (_, rows) in zip(titles, errors, strict=True):
-        found = {(name, group): f"{most}, {worst}" for group, name, _, _, most, worst in rows}
-        for name in dict.fromkeys(name for name, _ in found):
+    for (title, names), (_, rows) in zip(shown.items(), errors, strict=True):
+        found = {(name, group): worst for group, name, *_, worst in rows}
+        for name in names:
             cells = (found.get((name, group), "") for group in groups)
             lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
     told = (f"{number} of {of}" for _, of, number in refused)
@@ -379,7 +390,7 @@ def filled(text: str) -> str:
 def words(text: str) -> tuple[int, int]:
     """The words of a page: all, and those of the text without code, displayed formulas and what is generated."""
     text = re.sub(r"<!-- (?!begin|end).*?-->", "", text, flags=re.DOTALL)
-    by_hand = re.sub(r"```.*?```|\$\$.*?\$\$|^\{ \.\w+ \}$", "", FILLED.sub("", text), flags=re.DOTALL | re.MULTILINE)
+    by_hand = re.sub(r"```.*?```|\$\$.*?\$\$|^\{ ?\.\w+ ?\}$", "", FILLED.sub("", text), flags=re.DOTALL | re.MULTILINE)
     return len(text.split()), len(by_hand.split())
 
 
