@@ -477,8 +477,9 @@ def of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> 
 
 
 def _log_of_mean(found: OfScenarios, weights: np.ndarray) -> Rows:
-    """The logarithms of means of all amounts, and their slopes; the weights are (..., scenarios * amplitudes)."""
-    total = np.maximum(np.einsum("l...c,lc->l...", weights, found.amounts), np.finfo(weights.dtype).tiny)  # may be 0
+    """Logarithms of means of all amounts, and their slopes; the weights are (points, ..., scenarios * amplitudes)."""
+    total = np.einsum("l...c,lc->l...", weights, found.amounts)
+    total = np.maximum(total, np.finfo(weights.dtype).tiny)  # a depth can be 0
     return np.log(total), np.einsum("l...c,lcn->l...n", weights, found.by) / total[..., None]
 
 
