@@ -75,8 +75,9 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
         import numpy as np
 
         assert given.load is not None
-        found: Any = given.free_design()
+        found = given.free_design()
         from plgwear_jax import coating
+        from plgwear_jax._core import doubts
 
         force, profile, widest = given.load.largest, found.profile, found.contact_radii[0]
         contacts = found.contact, found.power_law, found.reference
@@ -130,6 +131,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     report.say(saved(found.saving, entry(found.objective).words), freedom, verdict)
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
+    report.say(doubts.of_design(*curves[:2], widest, float(np.max(rings[0]["wear_depth"]))))
     report.end()
     if not found.certified:
         warn(f"{scene_file}: {verdict}")

@@ -8,8 +8,8 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.question import with_leaf
-from plgwear_jax.rules import complaint, exponents
+from plgwear_jax.optimise.question import with_variables
+from plgwear_jax.rules import complaint, exponents_between
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
@@ -113,9 +113,9 @@ def _in_scenarios(given: "Scene") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
     contact, scatter = given.build_contact(), given.asked().scatter
     assert scatter is not None
-    for name, values in scatter.columns.items():
-        contact = contact if name in ("wear_coefficient", "weight") else with_leaf(contact, name, values)
-    return contact
+    return with_variables(
+        contact, {name: x for name, x in scatter.columns.items() if name not in ("wear_coefficient", "weight")}
+    )
 
 
 def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
@@ -150,7 +150,7 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
     reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
     others = {name: x for name, x in variables.items() if name != "modulus"}
-    return {"k": exponents(**window), "E0": (float(reached.min()), float(reached.max())), **others}
+    return {"k": exponents_between(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
 def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:

@@ -43,7 +43,7 @@ OTHERS = {
     "coating": {"felt", "worn"},
     "fitting": {"log_likelihood"},
     "contact": {"is_closed"},
-    "optimise": {"critical_amplitudes", "designs", "differentiable", "minimise", "optimal_exponent", "tail_weights"},
+    "optimise": {"critical_amplitudes", "designs", "minimise", "optimal_exponent", "tail_weights"},
     "plots": {"check_target", "readable", "save", "use_style"},
     "sweep": {"open_sweep"},
 }

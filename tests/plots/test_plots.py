@@ -35,7 +35,7 @@ def legend(figure: Figure) -> list[str]:
 
 @pytest.fixture(scope="module")
 def best() -> optimise.Design:
-    return optimise.design(REFERENCE, FORCE, {"k": (-0.9, 0.9)}, hold=True)
+    return optimise.design(REFERENCE, FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius")
 
 
 @pytest.fixture(scope="module")

@@ -76,8 +76,8 @@ def questions():
 
 
 EXPECTED = {
-    "an amplitude": ["_directions", "_wear"],
-    "a design": ["_directions"],
+    "an amplitude": ["_next_directions", "_wear"],
+    "a design": ["_next_directions"],
     "a design for a life": ["_at_once", "_shares"],
 }
 
