@@ -1,7 +1,6 @@
 """Pictures of the wear over cycles: under one amplitude, over blocks of amplitudes, and fitted to measured volumes."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -155,4 +155,3 @@ def label(axes: Axes, x: str, y: str, words: str | None = None) -> None:
     """Label both axes of a panel by `show_units`, the vertical one with other words if there are any."""
     show_units(axes.xaxis, x)
     show_units(axes.yaxis, y, words)
-
