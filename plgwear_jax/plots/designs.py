@@ -82,14 +82,14 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     _draw_depths(panels[2], worn, (BEST, REFERENCE), end, words)
     saved = f"{best}: {_less(design.saving)} {entry(design.objective).name} than the reference"
     breaks = ", which breaks a limit" if _reference_breaks(design) else ""
-    return _explained(figure, panels, f"{saved}{breaks}{_limits(design)}\n{_conditions(design)}\n{symbols}")
+    return _explained(figure, panels, f"{saved}{breaks}{_limits_told(design)}\n{_conditions(design)}\n{symbols}")
 
 
 def _less(saving: float) -> str:
     return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 
-def _limits(design: Design) -> str:
+def _limits_told(design: Design) -> str:
     """The limits with their values, but for those of the modulus, which are drawn as bars."""
     told = [
         f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {_measured(one.quantity, one.allowed)}"

@@ -156,7 +156,7 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     if not left:
         raise MapError(f"{name}: every axis has a single value; there is nothing to draw")
     if len(left) > 2:
-        spans = "; ".join(_span(variable[dim]) for dim in left)
+        spans = "; ".join(_axis_told(variable[dim]) for dim in left)
         raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
     told = []
     for dim, row in variable.coords.items():
@@ -183,11 +183,11 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
     ordered = np.sort(values)
     before, behind = (float(np.ptp(ends)) for ends in (ordered[:2], ordered[-2:]))
     if not ordered[0] - before <= number <= ordered[-1] + behind:
-        raise MapError(f"{said} outside of the sweep: {_span(row)}")
+        raise MapError(f"{said} outside of the sweep: {_axis_told(row)}")
     return int(np.argmin(np.abs(values - number)))
 
 
-def _span(row: xr.DataArray) -> str:
+def _axis_told(row: xr.DataArray) -> str:
     if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
     unit = row.attrs.get("units", "1")
@@ -209,7 +209,7 @@ def _arranged(variable: xr.DataArray) -> list[str]:
 
 def _label(array: xr.DataArray) -> str:
     """What a quantity or an axis is called, with its symbol: stores of before have its meaning alone."""
-    return str(array.attrs.get("label") or _plain(str(array.attrs.get("long_name", array.name))))
+    return str(array.attrs.get("label") or _no_formula(str(array.attrs.get("long_name", array.name))))
 
 
 def _symbol(row: xr.DataArray) -> str:
@@ -220,11 +220,11 @@ def _symbol(row: xr.DataArray) -> str:
 def _value(row: xr.DataArray, value: Any) -> str:
     unit = row.attrs.get("units", "1")
     if isinstance(value, str):
-        return _plain(value)
+        return _no_formula(value)
     return written(value, _printed(unit))
 
 
-def _plain(text: str) -> str:
+def _no_formula(text: str) -> str:
     """One line in which nothing is a formula."""
     return one_line(text).replace("$", r"\$")
 
@@ -248,7 +248,7 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     """Stretch an axis as the sweep has spaced its values; these values in the unit of the axis."""
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
     if not _is_number(row):
-        axis.set_ticks(np.arange(values.size), [_plain(str(value)) for value in values])
+        axis.set_ticks(np.arange(values.size), [_no_formula(str(value)) for value in values])
         axes.set(**{f"{side}label": _label(row)})
         return np.arange(values.size)
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
@@ -265,7 +265,7 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     return values
 
 
-def _edges(axis: Any, values: np.ndarray) -> np.ndarray:
+def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
     """Where the cells around the values end: halfway on the scale of the axis; the outer ones with the values."""
     scale = axis.get_transform()
     u = scale.transform(values)
@@ -317,7 +317,7 @@ def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, co
 
 def _entry(row: xr.DataArray) -> str:
     value = row.item()
-    return _plain(value) if isinstance(value, str) else f"{_symbol(row)} = {_value(row, value)}"
+    return _no_formula(value) if isinstance(value, str) else f"{_symbol(row)} = {_value(row, value)}"
 
 
 def _relative(variable: xr.DataArray, other: str) -> xr.DataArray:
@@ -344,7 +344,7 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     beyond = "both" if variable is not given or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
-    edges = _edges(axes.xaxis, x), _edges(axes.yaxis, y)
+    edges = _cell_edges(axes.xaxis, x), _cell_edges(axes.yaxis, y)
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
     if not isinstance(norm, LogNorm | AsinhNorm):

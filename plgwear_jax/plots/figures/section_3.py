@@ -31,7 +31,7 @@ _THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
 _AMPLITUDE = r"amplitude $F_x/(\mu F_N)$"
 
 
-def _rows(values: np.ndarray, form: str) -> str:
+def _by_amplitude(values: np.ndarray, form: str) -> str:
     """Values at all pairs of k, along the columns, and φ."""
     rows = (", ".join(format(x, form) for x in row) for row in values)
     told = "; ".join(f"{row} at φ = {phi:g}" for row, phi in zip(rows, AMPLITUDES, strict=True))
@@ -154,16 +154,20 @@ def _check_profiles() -> list[Claim]:
     ends = max(n["turn_stiff"], n["turn_compliant"]), min(n["return_stiff"], n["return_compliant"])
     told = f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}"
     rows = (
-        ("in all cases the wear volume grows with the amplitude", f"ΔV in a0⁴/R {_rows(volume, '.4f')}", volume.T),
+        (
+            "in all cases the wear volume grows with the amplitude",
+            f"ΔV in a0⁴/R {_by_amplitude(volume, '.4f')}",
+            volume.T,
+        ),
         (
             "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
             told,
             -volume,
         ),
-        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_rows(area, '.4f')}", -area),
+        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_by_amplitude(area, '.4f')}", -area),
         (
             "the amount of curvature of the worn area increases with the exponent",
-            f"8 (deepest wear)/(a∞ − c)² in 1/R {_rows(bend, '.3f')}",
+            f"8 (deepest wear)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
             bend,
         ),
     )
@@ -268,7 +272,7 @@ def _check_pressures() -> list[Claim]:
     return [
         Claim(
             "the stick radius grows with the exponent, which means a lower mean pressure",
-            f"F_N/(π c²) over F_N/(π a0²) {_rows(1.0 / stick**2, '.3f')}",
+            f"F_N/(π c²) over F_N/(π a0²) {_by_amplitude(1.0 / stick**2, '.3f')}",
             bool(np.all(np.diff(stick, axis=1) > 0.0)),
         ),
         Claim(
