@@ -13,6 +13,17 @@ from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.plots.figures.sketch import ALMOST, EXPONENTS
 
 
+class OfNumbers:
+    """A room of dimensionless functions, whose results are here numbers and arrays of NumPy."""
+
+    def __init__(self, room: Any):
+        self.room = room
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        function = getattr(self.room, name)
+        return lambda *at: np.asarray(function(*at))[()]
+
+
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
     """The root of a function between two places, to rounding."""
     found: Any = optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)
