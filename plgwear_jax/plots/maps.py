@@ -34,6 +34,7 @@ from plgwear_jax.plots.style import (
     DOTTED,
     GREEN,
     ORANGE,
+    Style,
     page,
     picture,
     show_units,
@@ -45,7 +46,7 @@ _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
 _ALMOST = 1.0 - 1e-15
 _BLANK = "0.86"
-_CURVES: dict[str, Any] = {
+_CURVES: Style = {
     "color": [BLUE, ORANGE, GREEN, "#AA4499", "k", "#E69F00"],
     "linestyle": ["-", DASHED, DASH_DOT, DOTTED, (0, (9, 2)), (0, (3, 1.2, 1, 1.2, 1, 1.2))],
 }
@@ -55,8 +56,8 @@ _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_
 _MOST = 3.0  # as much more or less wear than without a gradient has a colour of its own
 _MORE = 0.05  # as much more wear as the plateau has at its edge
 _EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
-_LEAST: dict[str, Any] = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
-_STAR: dict[str, Any] = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
+_LEAST: Style = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
+_STAR: Style = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
 
 
 class MapError(ValueError):
@@ -91,13 +92,10 @@ def map_picture(
     variable, told = _cut(_asked(ds, quantity), dict(at or {}))
     across, *others = _arranged(variable)
     is_map = bool(others) and variable.sizes[others[0]] > _FEW
-    for dim in variable.dims:
-        row = variable[dim]
-        index = np.argsort(row.to_numpy()) if _is_number(row) else np.arange(row.size)
-        most = _SEEN if is_map else _SEEN_OF_CURVE
-        seen = np.linspace(0, row.size - 1, min(most, row.size)).round().astype(int)
-        variable = variable.isel({dim: index[seen]})
-    variable = variable.transpose(*others, across).compute()
+    numbers = [dim for dim in variable.dims if _is_number(variable[dim])]
+    most = _SEEN if is_map else _SEEN_OF_CURVE
+    seen = {dim: np.linspace(0, n - 1, min(most, n)).round().astype(int) for dim, n in variable.sizes.items()}
+    variable = variable.sortby(numbers).isel(seen).transpose(*others, across).compute()
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
     draw = _draw_map if is_map else _draw_curves
@@ -146,12 +144,8 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     for axis in at:
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
-    for dim in dims:
-        values = variable[dim].to_numpy()
-        if dim in at:
-            variable = variable.isel({dim: _nearest(variable[dim], at[dim])})
-        elif np.all(values == values[0]):
-            variable = variable.isel({dim: 0})
+    variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
+    variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
     left = [str(dim) for dim in variable.dims]
     if not left:
         raise MapError(f"{name}: every axis has a single value; there is nothing to draw")
@@ -254,7 +248,7 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
     axes.set(**{f"{side}lim": values[[0, -1]]})
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
-    scale: dict[str, Any] = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
+    scale: Style = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
     getattr(axes, f"set_{side}scale")("function" if bounded else spacing, **(scale if bounded else {}))
     if spacing != "logit":
         _show(axis, row)
@@ -269,8 +263,7 @@ def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
     """Where the cells around the values end: halfway on the scale of the axis; the outer ones with the values."""
     scale = axis.get_transform()
     u = scale.transform(values)
-    middle = scale.inverted().transform(0.5 * (u[1:] + u[:-1]))
-    return np.concatenate([values[:1], middle, values[-1:]])
+    return np.concatenate([values[:1], scale.inverted().transform(0.5 * (u[1:] + u[:-1])), values[-1:]])
 
 
 def _norm(variable: xr.DataArray) -> Normalize:
