@@ -66,7 +66,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """
     comparison = comparison or compared(design)
     found = comparison.quantities
-    radius = float(found["contact_radius"][1] if "contact_radius" in found else design.reference.radius)
+    radius = float(found["contact_radius"][1] if "contact_radius" in found else np.asarray(design.reference.radius))
     best = "best" if design.keeps_limits else "closest design, limits violated"
     labels = [
         f"{words}, $k = {float(its.material.k):.3g}$" if hasattr(its.material, "k") else words  # pyright: ignore
@@ -199,11 +199,12 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.axhline(0.0, **GUIDE)
     axes.set_title(_less(design.saving), loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
-    low, high = _widened([*curve[kept], 0.0, change], 0.2)
+    seen = [*curve[kept], 0.0, change]
+    low, high = _widened(seen, 0.2 * np.ptp(seen))
     shown = values[(low < curve) & (curve < high)]
     axes.set_ylim(low, high)
     if is_linear(name):
-        axes.set_xlim(_widened([there, *shown], 0.05 * np.ptp(shown) / np.ptp([there, *shown])))
+        axes.set_xlim(*_widened([there, *shown], 0.05 * np.ptp(shown)))
     else:
         axes.set_xscale("log")
     others = "\nall else as in the best design" if len(bounds) > 1 else ""
@@ -214,9 +215,9 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.set_ylabel(f"change of {f'mean {minimised.name}' if several else minimised.label} (%)")
 
 
-def _widened(values: Sequence[float], share: float) -> np.ndarray:
-    """The least and the largest of some values, and a share of their distance more on both sides."""
-    return np.array([np.min(values), np.max(values)]) + share * np.ptp(values) * np.array([-1.0, 1.0])
+def _widened(values: Sequence[float], margin: float) -> tuple[float, float]:
+    """The least and the largest of some values, with a margin on both sides."""
+    return min(values) - margin, max(values) + margin
 
 
 @picture
@@ -337,7 +338,8 @@ def free_picture(
     """
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
-    bounds, radius = np.transpose([found.profile.at, found.profile.lower, found.profile.upper]), found.contact_radii[0]
+    bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
+    bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
     _draw_depths(panels[2], worn, (BEST, OTHER, REFERENCE))
