@@ -17,8 +17,8 @@ def report(figures: Sequence[PaperFigure]) -> str:
         "# The figures of the paper, from the library",
         "Written by `plgwear figures`. Each statement of the paper is compared with the result of the library; φ is "
         "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws: Fig. 5 "
-        f"is drawn for z0/a = {_joined(DEPTHS)}, Figs. 8 and 10 for φ = {_joined(AMPLITUDES)}, Fig. 9 for |k| = "
-        f"{_joined((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
+        f"is drawn for z0/a = {_in_a_row(DEPTHS)}, Figs. 8 and 10 for φ = {_in_a_row(AMPLITUDES)}, Fig. 9 for |k| = "
+        f"{_in_a_row((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
         "![All of them](contact-sheet.png)",
     ]
     for figure in figures:
@@ -38,7 +38,7 @@ def report(figures: Sequence[PaperFigure]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _joined(values: Sequence[float]) -> str:
+def _in_a_row(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 

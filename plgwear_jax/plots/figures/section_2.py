@@ -24,6 +24,7 @@ from plgwear_jax.plots.figures.text_numbers import OfNumbers, balance_of, listed
 from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
 
 gross_slip = OfNumbers(laws)
+_OVER_K: Style = {"xlim": (-1.0, 1.0), "xlabel": "exponent $k$", "xticks": (-1.0, -0.5, 0.0, 0.5, 1.0)}
 
 
 def _check_flat() -> list[Claim]:
@@ -152,8 +153,7 @@ def effective_volume_change(page: FigureBase) -> None:
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
     axes.plot(best, most, "o", color=ORANGE, markersize=4.0)
     axes.text(best, most + 0.6, f"{most:.1f} % at $k = {best:.3f}$", ha="center")
-    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0), xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
-    axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
+    axes.set(ylim=(0.0, 18.0), ylabel=r"$\Delta V/(\pi a^2 d)$ (%)", **_OVER_K)
 
 
 def _check_forces() -> list[Claim]:
@@ -193,9 +193,9 @@ def normal_forces(page: FigureBase) -> None:
             axes.plot(k, initial * ratio, color=colour, linestyle=DASHED, label=f"steady, $z_0/a = {depth:g}$")
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
-        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$", xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
+        axes.set(ylim=(0.0, 4.0), **_OVER_K)
     panels[0].set_ylabel("$F_N/(2 E_0 d a)$")
-    page.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    legend_above(page, panels[0], 3)
     letters(panels, (r"$\nu = 1/(2+k)$, at most $1/2$", r"$\nu = 1/(2+k)$, formally for all $k$"))
 
 
@@ -246,6 +246,5 @@ def force_tendencies(page: FigureBase) -> None:
     for x, y, way in ((-0.5, 0.45, "down"), (-0.42, 10.0, "up"), (0.32, 0.12, "up"), (0.5, 6.0, "down")):
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
     page.legend(handles=axes.collections[:3], loc="outside upper center", ncols=2, title="initial normal force $F_N$")
-    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$")
-    axes.set(xticks=(-1.0, -0.5, 0.0, 0.5, 1.0), ylabel="characteristic depth $z_0/a$")
+    axes.set(yscale="log", ylim=(low, high), ylabel="characteristic depth $z_0/a$", **_OVER_K)
     axes.yaxis.set_major_formatter("{x:g}")
