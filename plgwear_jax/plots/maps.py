@@ -331,9 +331,8 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     values, yes_or_no = values.astype(float), variable.dtype.kind == "b"
     signed = variable is not given or norm.vmin == -(norm.vmax or 0.0)
     # matplotlib leaves out infinite values; here they get the colours of those beyond the scale, and zero the lowest
-    shown = np.where(np.isinf(values), np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
-    if isinstance(norm, LogNorm):
-        shown = np.maximum(shown, norm.vmin or 0.0)
+    most = 10.0 * np.abs(norm.vmax or 1.0)
+    shown = np.clip(values, norm.vmin if isinstance(norm, LogNorm) else -most, most)
     beyond = "both" if variable is not given or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)

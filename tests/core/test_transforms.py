@@ -88,15 +88,6 @@ def test_arguments_broadcast_as_in_numpy(name):
     np.testing.assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
 
 
-@by_one_rule
-@pytest.mark.parametrize("shapes", [((0, 3), (1,)), pytest.param(((0,), ()), marks=pytest.mark.long)], ids=str)
-def test_empty_arrays_stay_empty(name, shapes):
-    names = arguments(name)
-    values = [np.full(shapes[i > 0], scalar(key)) for i, key in enumerate(names)]
-    result = FUNCTIONS[name](*values)
-    assert result.shape == np.broadcast_shapes(*(v.shape for v in values)) and result.dtype == jnp.float64
-
-
 @pytest.mark.parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
 def test_shapes_that_do_not_broadcast_are_refused(name):
     values = [np.full(2 + i, scalar(key)) for i, key in enumerate(arguments(name))]
