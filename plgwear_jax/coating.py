@@ -17,7 +17,17 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded, Layered
 
-__all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
+__all__ = [
+    "FELT",
+    "Idealisation",
+    "PowerLawFit",
+    "felt",
+    "fit_power_law",
+    "idealised",
+    "studied",
+    "where_it_counts",
+    "worn",
+]
 
 _LEVEL = 0.95  # of confidence
 _FAR = 0.5  # least share of the stiffness within `FELT` that the depths of a table must cover
@@ -306,3 +316,31 @@ def where_it_counts(
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes_by_depth(contact, float(tangential_force), radius * 10.0**fine, hats))
     return radius * 10.0**decades, slopes / step
+
+
+@concrete_only("coating.worn works there")
+def studied(
+    contact: FrettingContact, tangential_force: float
+) -> tuple[PowerLawFit, tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray], Idealisation]:
+    """All that a picture of a measured coating shows: what `plots.coating_picture` takes.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        contact: A contact on a `DepthGraded`, whose depths and moduli are those that were measured.
+        tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
+
+    Returns:
+        (The result of `fit_power_law`; depths in m and the moduli in Pa there of the half-space as given, each of
+        shape (200,); the result of `where_it_counts`; that of `idealised`).
+
+    Raises:
+        ValueError: As `fit_power_law`.
+    """
+    table: Any = contact.material
+    as_given = worn(contact, tangential_force)
+    radius = float(as_given["contact_radius"])
+    fit = fit_power_law(table.depth, table.modulus, float(table.nu), radius)
+    depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
+    curve, counts = (depths, np.asarray(table.modulus_at(depths))), where_it_counts(contact, tangential_force, radius)
+    return fit, curve, counts, idealised(contact, tangential_force, fit.material, as_given)

@@ -65,6 +65,7 @@ def coating(
         import numpy as np
 
         from plgwear_jax import coating as mathematics
+        from plgwear_jax._core.domains import RefusedError
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.surfaces import DepthGraded
 
@@ -72,25 +73,20 @@ def coating(
         force = given.load.largest
         contact = given.build_contact()
         assert isinstance(contact, FrettingContact)
-        half_space = DepthGraded(data["depth"], data["modulus"], nu)
-        contact = dataclasses.replace(contact, material=half_space)
-        as_given = mathematics.worn(contact, force)
-        radius = float(as_given["contact_radius"])
+        contact = dataclasses.replace(contact, material=DepthGraded(data["depth"], data["modulus"], nu))
         try:
-            fit = mathematics.fit_power_law(data["depth"], data["modulus"], nu, radius)
+            fit, _, counts, idealisation = study = mathematics.studied(contact, force)
+        except RefusedError:  # the contact, not its table
+            raise
         except ValueError as error:
             refuse(f"{data.name}: {error}")
-        idealisation = mathematics.idealised(contact, force, fit.material, as_given)
         refuse_extremes(scene_file, np.all(np.isfinite(idealisation.quantities["wear_volume"])))
-        counts = mathematics.where_it_counts(contact, force, radius)
-        depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
-        curve = depths, np.asarray(half_space.modulus_at(depths))
-    report.draw("coating_picture", fit, curve, counts, idealisation)
+    report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     if out is not None and text is not None:
         _write_scene(text, fit, data.name, out)
-    doubt_units(scene_file, given, radius)
+    doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
     report.say(given.load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)

@@ -20,7 +20,7 @@ FORCE, COEFFICIENT = 1.5, 1e-13
 
 # Public functions by room.
 REFUSING = {
-    "coating": {"fit_power_law", "idealised", "where_it_counts"},
+    "coating": {"fit_power_law", "idealised", "studied", "where_it_counts"},
     "contact": {"slip_regimes"},
     "fitting": {"fit_wear_coefficient"},
     "optimise": {
