@@ -1,7 +1,7 @@
 """The command `plgwear design`: the best coating for an input file, and a picture of it."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
