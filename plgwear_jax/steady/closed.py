@@ -191,10 +191,9 @@ class ClosedSteady(Steady):
         stick, s, inside = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k, jnp.asarray(INSIDE)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
         own = mean * gamma(2.0 + s) / gamma(1.5 + s) * math.pi**-0.5 * jnp.exp((0.5 + s) * jnp.log(inside))
-        share, power = (1.0 - phi) / (stick * stick), s - 0.5
         flat = mean * phi / (stick * stick) * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5
-        flat = ended(flat * jnp.exp(power * jnp.log(inside)), power[..., 0])
-        own = ended(own, 1.0)
+        flat = ended(flat * jnp.exp((s - 0.5) * jnp.log(inside)), s[..., 0] - 0.5, singular=True)
+        own, share = ended(own, s[..., 0] + 0.5), (1.0 - phi) / (stick * stick)
         material = self.contact.material
         given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, material.nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)

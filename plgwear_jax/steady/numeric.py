@@ -109,7 +109,7 @@ def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array]:
     )
     further = state.height(state.punch) * (state.depth - state.punch.depth)
     flat = further * flat_pressure(state.compliance, state.punch, inside, 0.5)
-    return ended(own, 1.0), ended(stuck, 1.0), ended(flat, s - 0.5)
+    return ended(own, s + 0.5), ended(stuck, s + 0.5), ended(flat, s - 0.5, singular=True)
 
 
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB

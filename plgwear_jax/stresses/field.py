@@ -81,10 +81,18 @@ STRIPS = 1.0 - (1.0 - np.linspace(0.0, 1.0, 65)) ** 3.5
 INSIDE = ((1.0 - STRIPS) * (1.0 + STRIPS))[:-1]  # 1 - t^2
 
 
-def ended(strips: Array, power: Array | float) -> Array:
-    """P at `STRIPS` from those inside, for one that goes like (1 - t)^power at the end, the last as its mean asks."""
-    last = strips[..., -1] * (2.0 / (1.0 + power) - 1.0)
-    return jnp.concatenate([strips, last[..., None]], -1)
+def ended(strips: Array, power: Array, singular: bool = False) -> Array:
+    """P at `STRIPS` from those inside, for a P like (1 - t^2)^power at the edge, with the right mean between them."""
+    node, weight = np.polynomial.legendre.leggauss(4)
+    between = INSIDE[:-1, None] + np.diff(INSIDE)[:, None] * (0.5 + 0.5 * node)
+    relative = jnp.asarray(np.log(between / np.stack([INSIDE[:-1], INSIDE[1:]])[..., None]), strips.dtype)
+    above = 1.0 - jnp.exp(power[..., None, None, None] * relative) @ jnp.asarray(0.5 * weight, strips.dtype)
+    excess = 0.5 * (strips[..., :-1] * above[..., 0, :] + strips[..., 1:] * above[..., 1, :])
+    beside = jnp.concatenate([excess, jnp.zeros_like(excess[..., :1])], -1)
+    inner = strips[..., 1:] - 0.5 * (beside[..., :-1] + beside[..., 1:])
+    outer = 2.0 * strips[..., -1] / (1.0 + power) - inner[..., -1]
+    # Without a singularity of the pressure there must be no trace of one.
+    return jnp.concatenate([strips[..., :1], inner, (outer if singular else 0.0 * outer)[..., None]], -1)
 
 
 class PowerModulus(NamedTuple):
@@ -99,7 +107,8 @@ class PowerModulus(NamedTuple):
 
     def between(self, x: Array, y: Array) -> Array:
         """The mean, which is what the skin resists a strain by."""
-        share, end = x / jnp.maximum(y, _NEAR), jnp.maximum(y, _NEAR)
+        end = jnp.maximum(y, 1e-30)
+        share = x / end
         thin = share > 0.999
         share = jnp.where(thin, 0.5, share)
         some = share > 0.0

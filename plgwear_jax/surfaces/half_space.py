@@ -261,9 +261,9 @@ def _raised_across(s: Array, below: Array, h: Array) -> tuple[Array, Array]:
     """(Compliance across the wave at the bottom of each layer, the share of the traction that gets there)."""
 
     def through(compliance: Array, layer: tuple[Array, Array]) -> tuple[Array, tuple[Array, Array]]:
-        s, once = layer
-        y = compliance / s
-        back = once * once * (1.0 + y) / (1.0 - y)
-        return s * (back - 1.0) / (back + 1.0), (compliance, 2.0 * once / ((1.0 - y) * (1.0 + back)))
+        s, h = layer
+        own = 1.0 - compliance / s
+        over = 2.0 / (2.0 * jnp.exp(-2.0 * h) - jnp.expm1(-2.0 * h) * own)
+        return s * (1.0 - own * over), (compliance, jnp.exp(-h) * over)
 
-    return jax.lax.scan(through, -below[0], (s, jnp.exp(-h)), reverse=True)[1]
+    return jax.lax.scan(through, -below[0], (s, h), reverse=True)[1]
