@@ -4,12 +4,13 @@ import functools
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.steady.batch import each_state
 from plgwear_jax.stresses.field import Pressed, Stress, field
+from plgwear_jax.stresses.peaks import Peak, peak
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
@@ -33,3 +34,20 @@ def _fields(fixed: tuple[type | None, bool], steady: Any, x: Array, z: Array) ->
     if pressed.shape == ():
         return one(pressed, x, z)
     return each_state(one, pressed, (x, z))
+
+
+@program(static=1, level=1)
+def _peaks(fixed: tuple[type | None, str], steady: Any, least: Array, most: Array) -> Peak:
+    kind, name = fixed
+    pressed = steady.pressed
+    ends = tuple(jnp.asarray(at, pressed.force.dtype) for at in (least, most))
+
+    def one(pressed: Pressed, least: Array, most: Array) -> Peak:
+        return peak(pressed, kind, lambda stress: getattr(stress, name), least, most)
+
+    return each_state(one, pressed, ends)
+
+
+def peak_of(steady: Any, name: str, least: Array | float = 0.0, most: Array | float = np.inf) -> Peak:
+    """The largest value of a property of `Stress` before any wear, between two depths in m."""
+    return _peaks((_kind_of(steady.contact.material), name), steady, least, most)

@@ -77,7 +77,7 @@ class Pressed(NamedTuple):
         return whole, Traction(b, weight, one, 0.0 * one)
 
 
-STRIPS = 1.0 - (1.0 - np.linspace(0.0, 1.0, 65)) ** 3.5
+STRIPS = 1.0 - (1.0 - np.linspace(0.0, 1.0, 49)) ** 3.5
 INSIDE = ((1.0 - STRIPS) * (1.0 + STRIPS))[:-1]  # 1 - t^2
 
 

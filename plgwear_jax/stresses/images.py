@@ -51,15 +51,15 @@ def transforms(traction: Traction, zeta: Array, x: Array) -> tuple[Array, Array]
     rates = [angle, -powers[1].imag, -0.5 * powers[2].imag, -third.imag / 3.0]
     powers = [*powers, third]
     second = [rate - b * (power * inverse).real for rate, power in zip(rates, powers, strict=True)]
-    bowls = 2.0 * jnp.stack([jnp.stack(first), jnp.stack(second)]) @ weight
     powers, inverse, depth, _ = _powers(traction.end[None], zeta, x)
     powers = [*powers, powers[1] * powers[2]]
     punch = [-power * inverse for power in powers]
-    steeper = [
-        more * (depth.complex + i * depth.distance) * inverse * inverse for i, more in enumerate(punch)
-    ]
-    flat = traction.flat * jnp.stack([jnp.stack(punch), jnp.stack(steeper)]).imag[..., 0]
-    return tuple(bowls + flat)
+    steeper = [more * (depth.complex + i * depth.distance) * inverse * inverse for i, more in enumerate(punch)]
+
+    def both(bowls: list[Array], punch: list[Array]) -> Array:
+        return 2.0 * jnp.stack(bowls) @ weight + traction.flat * jnp.stack(punch).imag[..., 0]
+
+    return both(first, punch), both(second, steeper)
 
 
 class _Depth(NamedTuple):
@@ -95,7 +95,7 @@ class Grid(NamedTuple):
 @functools.cache
 def grid(coarse: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    ratio, step = (0.55, 0.3) if coarse else (0.36, 0.25)
+    ratio, step = (0.55, 0.3) if coarse else (0.4, 0.3)
     zeta, q = np.exp(np.arange(-11.5, 6.0, ratio)), np.exp(np.arange(-6.0, 11.6, step))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
     fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9)
