@@ -81,7 +81,9 @@ def bowl(m, a):
 
 def transform(r, weight, pressure):
     """The transform of pressures at radii of a rule of integration."""
-    return lambda xi: np.concatenate([jv(0, np.outer(part, r)) @ (weight * pressure * r) for part in np.array_split(xi, 20)])
+    return lambda xi: np.concatenate(
+        [jv(0, np.outer(part, r)) @ (weight * pressure * r) for part in np.array_split(xi, 20)]
+    )
 
 
 def stresses(p, q, respond, x, z, most, scale=1.0):
