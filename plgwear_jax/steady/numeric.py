@@ -12,6 +12,7 @@ from jax import Array
 from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.jacobi import gamma
@@ -19,9 +20,8 @@ from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.stresses.field import INSIDE, Pressed, ended
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
+from plgwear_jax.stresses.field import INSIDE, Pressed, ended
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside

@@ -13,7 +13,7 @@ from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
 from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of, check_arguments
-from plgwear_jax.steady.stressed import peak_of, stresses_of
+from plgwear_jax.steady.stressed import peak_stress_of, stresses_of
 from plgwear_jax.stresses.field import Pressed, Stress
 
 
@@ -348,27 +348,27 @@ class Steady(Solution, abc.ABC):
     @property
     def peak_tension(self) -> Array:
         """Largest principal stress anywhere before any wear in Pa; infinite where the surface modulus is (k < 0)."""
-        return peak_of(self, "principal").value
+        return peak_stress_of(self, "principal").value
 
     @property
     def peak_mises(self) -> Array:
-        """Von Mises' stress in Pa where it is largest before any wear; infinite where the surface modulus is (k < 0)."""
-        return peak_of(self, "mises").value
+        """Largest von Mises stress anywhere before any wear in Pa; infinite like `peak_tension`."""
+        return peak_stress_of(self, "mises").value
 
     @property
     def peak_tension_at(self) -> tuple[Array, Array]:
         """Where the largest principal stress is, (x, z) in m."""
-        return peak_of(self, "principal")[1:]
+        return peak_stress_of(self, "principal")[1:]
 
     @property
     def peak_mises_at(self) -> tuple[Array, Array]:
         """Where von Mises' stress is largest, (x, z) in m."""
-        return peak_of(self, "mises")[1:]
+        return peak_stress_of(self, "mises")[1:]
 
     def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
         """Von Mises' stress in Pa where it is largest between two depths in m, such as those of a layer."""
         ends = [guarded(name, z, ARGUMENTS["z"]) for name, z in (("least", least), ("most", most))]
-        return peak_of(self, "mises", *ends).value
+        return peak_stress_of(self, "mises", *ends).value
 
     def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
         self._check(x=x, z=z)

@@ -1,6 +1,5 @@
 """The stresses of steady states, each in one program with what it follows from."""
 
-import functools
 from typing import Any
 
 import jax.numpy as jnp
@@ -15,7 +14,7 @@ from plgwear_jax.stresses.peaks import Peak, peak
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    return _fields((_kind_of(steady.contact.material), worn), steady, x, z)
+    return _stress_program((_kind_of(steady.contact.material), worn), steady, x, z)
 
 
 def _kind_of(material: Any) -> type | None:
@@ -24,7 +23,7 @@ def _kind_of(material: Any) -> type | None:
 
 
 @program(static=1, level=1)
-def _fields(fixed: tuple[type | None, bool], steady: Any, x: Array, z: Array) -> Stress:
+def _stress_program(fixed: tuple[type | None, bool], steady: Any, x: Array, z: Array) -> Stress:
     pressed = steady.pressed
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in (x, z))
 
@@ -37,7 +36,7 @@ def _fields(fixed: tuple[type | None, bool], steady: Any, x: Array, z: Array) ->
 
 
 @program(static=1, level=1)
-def _peaks(fixed: tuple[type | None, str], steady: Any, least: Array, most: Array) -> Peak:
+def _peak_program(fixed: tuple[type | None, str], steady: Any, least: Array, most: Array) -> Peak:
     kind, name = fixed
     pressed = steady.pressed
     ends = tuple(jnp.asarray(at, pressed.force.dtype) for at in (least, most))
@@ -48,6 +47,6 @@ def _peaks(fixed: tuple[type | None, str], steady: Any, least: Array, most: Arra
     return each_state(one, pressed, ends)
 
 
-def peak_of(steady: Any, name: str, least: Array | float = 0.0, most: Array | float = np.inf) -> Peak:
+def peak_stress_of(steady: Any, name: str, least: Array | float = 0.0, most: Array | float = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    return _peaks((_kind_of(steady.contact.material), name), steady, least, most)
+    return _peak_program((_kind_of(steady.contact.material), name), steady, least, most)

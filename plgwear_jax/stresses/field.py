@@ -135,7 +135,7 @@ def body_of(pressed: Pressed, kind: type | None) -> Piecewise | PowerModulus:
 _MANY = 32  # depths at once
 
 
-def _alone(nu: Array, whole: Array) -> tuple[Array, Array]:
+def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
     """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) like those of `responses`, each (10,).
 
     They are those of a homogeneous half-space; with `whole` = 0 those of a surface without a modulus, which follows.
@@ -148,7 +148,9 @@ def _alone(nu: Array, whole: Array) -> tuple[Array, Array]:
     return first, second
 
 
-def _weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid, alone: tuple[Array, Array]) -> Array:
+def _image_weights(
+    body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid, alone: tuple[Array, Array]
+) -> Array:
     """Of each exponential in what the responses at depths (n,) are besides `alone`, shape (10, n, exponentials)."""
     q = jnp.asarray(given.q, z.dtype)
     edges, even = (_RUNGS[:, None] / q, False) if isinstance(body, PowerModulus) else depths_for(body, q, 4)
@@ -171,8 +173,8 @@ def field(pressed: Pressed, kind: type | None, worn: bool, x: Array, z: Array) -
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
     body, nu, given = body_of(pressed, kind), pressed.nu, grid(False)
     whole = jnp.ones_like(nu) if kind is not None else jnp.where(pressed.body[0] == 0.0, 1.0, 0.0)
-    first, second = alone = _alone(nu, whole)
-    weights = _weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
+    first, second = alone = _first_responses(nu, whole)
+    weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
     zeta, least = jnp.asarray(given.zeta, z.dtype), jnp.finfo(z.dtype).eps
 
     def integrals(traction: Traction, rows: slice) -> Array:

@@ -40,7 +40,7 @@ def transforms(traction: Traction, zeta: Array, x: Array) -> tuple[Array, Array]
     """
     zeta, x = jnp.broadcast_arrays(zeta, x)
     zeta, x = zeta[..., None], x[..., None]
-    powers, inverse, depth, angle = _powers(traction.b, zeta, x)
+    powers, inverse, depth, angle = _roots_at(traction.b, zeta, x)
     b, weight, third = traction.b, traction.weight, powers[1] * powers[2]
     first = [
         depth.distance.imag - zeta * angle,
@@ -51,7 +51,7 @@ def transforms(traction: Traction, zeta: Array, x: Array) -> tuple[Array, Array]
     rates = [angle, -powers[1].imag, -0.5 * powers[2].imag, -third.imag / 3.0]
     powers = [*powers, third]
     second = [rate - b * (power * inverse).real for rate, power in zip(rates, powers, strict=True)]
-    powers, inverse, depth, _ = _powers(traction.end[None], zeta, x)
+    powers, inverse, depth, _ = _roots_at(traction.end[None], zeta, x)
     powers = [*powers, powers[1] * powers[2]]
     punch = [-power * inverse for power in powers]
     steeper = [more * (depth.complex + i * depth.distance) * inverse * inverse for i, more in enumerate(punch)]
@@ -67,7 +67,7 @@ class _Depth(NamedTuple):
     distance: Array  # D = (Z^2 + x^2)^(1/2)
 
 
-def _powers(b: Array, zeta: Array, x: Array) -> tuple[list[Array], Array, _Depth, Array]:
+def _roots_at(b: Array, zeta: Array, x: Array) -> tuple[list[Array], Array, _Depth, Array]:
     """(e^i for i < 3 with e = x/(D + Z), 1/D, Z and D, the angle of D + Z)."""
     depth = jnp.asarray(zeta + 1j * b)
     # The root by real numbers, so that none of its parts cancels.

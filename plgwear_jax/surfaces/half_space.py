@@ -95,11 +95,11 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     h = jnp.minimum(thick * q, _THICK)
     s = jnp.broadcast_to(surface / moduli, h.shape)  # mu(0)/mu
     start = jnp.broadcast_to(surface / below, (1, *h.shape[1:]))
-    total = s[0] - _raised(*_layers(s, start, nu, h)) / (1.0 - nu)
+    total = s[0] - _raised(*_all_layers(s, start, nu, h)) / (1.0 - nu)
     return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
 
 
-def _layers(s: Array, start: Array, nu: Array, h: Array) -> tuple[Array, ...]:
+def _all_layers(s: Array, start: Array, nu: Array, h: Array) -> tuple[Array, ...]:
     """Of all layers at once what does not depend on those below: the arguments of `_raised`."""
     a, b = 1.0 - nu, 0.5 - nu
     step = s - jnp.concatenate([s[1:], start])
@@ -235,7 +235,7 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     h = jnp.minimum((high - low) * q, _THICK)
     s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
     below = jnp.broadcast_to(1.0 / modulus.at(every[-1]), (1, *h.shape[1:]))
-    layers = _layers(s, below, nu, h)
+    layers = _all_layers(s, below, nu, h)
     inside, (compliance, passed) = _all_raised(*layers)[1], _raised_across(s, below, h)
 
     one, none = jnp.ones_like(h[0]), jnp.zeros_like(h[0])

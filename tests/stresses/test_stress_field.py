@@ -112,7 +112,7 @@ def rule(a, count=100):
 
 
 @pytest.mark.parametrize(
-    ("material", "more"),
+    "material, more",
     [
         pytest.param(LAYERS, {}, id="layers"),
         pytest.param(Layered([0.05 * A], [800e9, 210e9], 0.0), {"indenter": STEEL}, id="a thin layer under steel"),
