@@ -8,22 +8,24 @@ from jax import Array
 
 from plgwear_jax._startup.programs import program
 from plgwear_jax.steady.batch import each_state
-from plgwear_jax.stresses.field import Pressed, Stress, field
+from plgwear_jax.stresses.field import Half, Pressed, Stress, field
 from plgwear_jax.stresses.peaks import Peak, peak
+from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    return _stress_program((_kind_of(steady.contact.material), worn), steady, x, z)
+    return _stress_program((_half_of(steady.contact.material), worn), steady, x, z)
 
 
-def _kind_of(material: Any) -> type | None:
-    """The class of a half-space with a table of moduli, None for others."""
-    return type(material) if hasattr(material, "arrays") else None
+def _half_of(material: Any) -> Half:
+    if isinstance(material, AnyModulus):
+        return type(material)
+    return "homogeneous" if isinstance(material, Elastic) else None
 
 
 @program(static=1, level=1)
-def _stress_program(fixed: tuple[type | None, bool], steady: Any, x: Array, z: Array) -> Stress:
+def _stress_program(fixed: tuple[Half, bool], steady: Any, x: Array, z: Array) -> Stress:
     pressed = steady.pressed
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in (x, z))
 
@@ -36,7 +38,7 @@ def _stress_program(fixed: tuple[type | None, bool], steady: Any, x: Array, z: A
 
 
 @program(static=1, level=1)
-def _peak_program(fixed: tuple[type | None, str], steady: Any, least: Array, most: Array) -> Peak:
+def _peak_program(fixed: tuple[Half, str], steady: Any, least: Array, most: Array) -> Peak:
     kind, name = fixed
     pressed = steady.pressed
     ends = tuple(jnp.asarray(at, pressed.force.dtype) for at in (least, most))
@@ -49,4 +51,4 @@ def _peak_program(fixed: tuple[type | None, str], steady: Any, least: Array, mos
 
 def peak_stress_of(steady: Any, name: str, least: Array | float = 0.0, most: Array | float = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    return _peak_program((_kind_of(steady.contact.material), name), steady, least, most)
+    return _peak_program((_half_of(steady.contact.material), name), steady, least, most)

@@ -1,6 +1,6 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -9,6 +9,7 @@ from jax import Array
 
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.stresses.images import Grid, Traction, grid, traction_of, transforms
+from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
 
@@ -49,7 +50,7 @@ def _root(square: Array) -> Array:
 
 
 class Pressed(NamedTuple):
-    """What the stresses of contacts follow from. P of a radius b is that of `images` in units of b, at shares `STRIPS`."""
+    """What the stresses follow from; P, as in `images`, in units of its radius, at the shares `STRIPS` of that radius."""
 
     force: Array  # F_N in N
     radius: Array  # a_0 in m
@@ -95,6 +96,10 @@ def ended(strips: Array, power: Array, singular: bool = False) -> Array:
     return jnp.concatenate([strips[..., :1], inner, (outer if singular else 0.0 * outer)[..., None]], -1)
 
 
+Half = Literal["homogeneous"] | type[AnyModulus] | None
+"""What the half-space is: the class of a table, or None for a power law."""
+
+
 class PowerModulus(NamedTuple):
     """E(z) = z^k."""
 
@@ -121,9 +126,9 @@ _NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
 _RUNGS = np.append(0.0, np.exp(np.arange(-16.0, 2.7, 0.25)))  # depths of a power law in units of 1/q
 
 
-def body_of(pressed: Pressed, kind: type | None) -> Piecewise | PowerModulus:
+def body_of(pressed: Pressed, kind: Half) -> Piecewise | PowerModulus:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    if kind is None:
+    if kind is None or kind == "homogeneous":
         return PowerModulus(pressed.body[0])
     table = kind.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
@@ -167,23 +172,26 @@ def _image_weights(
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
-def field(pressed: Pressed, kind: type | None, worn: bool, x: Array, z: Array) -> Stress:
+def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    body, nu, given = body_of(pressed, kind), pressed.nu, grid(False)
-    whole = jnp.ones_like(nu) if kind is not None else jnp.where(pressed.body[0] == 0.0, 1.0, 0.0)
+    nu, given, body = pressed.nu, grid(False), body_of(pressed, kind)
+    whole = jnp.where(pressed.body[0] == 0.0, 1.0, 0.0 * nu) if kind is None else jnp.ones_like(nu)
     first, second = alone = _first_responses(nu, whole)
-    weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
+    weights = jnp.zeros(0)
+    if kind != "homogeneous":
+        weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
     zeta, least = jnp.asarray(given.zeta, z.dtype), jnp.finfo(z.dtype).eps
 
     def integrals(traction: Traction, rows: slice) -> Array:
         """q t^(q) J_i(q x) times these responses, integrated over q, shape (rows, 4, ...)."""
-        images, _ = transforms(traction, zeta, abs(x)[..., None])
         value, rate = transforms(traction, jnp.maximum(z, least), abs(x))
         line = (slice(None), None, *(None,) * len(shape))
-        by_images = jnp.sum(weights[rows, None] * images, -1)
-        return by_images + first[rows][line] * value + second[rows][line] * (z * rate)
+        found = first[rows][line] * value + second[rows][line] * (z * rate)
+        if kind == "homogeneous":
+            return found
+        return found + jnp.sum(weights[rows, None] * transforms(traction, zeta, abs(x)[..., None])[0], -1)
 
     normal, along = pressed.tractions(worn)
     a, b, s, t = integrals(normal, slice(0, 4))
