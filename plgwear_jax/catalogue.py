@@ -162,6 +162,8 @@ FRETTING = (
     | TANGENTIAL
 )
 
+STRESSES = {"peak_tension", "peak_mises"}  # whose largest values have a place
+
 GROSS_SLIP = _table(
     r"""
     initial_force         F_{N0}                N        8   -  normal force before any wear

@@ -20,8 +20,9 @@ with needs("input files", "cli"):
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from plgwear_jax._core.ranges import Domain
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import near, one_line, read_text, shown
-from plgwear_jax.catalogue import Law, element, laws_of
+from plgwear_jax.catalogue import STRESSES, Law, element, laws_of
 from plgwear_jax.rules import BY_THEN, OF_POWER_LAW, PLACES, Complaint, domain_of, placed_quantity
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import ELEMENTS, Design
@@ -392,6 +393,7 @@ class Scene(Section):
         left_out = {"r"} if distance is not None else {"r", "distance"}
         left_out |= {"cycles"}
         edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
+        edgeless |= STRESSES  # which take longer than all others
         names = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments) and name not in edgeless)
         points = 0
         if self.output is not None:
@@ -415,7 +417,7 @@ class Scene(Section):
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             life = self.wear.cycles, self.archard
         force = None if load is None else Force(load.force, load.rig_stiffness)
-        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
+        radii, values, edge, where = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:
@@ -438,7 +440,10 @@ class Scene(Section):
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
-                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}", edge_distance=place)
+                places = zip("xz", where.get(name, ()), strict=False)
+                at = "".join(f", {axis} = {written(float(one), 'm')}" for axis, one in places)
+                told = f"{over}{law.description}{at}"
+                found[name] = Quantity(float(value), law.unit, told, edge_distance=place)
         return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import laws_of, read
+from plgwear_jax.catalogue import STRESSES, laws_of, read, read_from
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
@@ -37,11 +37,13 @@ class Solved(NamedTuple):
         radii: In m, if any quantity needs them.
         values: The quantities by name; weighted sums where the load has weights.
         edge: What is known of the edge, if any quantity needs it.
+        where: Of stresses x and z of the largest value in m, without weights.
     """
 
     radii: Array | None
     values: dict[str, Array]
     edge: Edge | None
+    where: dict[str, tuple[Array, Array]]
 
 
 @program(static=3)
@@ -88,7 +90,9 @@ def evaluate(
         if beside is not None:
             beside.values[name], found = found[-1], found[:-1]
         values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
-    return Solved(radii, values, edge)
+    alone = [name for name in names if name in STRESSES and weights is None]
+    where = {name: read_from(solved[False, True], f"{name}_at", ()) for name in alone}
+    return Solved(radii, values, edge, where)
 
 
 def homogeneous(contact: Any) -> Any:

@@ -50,7 +50,7 @@ def _root(square: Array) -> Array:
 
 
 class Pressed(NamedTuple):
-    """What the stresses follow from; P, as in `images`, in units of its radius, at the shares `STRIPS` of that radius."""
+    """What the stresses follow from; P, as in `images`, in units of its radius, at the shares `STRIPS` of it."""
 
     force: Array  # F_N in N
     radius: Array  # a_0 in m
