@@ -99,6 +99,7 @@ _CALLED = dict(  # if not by their names
     volume_change  effective volume worn off
     h_N            factor
     holl_ratio     Holl's ratio
+    peak_mises     peak von Mises stress
     cycles_to      cycles to a share of the wear
     """)
 )
@@ -138,6 +139,8 @@ FRETTING = (
         r"""
     contact_radius         a_0           m         12  -  contact radius a_0 before any wear
     peak_initial_pressure  p_0(0)        Pa        13  -  largest contact pressure before any wear, in the middle
+    peak_tension           \sigma_1     Pa        -  F_x  largest principal stress anywhere before any wear
+    peak_mises             \sigma_M     Pa        -  F_x  von Mises' stress before any wear where it is largest
     stick_radius           c             radius    16, 23  F_x  stick radius c, the inner edge of the worn ring
     worn_radius            a_\infty      radius    26  F_x  outer radius a_inf of the worn ring
     penetration            d_\infty      height    11, 25  F_x  penetration d_inf of the worn indenter
@@ -158,6 +161,8 @@ FRETTING = (
     )
     | TANGENTIAL
 )
+
+STRESSES = {"peak_tension", "peak_mises"}  # whose largest values have a place
 
 GROSS_SLIP = _laws_in(
     r"""

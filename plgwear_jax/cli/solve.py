@@ -1,10 +1,11 @@
 """The command `plgwear solve`: the quantities that a scene asks for."""
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, read_scene
+from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
 from plgwear_jax.cli.terminal import refuse
 
@@ -12,7 +13,14 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Quantity
 
 
-def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None) -> None:
+def solve(
+    scene_file: SceneFile,
+    as_json: AsJson = False,
+    digits: Digits = None,
+    picture: Annotated[
+        Path | None, option(help="Where to draw the stresses under the contact: a .png, .pdf or .svg file.")
+    ] = None,
+) -> None:
     """Compute the quantities that an input file asks for under [output], or all single numbers without that section.
 
     Of a function of the radius the table gives the largest value. If it is infinite at an edge, the table says so and
@@ -22,23 +30,28 @@ def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None)
     Example: plgwear solve design/electrical_contact.toml
     """
     given = read_scene(scene_file)
+    if picture is not None and given.load is None:
+        refuse("--picture: stresses are those of a fretting contact")
+    report = Report(scene_file, as_json, picture)
     with computing("computing the quantities", one_question=True):
         import numpy as np
 
         quantities = given.solve(digits=digits)
     for name, quantity in quantities.items():
         values = np.asarray(quantity.value)
-        # At the tip of a cone the largest pressure is infinite, of other numbers none.
-        endless = quantity.radii is None and name != "peak_initial_pressure" and np.isinf(values)
+        # At the tip of a cone the largest pressure is infinite, on an infinite modulus stresses, of other numbers none.
+        endless = quantity.radii is None and not name.startswith("peak_") and np.isinf(values)
         if np.any(np.isnan(values)) or endless:
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
     doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
-    report = Report(scene_file, as_json)
     report.put(quantities={name: _known_of(quantity) for name, quantity in quantities.items()})
     rows = [_row(name, quantity) for name, quantity in quantities.items()]
     shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
+    if picture is not None and given.load is not None:
+        contact, load = given.build_contact(), given.load
+        report.draw("stress_picture", contact.steady(load.largest, digits=digits))
     report.end()
 
 

@@ -16,6 +16,7 @@ from plgwear_jax._files import TargetError as PictureError
 from plgwear_jax.plots.cycles import blocks_picture, fit_picture, wear_picture
 from plgwear_jax.plots.designs import coating_picture, design_picture, free_picture, front_picture
 from plgwear_jax.plots.regimes import regimes_picture
+from plgwear_jax.plots.stresses import stress_picture
 from plgwear_jax.plots.style import COLOURS, STYLE, use_style
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "readable",
     "regimes_picture",
     "save",
+    "stress_picture",
     "use_style",
     "wear_picture",
 ]

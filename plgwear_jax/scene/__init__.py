@@ -13,8 +13,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
-from plgwear_jax.catalogue import laws_of
+from plgwear_jax.catalogue import STRESSES, laws_of
 from plgwear_jax.rules import BY_THEN, PLACES, Complaint, placed_quantity
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
@@ -313,6 +314,7 @@ class Scene:
         left_out = {"r"} if distance is not None else {"r", "distance"}
         left_out |= {"cycles"}
         edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
+        edgeless |= STRESSES  # which take longer than all others
         names = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments) and name not in edgeless)
         points = 0
         if self.output is not None:
@@ -359,7 +361,9 @@ class Scene:
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
-                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}", edge_distance=place)
+                places = zip("xz", values.get(f"{name} at", ()), strict=False)
+                at = "".join(f", {axis} = {written(float(one), 'm')}" for axis, one in places)
+                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{at}", edge_distance=place)
         return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import laws_of, read
+from plgwear_jax.catalogue import STRESSES, laws_of, read, read_from
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
@@ -32,7 +32,7 @@ def scene_values(
     With them come the "radii" in m, if any quantity needs them, and of the edge where any quantity is unbounded, which
     is the stick radius at the largest amplitude or that of the punch, its "edge radius" and the "edge distance" inside
     it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
-    there, as "profile beside".
+    there, as "profile beside". Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
 
     The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
     """
@@ -62,6 +62,8 @@ def scene_values(
         if at_edge:
             found[f"{name} beside"], value = value[-1], value[:-1]
         found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
+        if name in STRESSES and weights is None:
+            found[f"{name} at"] = jnp.stack(read_from(solved[False, True], f"{name}_at", ()))
     return found
 
 

@@ -29,6 +29,10 @@ class Piecewise(NamedTuple):
         inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[place]
         return horner(jnp.unstack(self.coefficients[:, place]), inside)
 
+    def between(self, x: Array, y: Array) -> Array:
+        """The value in the middle between two places."""
+        return self.at(0.5 * (x + y))
+
 
 def horner(coefficients: Sequence[Array], x: Array) -> Array:
     """The polynomial of x with these coefficients, the constant first."""

@@ -6,8 +6,9 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, ArrayLike, Domain, check, guarded
+from plgwear_jax._core.ranges import FINITE
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, PARTIAL_SLIP
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.shape import Shape
 
@@ -29,6 +30,8 @@ ARGUMENTS = {
     "displacement_amplitude": AMPLITUDE_OF_DISPLACEMENT,
     "r": RADIUS,
     "distance": DISTANCE,
+    "x": FINITE,
+    "z": DEPTH,
     "cycles": NUMBER,
     "share": SHARE,
     "depth": _WORN,

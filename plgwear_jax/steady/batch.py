@@ -61,12 +61,13 @@ def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...
     rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
 
-    def one(moving: tuple[Array, ...]) -> Array:
+    def one(moving: tuple[Array, ...]) -> Any:
         return function(jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
 
     # On a processor one after the other.
     size = None if jax.default_backend() == "cpu" else TOGETHER
-    return jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size).reshape(whole)
+    found = jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size)
+    return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)
 
 
 def over_radii(function: Callable[..., Array], states: Any, r: Array) -> Array:

@@ -12,6 +12,7 @@ from jax import Array
 from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.jacobi import gamma
@@ -20,6 +21,7 @@ from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
+from plgwear_jax.stresses.field import INSIDE, Pressed, ended
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
@@ -95,6 +97,19 @@ def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
 def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     del effort
     return state.friction * _more_pressure(state, state.c - r)
+
+
+def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array]:
+    """`own`, `stuck` and `flat` of `Pressed`."""
+    del effort
+    inside, s = jnp.asarray(INSIDE, state.force.dtype), state.compliance.s
+    own, stuck = (
+        state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
+        for punch in (state.unworn, state.punch)
+    )
+    further = state.height(state.punch) * (state.depth - state.punch.depth)
+    flat = further * flat_pressure(state.compliance, state.punch, inside, 0.5)
+    return ended(own, s + 0.5), ended(stuck, s + 0.5), ended(flat, s - 0.5, singular=True)
 
 
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
@@ -424,6 +439,21 @@ class NumericSteady(Steady):
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         return self._of_each("_force", moved, jnp.asarray(self.load.rig_compliance))
+
+    def _check_worn(self) -> None:
+        refuse_tension(self._solution, worn=True)
+
+    @property
+    def pressed(self) -> Pressed:
+        state, material = self._solution, self.contact.material
+        own, stuck, flat = _each_state(("strips_of", self._effort), state)
+        if isinstance(material, PowerLawGraded):
+            body = (jnp.broadcast_to(material.k, state.shape),)
+        else:
+            arrays = material.arrays()
+            body = tuple(jnp.broadcast_to(x, (*state.shape, x.shape[-1])) for x in arrays)
+        a_0, nu = jnp.exp(state.unworn.log_c), jnp.broadcast_to(material.nu, state.shape)
+        return Pressed(state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, nu, body)
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 

@@ -8,11 +8,13 @@ import jax.numpy as jnp
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, guarded, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
-from plgwear_jax.steady.arguments import amplitude_of, check_arguments
+from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of, check_arguments
+from plgwear_jax.steady.stressed import peak_stress_of, stresses_of
+from plgwear_jax.stresses.field import Pressed, Stress
 
 
 class Solution:
@@ -318,6 +320,67 @@ class Steady(Solution, abc.ABC):
     @abc.abstractmethod
     def slip_amplitude(self, r: ArrayLike) -> Array:
         """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
+
+    # --- stresses -----------------------------------------------------------------------------------------------------
+
+    def stress(self, x: ArrayLike, z: ArrayLike, *, worn: bool = False) -> Stress:
+        """Stresses in Pa in the plane of the motion, under the largest tangential force.
+
+        Args:
+            x: Along the motion in m, from the axis of the contact, negative behind it.
+            z: Depth in m, z >= 0; broadcasts against x.
+            worn: In the steady state, infinite at the surface at the stick edge, not before any wear.
+
+        A grid is fast as x of shape (n,) and z of shape (m, 1).
+        """
+        if worn:
+            self._check_worn()
+        return stresses_of(self, *self._places(x, z), worn)
+
+    def tension(self, x: ArrayLike, z: ArrayLike) -> Array:
+        """Largest principal stress in Pa before any wear at x and z, see `stress`."""
+        return self.stress(x, z).principal
+
+    def mises(self, x: ArrayLike, z: ArrayLike) -> Array:
+        """Von Mises' stress in Pa before any wear at x and z, see `stress`."""
+        return self.stress(x, z).mises
+
+    @property
+    def peak_tension(self) -> Array:
+        """Largest principal stress anywhere before any wear in Pa; infinite where the surface modulus is (k < 0)."""
+        return peak_stress_of(self, "principal").value
+
+    @property
+    def peak_mises(self) -> Array:
+        """Largest von Mises stress anywhere before any wear in Pa; infinite like `peak_tension`."""
+        return peak_stress_of(self, "mises").value
+
+    @property
+    def peak_tension_at(self) -> tuple[Array, Array]:
+        """Where the largest principal stress is, (x, z) in m."""
+        return peak_stress_of(self, "principal")[1:]
+
+    @property
+    def peak_mises_at(self) -> tuple[Array, Array]:
+        """Where von Mises' stress is largest, (x, z) in m."""
+        return peak_stress_of(self, "mises")[1:]
+
+    def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
+        """Von Mises' stress in Pa where it is largest between two depths in m, such as those of a layer."""
+        ends = [guarded(name, z, ARGUMENTS["z"]) for name, z in (("least", least), ("most", most))]
+        return peak_stress_of(self, "mises", *ends).value
+
+    def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
+        self._check(x=x, z=z)
+        return guarded("x", x, ARGUMENTS["x"]), guarded("z", z, ARGUMENTS["z"])
+
+    @property
+    @abc.abstractmethod
+    def pressed(self) -> Pressed:
+        """What the stresses follow from."""
+
+    def _check_worn(self) -> None:
+        """Refuse a contact that would have to pull."""
 
     @abc.abstractmethod
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:

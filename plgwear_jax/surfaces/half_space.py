@@ -10,7 +10,7 @@ for every q, thickness and ratio of moduli. Layers of one modulus each are exact
 modulus in the middle of each part, into n and into 2n parts, and extrapolated.
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -95,16 +95,19 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     h = jnp.minimum(thick * q, _THICK)
     s = jnp.broadcast_to(surface / moduli, h.shape)  # mu(0)/mu
     start = jnp.broadcast_to(surface / below, (1, *h.shape[1:]))
-    a, b = 1.0 - nu, 0.5 - nu
+    total = s[0] - _raised(*_all_layers(s, start, nu, h)) / (1.0 - nu)
+    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
 
-    # Of all layers at once what does not depend on those below.
+
+def _all_layers(s: Array, start: Array, nu: Array, h: Array) -> tuple[Array, ...]:
+    """Of all layers at once what does not depend on those below: the arguments of `_raised`."""
+    a, b = 1.0 - nu, 0.5 - nu
     step = s - jnp.concatenate([s[1:], start])
     once, lost, factor = jnp.exp(-h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
     e = once * once
     p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
     p12 = -factor * (2.0 * h * h * e)
-    total = s[0] - _raised(a * step, b * step, p11, p12, p22, (1.0 - h) * once, h * once, (1.0 + h) * once) / a
-    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
+    return a * step, b * step, p11, p12, p22, (1.0 - h) * once, h * once, (1.0 + h) * once
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------
@@ -140,31 +143,38 @@ def _all_raised(*layers: Array) -> tuple[Array, tuple[Array, ...]]:
     return found[2], inside
 
 
-@_raised.defjvp
-def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Array, Array]:
-    """The sum over the layers of w_b' dY w_b + x' dP x + 2 w' dPhi x.
-
-    w = (0, 1) at the surface goes down through each layer as w_b = (1 - P Y)^-1 Phi' w, and x = Y w_b.
-    """
+def _lowering(layers: tuple[Array, ...], inside: tuple[Array, ...]) -> tuple[Array, ...]:
+    """(1 - P Y)^-1 Phi', which takes tractions from the top of each layer to its bottom."""
     _, _, p11, p12, p22, u, h, v = layers
-    found, (y11, y12, y22) = _all_raised(*layers)
+    y11, y12, y22 = inside
     py11, py12 = p11 * y11 + p12 * y12, p11 * y12 + p12 * y22
     py21, py22 = p12 * y11 + p22 * y12, p12 * y12 + p22 * y22
     over = 1.0 / ((1.0 - py11) * (1.0 - py22) - py12 * py21)
-    # (1 - P Y)^-1 Phi'
-    matrix = (
+    return (
         ((1.0 - py22) * u - py12 * h) * over,
         ((1.0 - py22) * h + py12 * v) * over,
         (py21 * u - (1.0 - py11) * h) * over,
         (py21 * h + (1.0 - py11) * v) * over,
     )
 
-    def down(w: tuple[Array, Array], matrix: tuple[Array, ...]) -> tuple[tuple[Array, Array], tuple[Array, ...]]:
-        below = matrix[0] * w[0] + matrix[1] * w[1], matrix[2] * w[0] + matrix[3] * w[1]
-        return below, (*w, *below)
+
+def _down(w: tuple[Array, Array], matrix: tuple[Array, ...]) -> tuple[tuple[Array, Array], tuple[Array, ...]]:
+    below = matrix[0] * w[0] + matrix[1] * w[1], matrix[2] * w[0] + matrix[3] * w[1]
+    return below, (*w, *below)
+
+
+@_raised.defjvp
+def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Array, Array]:
+    """The sum over the layers of w_b' dY w_b + x' dP x + 2 w' dPhi x.
+
+    w = (0, 1) at the surface goes down through each layer as w_b = (1 - P Y)^-1 Phi' w, and x = Y w_b.
+    """
+    found, inside = _all_raised(*layers)
+    y11, y12, y22 = inside
+    matrix = _lowering(layers, inside)
 
     begin = jnp.zeros_like(found), jnp.ones_like(found)
-    w1, w2, b1, b2 = jax.lax.scan(down, begin, matrix)[1]
+    w1, w2, b1, b2 = jax.lax.scan(_down, begin, matrix)[1]
     x1, x2 = y11 * b1 + y12 * b2, y12 * b1 + y22 * b2
     factors = (
         b1 * b1 + b2 * b2,
@@ -177,3 +187,83 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
         2.0 * w2 * x2,
     )
     return found, sum((jnp.sum(factor * by, 0) for factor, by in zip(factors, along, strict=True)), 0.0 * found)
+
+
+# --- the way down -----------------------------------------------------------------------------------------------------
+
+
+class Modulus(Protocol):
+    """E(z) in any unit."""
+
+    def at(self, x: Array, /) -> Array:
+        """E at depths."""
+        ...
+
+    def between(self, x: Array, y: Array, /) -> Array:
+        """What counts as E of a thin layer between two depths."""
+        ...
+
+
+def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
+    """`edges` and `even` of `responses`."""
+    if len(modulus.coefficients) == 1:
+        return modulus.start[:, None], True
+    return _edges(modulus, q, digits)[0], False
+
+
+def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu: Array) -> Array:
+    """How a half-space answers waves of traction of unit amplitude, `docs/explanation/numerics.md`, "Stresses".
+
+    Args:
+        modulus: Young's modulus by the depth in the unit of 1/q.
+        edges: Depths from 0 downwards that divide the half-space, (edges, q) or (edges, 1).
+        even: Between them E is constant; else each part is halved, and the result extrapolated.
+        z: Depths, (depths,).
+        q: Wavenumbers, (n,).
+        nu: Poisson's ratio.
+
+    Returns:
+        sigma_ss, sigma_tt, sigma_zz and sigma_sz of normal tractions, the same of tractions along the wave, sigma_st
+        and sigma_tz of tractions across it, shape (10, depths, n).
+    """
+    every = jnp.sort(jnp.concatenate([edges, jnp.broadcast_to(z[:, None], (z.size, edges.shape[1]))]), 0)
+    place = jnp.maximum(jnp.sum(every[:, None] < z[:, None], 0), 1)
+    # Of each part the ends of its halves, the first half once empty.
+    shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
+    bounds = every[:-1, None, None] + shares * jnp.diff(every, axis=0)[:, None, None]
+    low, high = (x.reshape(-1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
+    h = jnp.minimum((high - low) * q, _THICK)
+    s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
+    below = jnp.broadcast_to(1.0 / modulus.at(every[-1]), (1, *h.shape[1:]))
+    layers = _all_layers(s, below, nu, h)
+    inside, (compliance, passed) = _all_raised(*layers)[1], _raised_across(s, below, h)
+
+    one, none = jnp.ones_like(h[0]), jnp.zeros_like(h[0])
+    begin = jnp.stack([none, one]), jnp.stack([one, none])  # normal tractions, then those along the wave
+    _, (_, _, *tractions) = jax.lax.scan(_down, begin, _lowering(layers, inside))
+    normal, along = ([t[:, i] for t in tractions] for i in (0, 1))
+    to_u = inside[0] - (1.0 - nu) * s, inside[1] + (0.5 - nu) * s
+    everywhere = jnp.stack([*normal, *along, jnp.cumprod(passed, 0), compliance, *to_u])
+    last = (shares.shape[0] - 1) * place - 1  # the part above each depth
+    last = jnp.broadcast_to(last[:, None], (z.size, *h.shape[1:]))
+    t_n, s_n, t_t, s_t, tau, v, u_t, u_s = jnp.take_along_axis(everywhere, last[None], 1)
+    stiff, ratio = modulus.at(z)[:, None, None], nu / (1.0 - nu)
+
+    def inward(t: Array, s: Array) -> list[Array]:
+        strain = 2.0 * stiff * (u_t * t + u_s * s)
+        return [ratio * s + strain / (1.0 - nu), ratio * (s + strain), s, t]
+
+    found = jnp.stack([*inward(t_n, s_n), *inward(t_t, s_t), stiff * v * tau, tau])
+    return found[:, :, -1] + (found[:, :, -1] - found[:, :, 0]) / 3.0
+
+
+def _raised_across(s: Array, below: Array, h: Array) -> tuple[Array, Array]:
+    """(Compliance across the wave at the bottom of each layer, the share of the traction that gets there)."""
+
+    def through(compliance: Array, layer: tuple[Array, Array]) -> tuple[Array, tuple[Array, Array]]:
+        s, h = layer
+        own = 1.0 - compliance / s
+        over = 2.0 / (2.0 * jnp.exp(-2.0 * h) - jnp.expm1(-2.0 * h) * own)
+        return s * (1.0 - own * over), (compliance, jnp.exp(-h) * over)
+
+    return jax.lax.scan(through, -below[0], (s, h), reverse=True)[1]

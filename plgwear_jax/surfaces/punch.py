@@ -1,6 +1,7 @@
 """A contact of fixed radius: its stiffness, and the indenter in it without singular pressure at the edge."""
 
 import functools
+import math
 from typing import Any, NamedTuple
 
 import jax
@@ -115,12 +116,25 @@ def pressed(punch: Punch, force: Array) -> Array:
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
-    """The pressure of the flat punch pressed by R, over 1/R, at z = 1 - (r/c)^2 > 0, shape (m,)."""
+def flat_pressure(compliance: Compliance, punch: Punch, z: Array, half: float = 0.0) -> Array:
+    """The pressure of the flat punch pressed by R, over 1/R, at z = 1 - (r/c)^2 > 0, shape (m,).
+
+    Args:
+        compliance: Of both bodies.
+        punch: The contact.
+        z: Places; with `half` 1 - (t/c)^2 of strips across the contact.
+        half: 0.5 for P/c, where the transform of the pressure is the integral over t of P cos(q t): half an integral.
+    """
     c, s = jnp.exp(punch.log_c), compliance.s
     if punch.flat is None:
-        return punch.stiffness * s / (jnp.pi * c * c) * jnp.exp((s - 1.0) * jnp.log(z))
-    return compliance.front / c * pressure_inside(punch.flat, s, z)
+        front = punch.stiffness * s / (jnp.pi * c * c) * _integrated(s, half)
+        return front * jnp.exp((s - 1.0 + half) * jnp.log(z))
+    return compliance.front / c * pressure_inside(punch.flat, s, z, half)
+
+
+def _integrated(s: Array, half: float) -> Array | float:
+    """What half an integral makes of the factor of (1 - (r/c)^2)^(s-1)."""
+    return gamma(s) / gamma(s + half) * math.pi**-half if half else 1.0
 
 
 def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None]:
@@ -137,25 +151,25 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
 
 
-def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array) -> Array:
-    """The pressure of the indenter that touches up to c and no further, over c^2/R, at z > 0, shape (m,)."""
+def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:
+    """The pressure of the indenter that touches up to c and no further, over c^2/R, as `flat_pressure` gives it."""
     c, s = jnp.exp(punch.log_c), compliance.s
     (alone, rest), image = apart(punch, s, outline), outline.image(c, s)
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
         parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
-        weights, last = parts.singular(s)
+        weights, last = parts.singular(s + half)
         rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
-        return jnp.exp(s * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
+        return jnp.exp((s + half) * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
-    found = alone * s / (jnp.pi * c * c) * jax.lax.map(jax.checkpoint(at), z)
+    found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jax.lax.map(jax.checkpoint(at), z)
     if rest is None or punch.flat is None:
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
     y = _at_edge(less) / _at_edge(punch.flat) * punch.flat - less
-    return found + compliance.front / c * pressure_inside(y, s, z)
+    return found + compliance.front / c * pressure_inside(y, s, z, half)
 
 
 def own_pressures(punch: Punch) -> Array:
@@ -169,8 +183,9 @@ def _at_edge(y: Array) -> Array:
     return jnp.tensordot(jnp.asarray((-1.0) ** np.arange(y.shape[0]), y.dtype), y, 1)
 
 
-def pressure_inside(y: Array, s: Array, inside: Array) -> Array:
+def pressure_inside(y: Array, s: Array, inside: Array, half: float = 0.0) -> Array:
     """The pressure over e/c at z = 1 - (r/c)^2 > 0, shape (m,)."""
-    factors = y * ratios(1.0 / gamma(s), jnp.ones_like(s), s, y.shape[0])
-    total = factors @ jacobi_table(factors.size, s, jnp.ones_like(s), 2.0 * inside - 1.0)
-    return jnp.exp2(1.0 - s) * jnp.exp((s - 1.0) * jnp.log(inside)) * total
+    end, middle = s + half, jnp.full_like(s, 1.0 - half)
+    factors = y * ratios(1.0 / gamma(end), middle, end, y.shape[0])
+    total = factors @ jacobi_table(factors.size, s, middle, 2.0 * inside - 1.0)
+    return jnp.exp2(1.0 - s) * math.pi**-half * jnp.exp((end - 1.0) * jnp.log(inside)) * total

@@ -21,7 +21,7 @@ FLOORS = [
     {"material", "gross_slip", "fretting", "catalogue"},
     {"partial_slip", "rules", "shapes"},
     {"surfaces"},
-    {"loads", "wear_laws"},
+    {"loads", "wear_laws", "stresses"},
     {"steady"},
     {"wear"},
     {"contact"},

@@ -1,0 +1,1 @@
+"""Stresses in the half-space under a contact."""
