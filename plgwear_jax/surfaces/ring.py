@@ -123,7 +123,9 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     if law.punches is not None:
         own = own + _not_summed(compliance, c, y, begin, law, effort)
     edge, mean = compliance.edge(c, _nodes()[: begin + 1])
-    mean = y[: begin + 1] * mean
+    y = y[: begin + 1]
+    known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
+    mean = y * mean * (image.fallen(known) / known)
     flat = jnp.append(flat[0] / edge[count] * edge[:count], flat)
     own = jnp.append(own[0] / mean[-1] * mean[:-1], own)
     return Beside(a, 1.0 - flat, own - fallen, image, depth)
