@@ -69,7 +69,9 @@ FRETTING_QUANTITIES, GROSS_SLIP_QUANTITIES = (
 )
 WITHOUT_LOAD = [name for name, law in LAWS["fretting"].items() if not law.arguments]
 DEPEND_ON_RADIUS_AND_LOAD = [name for name, law in LAWS["fretting"].items() if {"r", "F_x"} <= {*law.arguments}]
-SINGLE = [name for name, law in LAWS["fretting"].items() if {*law.arguments} <= {"F_x"}]
+SINGLE = [
+    name for name, law in LAWS["fretting"].items() if {*law.arguments} <= {"F_x"} and name not in catalogue.STRESSES
+]
 
 
 @pytest.fixture
@@ -453,7 +455,9 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
         else:
             np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
             expected = expected(quantity.radii)
-        np.testing.assert_allclose(quantity.value, expected, rtol=1e-12, atol=1e-30)
+        # A peak is searched for, and rounding decides where it is found.
+        rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
+        np.testing.assert_allclose(quantity.value, expected, rtol=rtol, atol=1e-30)
 
 
 def test_without_output_all_single_numbers_are_computed(file):
