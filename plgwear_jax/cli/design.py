@@ -117,7 +117,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     headings = "free gradient", "power law", "reference"
     compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = ([measure(float(end), "modulus") for end in ends] for ends in (profile.lower, profile.upper))
+    ends = ([measure(float(end), "modulus") for end in np.asarray(ends)] for ends in (profile.lower, profile.upper))
     report.table(
         each_with_unit("depth", at),
         *(each_with_unit("modulus", np.asarray(row), name) for row, name in zip(moduli, headings, strict=True)),
@@ -131,7 +131,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     report.say(saved(found.saving, entry(found.objective).words), freedom, verdict)
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
-    report.say(doubts.of_design(*curves[:2], widest, float(np.max(rings[0]["wear_depth"]))))
+    report.say(doubts.of_design(depths, curves[1], widest, float(np.max(rings[0]["wear_depth"]))))
     report.end()
     if not found.certified:
         warn(f"{scene_file}: {verdict}")
