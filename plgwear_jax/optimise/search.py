@@ -51,6 +51,7 @@ class SearchPlan(NamedTuple):
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
         dtype: The dtype of all numbers.
+        solver: An optax transformation; None for L-BFGS with a backtracking line search.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
     """
@@ -62,6 +63,7 @@ class SearchPlan(NamedTuple):
     max_steps: int
     noise: float
     dtype: DTypeLike
+    solver: "optax.GradientTransformation | None" = None
     axis: str | None = None
 
     @property
@@ -377,10 +379,12 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(plan: SearchPlan) -> "optax.GradientTransformation":
+def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
     import optax  # a tenth of a second, which a process that loads its programs does without
 
-    return optax.scale_by_lbfgs(memory_size=min(10, 2 * plan.variables - 1))
+    memory = min(10, 2 * plan.variables - 1)
+    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
+    return optax.with_extra_args_support(plan.solver or default)
 
 
 def _empty(plan: SearchPlan) -> tuple[Any, ...]:
@@ -426,8 +430,8 @@ def at_start(plan: SearchPlan, start: Any, unused: Any) -> Descent:
 
 
 def _lengths(plan: SearchPlan) -> np.ndarray:
-    """The lengths of the trial steps, in units of the longest."""
-    return (0.25 ** np.arange(plan.trials)).astype(plan.dtype)
+    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
+    return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
 
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
@@ -450,7 +454,9 @@ def _merit_slope(at: Descent) -> Any:
     return inclination(at.slopes, _pushed(at.values, at.multipliers, at.penalty))
 
 
-def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
+def descended(
+    plan: SearchPlan, state: SearchState, values: Any, slopes: Any, objective: Callable[[Array], Array] | None
+) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
     trials = state.points.reshape(plan.starts, plan.trials, -1)
@@ -460,7 +466,8 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
     before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
     after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
     wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
-    falls = (after <= before[:, None] + wanted + plan.noise * xp.abs(after)) & ~at.done[:, None]
+    falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
+    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
     taken = falls.any(1)
     first = falls & (xp.cumsum(falls, axis=1) == 1)
     u, found, inclined = (
@@ -489,7 +496,12 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
         stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
         lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
         done = settled & ((violation < enough) | lost)
-    at = _turned(plan, at, taken | settled)
+
+    def merit(u: Array, multipliers: Array, penalty: Array) -> Array:
+        assert objective is not None
+        return _merit(objective(u) / state.scale, multipliers, penalty)
+
+    at = _turned(plan, at, taken | settled, merit)
     at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
 
     finished, polish = all_done(plan, at.done), at_end(at)
@@ -509,20 +521,24 @@ def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
     return select(taken, picked, those)
 
 
-def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
+def _turned(plan: SearchPlan, at: Descent, turns: Any, merit: Callable[..., Array]) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
     # The memory is reset when other variables are on their bounds.
     fresh = at.fresh | (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
-    direction, memory = solver_step(plan, at.u, gradient, at.memory, fresh)
-    if xp is np:
-        direction, memory = jax.device_get((direction, memory))
-    direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-    # At most 0.4, so that it takes three steps from the middle of the box to a bound.
-    longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
-    direction = direction * xp.minimum(1.0, 0.4 / longest)
+    if plan.solver is None:
+        direction, memory = solver_step(plan, at.u, gradient, at.memory, fresh)
+        if xp is np:
+            direction, memory = jax.device_get((direction, memory))
+        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+        direction = direction * xp.minimum(1.0, 0.4 / longest)
+    else:
+        known = at.values, at.multipliers, at.penalty
+        direction, memory = _next_directions(plan, at.u, gradient, at.memory, fresh, merit, known)
     return at._replace(
         free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
@@ -532,17 +548,33 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     )
 
 
-def _next_directions(plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, Any]:
-    """The directions and the memory that the solver of optax gives for the gradients."""
+def _next_directions(
+    plan: SearchPlan,
+    u: Any,
+    gradient: Any,
+    memory: Any,
+    fresh: Any,
+    merit: Callable[..., Array] | None = None,
+    known: tuple[Any, ...] = (),
+) -> tuple[Any, Any]:
+    """The directions and the memory that the solver of optax gives; merits are for its line search, if it has one."""
     solver = _solver(plan)
 
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, Any]:
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array, *known: Array) -> tuple[Array, Any]:
         at_first, tree = jax.tree.flatten(solver.init(u))
         memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        uphill, memory = solver.update(gradient, memory, u)
-        return -uphill, tuple(jax.tree.leaves(memory))
+        more: dict[str, Any] = {}
 
-    return jax.vmap(one)(u, gradient, memory, fresh)
+        def merit_at(u: Array) -> Array:
+            assert merit is not None
+            return merit(u, *known[1:])
+
+        if merit is not None:
+            more = {"value": _merit(*known), "grad": gradient, "value_fn": merit_at}
+        direction, memory = solver.update(gradient, memory, u, **more)
+        return direction, tuple(jax.tree.leaves(memory))
+
+    return jax.vmap(one)(u, gradient, memory, fresh, *known)
 
 
 solver_step = Program(_next_directions, static=1)
@@ -620,7 +652,13 @@ def begin(plan: SearchPlan) -> SearchState:
     return SearchState(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
 
 
-def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
+def tell(
+    plan: SearchPlan,
+    state: SearchState,
+    values: Any,
+    slopes: Any,
+    objective: Callable[[Array], Array] | None = None,
+) -> SearchState:
     """The state after the values and slopes at `state.points` are known.
 
     Args:
@@ -628,6 +666,7 @@ def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Sear
         state: Where it stands.
         values: At the points, (lanes, 1 + m).
         slopes: By u, (lanes, 1 + m, n).
+        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
     """
     xp = namespace(values)
     scanning = state.phase == SCAN
@@ -639,7 +678,7 @@ def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Sear
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: _scan_on(plan, rest),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes),
+        lambda rest: descended(plan, rest, values, slopes, objective),
         lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )
@@ -943,6 +982,7 @@ def minimise(
     starts: int | None = None,
     max_steps: int = 200,
     noise: float | None = None,
+    solver: "optax.GradientTransformation | None" = None,
     axis_name: str | None = None,
 ) -> Minimum:
     """Minimise a smooth function of a few variables over a box, from every valley of a scan.
@@ -956,6 +996,13 @@ def minimise(
         space: The interval of each variable.
         limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0. They should
             be of the order of one, such as logarithms of ratios.
+        samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
+            each for two, 17 for three.
+        starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
+        max_steps: Evaluations of the objective and its gradient allowed in each descent.
+        noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
+        solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
+            to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
         samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
             each for two, 17 for three.
         starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
@@ -1005,15 +1052,21 @@ def minimise(
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
-    plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
+    plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(solver=solver, axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
     fixed = jax.lax.stop_gradient(params)
-    evaluate = jax.vmap(values_and_jacobian(lambda u: function(u, fixed)))
+
+    def there(u: Array) -> Array:
+        return function(u, fixed)
+
+    evaluate = jax.vmap(values_and_jacobian(there))
     first = jax.tree.map(jnp.asarray, begin(plan))
     found = conclude(
         plan,
         jax.lax.while_loop(  # whose program contains the objective once
-            lambda state: state.phase != DONE, lambda state: tell(plan, state, *evaluate(state.points)), first
+            lambda state: state.phase != DONE,
+            lambda state: tell(plan, state, *evaluate(state.points), objective=there),
+            first,
         ),
     )
     minima = (found.u, found.multipliers, found.values, found.slopes)

@@ -8,6 +8,7 @@ import re
 import jax
 import jax.numpy as jnp
 import numpy as np
+import optax
 import oracle
 import pytest
 from coated import COATING as REFERENCE
@@ -41,8 +42,16 @@ def two_valleys(v):
     return (v["x"] ** 2 - 0.5) ** 2 + 0.1 * v["x"]
 
 
-def test_a_minimum_between_the_bounds_is_found(in_square):
-    found = in_square["bowl"]
+@pytest.mark.parametrize(
+    "solver",
+    [
+        None,
+        pytest.param(optax.adam(0.05), marks=pytest.mark.compiled),
+        pytest.param(optax.lbfgs(), marks=pytest.mark.long),
+    ],
+)
+def test_any_optax_transformation_finds_the_minimum(solver, in_square):
+    found = in_square["bowl"] if solver is None else searched(bowl, SQUARE, solver=solver, max_steps=2000)
     assert float(found.variables["x"]) == pytest.approx(0.3, abs=1e-9)
     assert float(found.variables["y"]) == pytest.approx(1.09, abs=1e-9)
     assert bool(found.converged) and bool(found.certified)
