@@ -3,16 +3,17 @@
 Imports nothing that takes time.
 """
 
+import functools
 import itertools
 import json
-import math
-import operator
 import re
+import sys
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from plgwear_jax._core.extras import needs
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.catalogue import QUANTITIES, entry
 from plgwear_jax.rules import limit_form
@@ -119,11 +120,10 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
                 found[name] = key.default
         elif inner and isinstance(value, dict) and (value or inner == "Window"):
             found[name] = values_of(inner, value, refuse, here)
+        elif inner or not _allows(key.schema, value):
+            refuse(here, key.text)
         else:
-            try:
-                found[name] = _taken(value, key.schema)
-            except (ValueError, OverflowError):
-                refuse(here, key.text)
+            found[name] = _taken(value, key.schema)
     return found
 
 
@@ -132,42 +132,49 @@ def _section_of(schema: Mapping[str, Any]) -> str:
 
 
 def _taken(value: Any, schema: Mapping[str, Any]) -> Any:
-    """A value as the library takes it; a ValueError if its schema does not allow it."""
+    """An allowed value as the library takes it: tuples for lists, and of a section among others also its name."""
     for one in schema.get("anyOf", ()):
-        try:
-            inner = _section_of(one)
-            return (inner, values_of(inner, value, _raise)) if inner and value else _taken(value, one)
-        except (AttributeError, TypeError, ValueError, OverflowError):
-            pass
-    kind, size = schema.get("type"), value
-    if kind is None and isinstance(value, str) and value in schema.get("enum", ()):
-        return value
-    if kind == "object" and isinstance(value, dict):
+        inner = _section_of(one)
+        if (value or not inner) and _allows(one, value):
+            return (inner, values_of(inner, value, _never)) if inner else _taken(value, one)
+    if isinstance(value, dict):
         return {name: _taken(one, schema["additionalProperties"]) for name, one in value.items()}
-    if kind == "array" and isinstance(value, list | tuple):
-        value = tuple(_taken(one, schema["items"]) for one in value)
-        rises = all(low < high for low, high in itertools.pairwise(value))
-        size = len(value) if rises or "increasing" not in schema else math.nan
-    elif kind == "string" and isinstance(value, str):
-        size = len(value)
-    elif kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
-        value = size = float(value)
-    elif kind != "integer" or type(value) is not int:
-        raise ValueError
-    if not (abs(size) < math.inf and all(_LIMITS[one](size, schema[one]) for one in _LIMITS.keys() & schema.keys())):
-        raise ValueError
-    return value
+    if isinstance(value, list | tuple):
+        return tuple(_taken(one, schema["items"]) for one in value)
+    return float(value) if schema.get("type") == "number" else value
 
 
-_LIMITS = {
-    **dict.fromkeys(("minimum", "minItems", "minLength"), operator.ge),
-    **dict.fromkeys(("maximum", "maxItems"), operator.le),
-    **{"exclusiveMinimum": operator.gt, "exclusiveMaximum": operator.lt},
-}
+def _never(path: tuple[str, ...], text: str) -> None:
+    raise AssertionError(f"{'.'.join(path)}: {text}")  # in a section that its schema allows
 
 
-def _raise(*_: Any) -> None:
-    raise ValueError
+def _allows(schema: Mapping[str, Any], value: Any) -> bool:
+    """Whether a value is as its schema says."""
+    return _validator()({"$defs": _definitions(), **schema}).is_valid(value)
+
+
+@functools.cache
+def _validator() -> Any:
+    """The validator of JSON schema, with finite numbers, and "increasing" for lists."""
+    with needs("input files", "cli"):
+        from jsonschema import Draft202012Validator, ValidationError, validators
+
+    def increasing(validator: Any, _: Any, value: Any, __: Any) -> Iterator[ValidationError]:
+        numbers = validator.is_type(value, "array") and all(validator.is_type(one, "number") for one in value)
+        if numbers and any(low >= high for low, high in itertools.pairwise(value)):
+            yield ValidationError("not increasing")
+
+    def is_number(_: Any, value: Any) -> bool:
+        return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine_many(
+        {
+            "number": is_number,
+            "integer": lambda _, value: type(value) is int,
+            "array": lambda _, value: isinstance(value, list | tuple),
+        }
+    )
+    return validators.extend(Draft202012Validator, {"increasing": increasing}, type_checker=types)
 
 
 def _stray(section: str, name: str) -> str:
@@ -178,8 +185,9 @@ def _stray(section: str, name: str) -> str:
     return f"there is no such key{near_or_all(name, known)}"
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON schema of an input file, with which editors check and complete it; `load` checks more."""
+@functools.cache
+def _definitions() -> dict[str, Any]:
+    """The JSON schemas of all sections, by name."""
     models: dict[str, Any] = {
         name: {
             "type": "object",
@@ -197,4 +205,9 @@ def json_schema() -> dict[str, Any]:
     models["Vary"]["patternProperties"] = {_ELEMENT.pattern: elements["modulus"]}
     minimise = models["Design"]["properties"]["minimise"]
     minimise["anyOf"] = [{"enum": [*_LIMITED]}, *minimise["anyOf"][1:]]
-    return _DOCUMENT["schema"] | {"$defs": models}
+    return models
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of an input file, with which editors check and complete it; `load` checks more."""
+    return _DOCUMENT["schema"] | {"$defs": _definitions()}
