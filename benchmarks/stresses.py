@@ -47,7 +47,7 @@ def divided(material: Any, a: float, z: float) -> tuple[np.ndarray, np.ndarray]:
     middle = np.sqrt(np.maximum(tops[:-1], 1e-9) * tops[1:])
     moduli = np.append(np.asarray(material.modulus_at(middle * a)), float(material.modulus_at(tops[-1] * a)))
     if isinstance(material, PowerLawGraded):  # the skin, whose modulus may be infinite
-        moduli[0] = float(material.modulus_at(tops[1] * a)) / (1.0 + float(material.k))
+        moduli[0] = float(material.modulus_at(tops[1] * a)) / (1.0 + float(np.asarray(material.k)))
     return tops, moduli / float(material.modulus_at(a))
 
 
