@@ -5,7 +5,6 @@
 
 PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist loadfile
-ACCURACY    ?= --points 1000
 MUTANTS     ?= --count 200
 
 STUDIES := pages overview amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
@@ -52,8 +51,8 @@ test-isa: env ## the default test suite as on processors with AVX2 and with AVX 
 	XLA_FLAGS=--xla_cpu_max_isa=AVX2 $(RUN) pytest $(PYTEST_ARGS)
 	XLA_FLAGS=--xla_cpu_max_isa=AVX $(RUN) pytest $(PYTEST_ARGS)
 
-accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
-	$(VENV)/bin/python tests/reference/accuracy.py $(ACCURACY)
+accuracy: env ## the worst error of every quantity against the oracle, as a table
+	XLA_FLAGS= $(RUN) pytest -q -s -m long tests/fretting/test_accuracy.py -k 20000 $(PYTEST_ARGS)
 
 bench: env ## time against accuracy, on this machine, into build/benchmarks (BENCH=--full to quote, into docs/benchmarks; BENCH=digits for one)
 	$(VENV)/bin/python benchmarks $(BENCH)

@@ -148,7 +148,7 @@ def against_rings(report: Report, quick: bool) -> None:
             ]
             run = one.over_cycles(given, reduced.coefficient_of(one))
             rough, fine, steps = (
-                march_oracle.Rings(k, march_oracle.edges_to(outer, n, n)).march(blocks, m) for n, m in sizes
+                march_oracle.on_power_law(k, march_oracle.edges_to(outer, n, n)).march(blocks, m) for n, m in sizes
             )
             # Euler's steps are of first order: to steps of no length.
             volume = fine[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])

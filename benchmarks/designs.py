@@ -289,7 +289,7 @@ def against_grid(question: Question, points: int) -> Tried:
     contact, force, _, vary = question
     least, most = radius(contact) / 1.25, 1.25 * radius(contact)
     limits = {"limits": {"contact_radius": {"between": (float(least), float(most))}}}
-    asked: dict[str, Any] = {"hold": True} if question.held else limits
+    asked: dict[str, Any] = {"hold": "contact_radius"} if question.held else limits
     found, seconds = timed(lambda: optimise.design(contact, force, vary, **asked, **question.life))
 
     def lowest() -> float:

@@ -222,7 +222,7 @@ print(time.perf_counter() - start)
 DESIGN = """
 material = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 contact = FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4)
-found = optimise.design(contact, 0.32, {"k": (-0.9, 0.9)}, hold=True)
+found = optimise.design(contact, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius")
 """
 # While the contact radius is held, only the amplitude counts: 0.32 N of 4 N.
 BRENT = f"""

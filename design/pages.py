@@ -10,7 +10,7 @@ import numpy as np
 from drawing import HERE, run, save
 from matplotlib.figure import Figure
 
-from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, coating, fitting, loads, plots, scene, tables
+from plgwear_jax import FrettingContact, PowerLawGraded, coating, fitting, loads, plots, scene, tables
 from plgwear_jax.contact import slip_regimes
 from plgwear_jax.plots.maps import map_picture
 from plgwear_jax.sweep import sweep
@@ -46,19 +46,7 @@ def draw_coating() -> Figure:
     given = scene.load(HERE / "coatings" / "alumina_glass.toml")
     contact = given.build_contact()
     assert isinstance(contact, FrettingContact) and given.load is not None
-    graded, force = contact.material, given.load.largest
-    assert isinstance(graded, DepthGraded)
-    as_given = coating.worn(contact, force)
-    radius = float(as_given["contact_radius"])
-    fit = coating.fit_power_law(graded.depth, graded.modulus, float(np.asarray(graded.nu)), radius)
-    depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
-    return plots.coating_picture(
-        fit,
-        (depths, np.asarray(graded.modulus_at(depths))),
-        coating.where_it_counts(contact, force, radius),
-        coating.idealised(contact, force, fit.material, as_given),
-        measured_radius=MEASURED,
-    )
+    return plots.coating_picture(*coating.studied(contact, given.load.largest), measured_radius=MEASURED)
 
 
 if __name__ == "__main__":

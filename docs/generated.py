@@ -29,7 +29,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from plgwear_jax import catalogue, scene
+from plgwear_jax import catalogue
+from plgwear_jax.scene import keys
 
 DOCS = Path(__file__).parent
 QUOTED = re.compile(
@@ -104,28 +105,39 @@ def quoted(text: str) -> str:
     return QUOTED.sub(fresh, text)
 
 
-def fewest_digits() -> str:
-    """The fewest correct digits of each function in float64 towards the edges of its domain."""
+def digits_of_functions() -> dict[str, dict[str, str]]:
+    """The fewest correct digits in float64 of each function and order of derivative towards the edges of its domain."""
     found: dict[str, dict[str, str]] = {}
     for _, rows in tables("extremes"):
         for name, order, dtype, digits, *_ in rows:
             if dtype == "float64":
                 found.setdefault(name, {})[order] = digits
+    return found
+
+
+def fewest_digits() -> str:
+    """The functions that keep fewer than ten digits somewhere, and the worst of all others."""
+    found = digits_of_functions()
+    others = {name: by for name, by in found.items() if min(map(float, by.values())) > 10.0}
+    rows = {f"`{name}`": by for name, by in found.items() if name not in others}
+    rows["the worst of all others"] = {order: min((by[order] for by in others.values()), key=float) for order in "012"}
     lines = ["| function | value | first derivatives | second derivatives |", "| --- | ---: | ---: | ---: |"]
-    return "\n".join(
-        lines + [f"| `{name}` | {' | '.join(by[order] for order in '012')} |" for name, by in found.items()]
-    )
+    return "\n".join(lines + [f"| {name} | {' | '.join(by[order] for order in '012')} |" for name, by in rows.items()])
 
 
 def random_contacts() -> str:
-    """The errors of random contacts: 95 of 100 are below the first number of a cell, all below the second one."""
+    """The worst errors of some quantities of random contacts."""
     *errors, (_, refused) = tables("random_contacts")
     groups = [row[0] for row in refused]
-    titles = "against 5 digits", "balance", "float32, $\\varphi \\ge 0.1$"
+    shown = {  # what the page shows of the tables, in their order
+        "against 5 digits": ("radii", "wear volume", "energy", "pressure before", "pressure worn", "derivatives"),
+        "balance": ("force worn", "derivatives"),
+        "float32, $\\varphi \\ge 0.1$": ("wear volume", "pressure worn"),
+    }
     lines = [f"| quantity | held to | {' | '.join(groups)} |", f"| --- | --- |{' ---: |' * len(groups)}"]
-    for title, (_, rows) in zip(titles, errors, strict=True):
-        found = {(name, group): f"{most}, {worst}" for group, name, _, _, most, worst in rows}
-        for name in dict.fromkeys(name for name, _ in found):
+    for (title, names), (_, rows) in zip(shown.items(), errors, strict=True):
+        found = {(name, group): worst for group, name, *_, worst in rows}
+        for name in names:
             cells = (found.get((name, group), "") for group in groups)
             lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
     told = (f"{number} of {of}" for _, of, number in refused)
@@ -178,7 +190,6 @@ UNIT = re.compile(r"\bin (1/Pa|m\^3/\(N m\)|mm\^3/\(N m\)|mm\^3/J|N/m|Pa|m|N)(?=
 
 def input_keys() -> str:
     """Every key of an input file, as tables."""
-    models = scene.Scene.model_json_schema()["$defs"]
     lines = list[str]()
     for title, names in SECTIONS:
         lines += [f"## {title}", ""]
@@ -186,28 +197,16 @@ def input_keys() -> str:
             if name in HEADS:
                 lines += [HEADS[name], ""]
             lines += ["| key | what it is | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
-            lines += [*_rows(models[name]), ""]
+            lines += [*_rows(keys.SECTIONS[name]), ""]
     return "\n".join(lines)
 
 
-def attributes(description: str) -> dict[str, str]:
-    """What a docstring says of each attribute."""
-    told, name = dict[str, str](), ""
-    for line in description.partition("Attributes:")[2].splitlines():
-        if start := re.match(r" {4}(\w+): (.*)", line):
-            name, told[start[1]] = start[1], start[2]
-        elif line.strip():
-            told[name] += f" {line.strip()}"
-    return told
-
-
-def _rows(model: dict[str, Any]) -> Iterator[str]:
-    told = attributes(model["description"])
-    for key, about in model["properties"].items():
-        unit = UNIT.search(told[key])
-        default = "required" if key in model.get("required", ()) else _default(about.get("default"))
-        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", told[key])  # the unit has its column
-        cells = f"`{key}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(about), default
+def _rows(section: keys.SectionKeys) -> Iterator[str]:
+    for name, key in section.keys.items():
+        unit = UNIT.search(key.about)
+        default = "required" if key.default is keys.REQUIRED else _default(key.default)
+        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", key.about)  # the unit has its column
+        cells = f"`{name}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(key), default
         yield f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
 
@@ -215,15 +214,12 @@ def _default(value: Any) -> str:
     return "" if value is None else f"`{value}`" if not isinstance(value, str) else f'`"{value}"`'
 
 
-def _allowed(about: dict[str, Any]) -> str:
-    """Which values a key takes, from the schema."""
-    said = re.sub(
-        r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", about.get("description", "").removeprefix("must be ")
-    )
+def _allowed(key: keys.Key) -> str:
+    """Which values a key takes, from what messages say or from its schema."""
+    said = re.sub(r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", key.text.removeprefix("must be "))
     if any(mark in said for mark in ("[", "{", '"', "name of", "list of", "whole number")):
         return _as_code(said)
-    options = [one for one in about.get("anyOf", [about]) if one.get("type") != "null"]
-    return " or ".join(_range(one) for one in options)
+    return " or ".join(_range(one) for one in key.schema.get("anyOf", [key.schema]))
 
 
 def _as_code(text: str) -> str:
@@ -232,8 +228,8 @@ def _as_code(text: str) -> str:
 
 
 def _range(one: dict[str, Any]) -> str:
-    if "const" in one or "enum" in one:
-        return " or ".join(f'`"{value}"`' for value in one.get("enum", [one.get("const")]))
+    if "enum" in one:
+        return " or ".join(f'`"{value}"`' for value in one["enum"])
     low = f"> {one['exclusiveMinimum']:g}" if "exclusiveMinimum" in one else ""
     low = f"≥ {one['minimum']:g}" if "minimum" in one else low
     high = f"< {one['exclusiveMaximum']:g}" if "exclusiveMaximum" in one else ""
@@ -379,7 +375,7 @@ def filled(text: str) -> str:
 def words(text: str) -> tuple[int, int]:
     """The words of a page: all, and those of the text without code, displayed formulas and what is generated."""
     text = re.sub(r"<!-- (?!begin|end).*?-->", "", text, flags=re.DOTALL)
-    by_hand = re.sub(r"```.*?```|\$\$.*?\$\$|^\{ \.\w+ \}$", "", FILLED.sub("", text), flags=re.DOTALL | re.MULTILINE)
+    by_hand = re.sub(r"```.*?```|\$\$.*?\$\$|^\{ ?\.\w+ ?\}$", "", FILLED.sub("", text), flags=re.DOTALL | re.MULTILINE)
     return len(text.split()), len(by_hand.split())
 
 

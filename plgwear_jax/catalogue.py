@@ -42,7 +42,7 @@ class Entry:
         return f"{self.name} ${self.symbol}$" if self.symbol else self.name
 
 
-def _rows(text: str) -> Iterator[list[str]]:
+def _cells_of(text: str) -> Iterator[list[str]]:
     """The cells of each line of a table: columns are set off by two spaces, and "-" is an empty one."""
     for line in text.strip().splitlines():
         yield ["" if cell == "-" else cell for cell in re.split("  +", line.strip())]
@@ -74,7 +74,7 @@ class Law(Entry):
 
 _UNITS = {  # of the contact, and of the dimensionless function
     kind: (unit, scale)
-    for kind, unit, scale in _rows("""
+    for kind, unit, scale in _cells_of("""
     radius        m    a_0
     height        m    a_0^2/R
     volume        m^3  a_0^4/R
@@ -90,7 +90,7 @@ _UNITS = {  # of the contact, and of the dimensionless function
     """)
 }
 _CALLED = dict(  # if not by their names
-    _rows("""
+    _cells_of("""
     wear_rate      wear rate
     stick_radius   stick radius, inner edge of the ring
     worn_radius    worn radius, outer edge of the ring
@@ -105,14 +105,14 @@ _CALLED = dict(  # if not by their names
 )
 
 
-def _table(text: str, *, unbounded_at: str | None = None, when: str = "") -> dict[str, Law]:
+def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> dict[str, Law]:
     """Laws by name, from a line for each.
 
     The columns are the name, with * if the quantity is unbounded; its symbol; the kind of its units, or the SI unit if
     there is no dimensionless function; equations; arguments; and what it is.
     """
     found = {}
-    for name, symbol, kind, equation, taken, description in _rows(text):
+    for name, symbol, kind, equation, taken, description in _cells_of(text):
         place = unbounded_at if name.endswith("*") else None
         name = name.rstrip("*")
         unit, scale = _UNITS.get(kind, (kind, None))
@@ -123,7 +123,7 @@ def _table(text: str, *, unbounded_at: str | None = None, when: str = "") -> dic
 
 
 # before any wear, in a cycle under partial slip
-TANGENTIAL = _table(r"""
+TANGENTIAL = _laws_in(r"""
     slip_amplitude           \delta  slip          -  r F_x  amplitude of the slip in the ring before any wear
     displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
     gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
@@ -135,7 +135,7 @@ TANGENTIAL = _table(r"""
 """)
 
 FRETTING = (
-    _table(
+    _laws_in(
         r"""
     contact_radius         a_0           m         12  -  contact radius a_0 before any wear
     peak_initial_pressure  p_0(0)        Pa        13  -  largest contact pressure before any wear, in the middle
@@ -164,7 +164,7 @@ FRETTING = (
 
 STRESSES = {"peak_tension", "peak_mises"}  # whose largest values have a place
 
-GROSS_SLIP = _table(
+GROSS_SLIP = _laws_in(
     r"""
     initial_force         F_{N0}                N        8   -  normal force before any wear
     steady_force          F_{N\infty}           N        9   -  normal force on the worn punch at the same depth
@@ -181,13 +181,13 @@ GROSS_SLIP = _table(
 )
 
 # of the half-space alone: dimensionless functions
-MATERIAL = _table(r"""
+MATERIAL = _laws_in(r"""
     h_N         h_N  number  29-31    -  factor h_N of the normal compliance
     holl_ratio  \nu  number  1/(2+k)  -  Holl's ratio, at which normal and tangential contact uncouple
 """)
 
 # over cycles; asked for as `transient.wear_volume`
-TRANSIENT = _table(
+TRANSIENT = _laws_in(
     r"""
     wear_volume       \Delta V  volume  -  F_x cycles wear_coefficient    volume worn after the cycles
     wear_rate         dV/dN     volume  -  F_x cycles wear_coefficient    volume worn in a cycle by then
@@ -285,7 +285,7 @@ def _axes(text: str) -> dict[str, AxisKind]:
     """Axes by name, from a line for each: name, symbol, unit, range, scale, words, and what it is if not that."""
     open_at = {ranges.EXPONENT: (-1.0, 1.0), ranges.AMPLITUDE: (0.0, 1.0), ranges.SHARE: (0.0, 1.0)}
     found = {}
-    for name, symbol, unit, allowed, scale, words, *about in _rows(text):
+    for name, symbol, unit, allowed, scale, words, *about in _cells_of(text):
         domain = getattr(ranges, allowed)
         described = words, symbol, unit, about[0] if about else words, scale or None
         found[name] = AxisKind(*described, domain, open_at.get(domain), "#" in words)
@@ -382,7 +382,7 @@ def derivative(name: str) -> tuple[str, list[str]]:
 # what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
 _BESIDES = {
     name: Entry(words, symbol, unit)
-    for name, symbol, unit, words in _rows("""
+    for name, symbol, unit, words in _cells_of("""
     k                  k       1    exponent k
     E0                 E_0     Pa   modulus E0 at the depth z0
     z0                 z_0     m    characteristic depth z0

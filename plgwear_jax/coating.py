@@ -17,7 +17,17 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded, Layered
 
-__all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
+__all__ = [
+    "FELT",
+    "Idealisation",
+    "PowerLawFit",
+    "felt",
+    "fit_power_law",
+    "idealised",
+    "studied",
+    "where_it_counts",
+    "worn",
+]
 
 _LEVEL = 0.95  # of confidence
 _FAR = 0.5  # least share of the stiffness within `FELT` that the depths of a table must cover
@@ -129,7 +139,7 @@ def fit_power_law(
     check("z0", z0, POSITIVE)
     depth, modulus = np.asarray(half_space.depth, float), np.asarray(half_space.modulus, float)
     low, high = FELT[0] * contact_radius, FELT[1] * contact_radius
-    weight, covered = _weights(depth, low, high, nu, contact_radius)
+    weight, covered = _weights_of_depths(depth, low, high, nu, contact_radius)
     counts = weight > 0.0
     if counts.sum() < 2:
         number = f"only {counts.sum()} of {depth.size} depths {'lies' if counts.sum() == 1 else 'lie'}"
@@ -176,7 +186,9 @@ def fit_power_law(
     )
 
 
-def _weights(depth: np.ndarray, low: float, high: float, nu: float, radius: float) -> tuple[np.ndarray, float]:
+def _weights_of_depths(
+    depth: np.ndarray, low: float, high: float, nu: float, radius: float
+) -> tuple[np.ndarray, float]:
     """(Weights of the depths, with the sum 1 unless all are 0; the share of the range from `low` to `high` covered)."""
     weight = np.zeros_like(depth)
     below = np.flatnonzero(depth > 0.0)
@@ -216,7 +228,7 @@ class Idealisation:
 
 
 @program()
-def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
+def _compared_quantities(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
     """All compared quantities of one contact, by name."""
     steady = contact.steady(tangential_force)
     found = {name: jnp.asarray(getattr(steady, name)) for name in _QUANTITIES}
@@ -233,7 +245,7 @@ def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndar
         contact: Any contact of partial slip.
         tangential_force: The force amplitude in N, 0 <= F_x < mu F_N.
     """
-    return jax.device_get(_worn(contact, tangential_force))
+    return jax.device_get(_compared_quantities(contact, tangential_force))
 
 
 @concrete_only("coating.worn works there")
@@ -263,7 +275,7 @@ def idealised(
 
 
 @program()
-def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hats: Array) -> Array:
+def _slopes_by_depth(contact: FrettingContact, tangential_force: float, depth: Array, hats: Array) -> Array:
     """d log(wear volume)/d log(E) at some depths, summed with the weights `hats` of shape (points, depths)."""
     half_space: Any = contact.material
     modulus = jnp.log(half_space.modulus_at(depth))
@@ -302,5 +314,33 @@ def where_it_counts(
     step = decades[1] - decades[0]
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
-    slopes = np.asarray(_slopes(contact, float(tangential_force), radius * 10.0**fine, hats))
+    slopes = np.asarray(_slopes_by_depth(contact, float(tangential_force), radius * 10.0**fine, hats))
     return radius * 10.0**decades, slopes / step
+
+
+@concrete_only("coating.worn works there")
+def studied(
+    contact: FrettingContact, tangential_force: float
+) -> tuple[PowerLawFit, tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray], Idealisation]:
+    """All that a picture of a measured coating shows: what `plots.coating_picture` takes.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        contact: A contact on a `DepthGraded`, whose depths and moduli are those that were measured.
+        tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
+
+    Returns:
+        (The result of `fit_power_law`; depths in m and the moduli in Pa there of the half-space as given, each of
+        shape (200,); the result of `where_it_counts`; that of `idealised`).
+
+    Raises:
+        ValueError: As `fit_power_law`.
+    """
+    table: Any = contact.material
+    as_given = worn(contact, tangential_force)
+    radius = float(as_given["contact_radius"])
+    fit = fit_power_law(table.depth, table.modulus, float(table.nu), radius)
+    depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
+    curve, counts = (depths, np.asarray(table.modulus_at(depths))), where_it_counts(contact, tangential_force, radius)
+    return fit, curve, counts, idealised(contact, tangential_force, fit.material, as_given)

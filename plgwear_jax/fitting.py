@@ -208,9 +208,9 @@ class _OneRun:
         most = 1.0 - 1e-6 if steady is not None else 1.0
         self.ends = math.log(self.grid[0] / cycles.max()), math.log(float(self._inverse(most)) / cycles.min())
 
-    def __call__(self, log: float) -> tuple[np.ndarray, np.ndarray]:
-        """Volumes at the cycles of the data, in `unit`, and their slopes by log(K)."""
-        x = math.exp(log) * self.cycles
+    def __call__(self, log: float, cycles: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Volumes at some cycles, by default those of the data, in `unit`, and their slopes by log(K)."""
+        x = math.exp(log) * (self.cycles if cycles is None else cycles)
         # Before the first point the volume grows with x, after the last one not at all.
         at, early = np.log(np.clip(x, self.grid[0], self.grid[-1])), np.minimum(x / self.grid[0], 1.0)
         return early * self.share(at), np.where(x < self.grid[-1], early * self.slope(at), 0.0)
@@ -221,12 +221,11 @@ class _OneRun:
 
     def curve(self, coefficients: tuple[float, ...], cycles: np.ndarray) -> np.ndarray:
         """Volumes in `unit` with some coefficients at other cycles, shape (coefficients, cycles)."""
-        rows, kept = [], self.cycles
-        self.cycles = cycles
-        for K in coefficients:
-            known = math.isfinite(K) and K > 0.0
-            rows.append(self(math.log(K))[0] if known else np.full(cycles.shape, math.nan if math.isnan(K) else 1.0))
-        self.cycles = kept
+        limits = np.where(np.isnan(coefficients), math.nan, 1.0)
+        rows = [
+            self(math.log(K), cycles)[0] if 0.0 < K < math.inf else np.full(cycles.shape, limit)
+            for K, limit in zip(coefficients, limits, strict=True)
+        ]
         return np.stack(rows)
 
     def _inverse(self, share: float | np.ndarray) -> np.ndarray:
@@ -373,7 +372,7 @@ def fit_wear_coefficient(
         def excess(x: float) -> float:
             return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
 
-        low, high = (math.nan, math.nan) if math.isnan(rise) else (_crossing(excess, best, end) for end in ends)
+        low, high = (math.nan, math.nan) if math.isnan(rise) else (_exceeded_at(excess, best, end) for end in ends)
         said = None
         if math.isnan(rise):
             said = "one point and one unknown: without its deviation the data tell no interval"
@@ -403,7 +402,7 @@ def fit_wear_coefficient(
             highest = min(highest, sum(float(stage.cycles) for stage in whole.load.stages()))
         curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
         fitted = np.zeros_like(volume)
-        fitted[worn] = model.unit * model(best)[0]
+        fitted[worn] = model.unit * share
         return Fit(
             wear_coefficient=math.exp(best),
             interval=interval,
@@ -418,7 +417,7 @@ def fit_wear_coefficient(
         )
 
 
-def _crossing(excess: Callable[[float], float], best: float, end: float) -> float:
+def _exceeded_at(excess: Callable[[float], float], best: float, end: float) -> float:
     """Where the excess becomes positive between the best and an end; infinite if it does not."""
     from scipy import optimize
 

@@ -25,7 +25,7 @@ __all__ = [
     "Kind",
     "complaint",
     "domain_of",
-    "exponents",
+    "exponents_between",
     "free_complaint",
     "is_after_cycles",
     "is_linear",
@@ -228,7 +228,7 @@ def free_complaint(
     return None
 
 
-def exponents(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> tuple[float, float]:
+def exponents_between(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> tuple[float, float]:
     """The lowest and the highest k = log(E2/E1)/log(z2/z1) between moduli at two depths, Eq. (1)."""
     span = max(math.log(at[1]) - math.log(at[0]), sys.float_info.min)  # neighbouring numbers can have one logarithm
     lowest, highest = math.log(lower[1]) - math.log(upper[0]), math.log(upper[1]) - math.log(lower[0])
@@ -237,7 +237,7 @@ def exponents(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any
 
 def window_complaint(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> str | None:
     """What is wrong with a window within which both moduli vary; None if nothing is."""
-    lowest, highest = exponents(at, lower, upper)
+    lowest, highest = exponents_between(at, lower, upper)
     if -1.0 < lowest <= highest < 1.0:
         return None
     reached = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"

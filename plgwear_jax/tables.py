@@ -67,17 +67,6 @@ class Table:
             raise TableError(f"{self.name}: has no column {column}, but {', '.join(self.columns)}")
         return self.columns[column]
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Table) or (self.name, [*self.columns]) != (other.name, [*other.columns]):
-            return False
-        both = zip((self.row, *self.columns.values()), (other.row, *other.columns.values()), strict=True)
-        return all(np.array_equal(one, another) for one, another in both)
-
-    @property
-    def amplitude(self) -> str:
-        """The column that is the amplitude of a load: "tangential_force" or "displacement"."""
-        return next(name for name in _AMPLITUDE if name in self.columns)
-
     def refuse(self, wrong: np.ndarray | bool, said: Callable[[int], str]) -> None:
         """Raise a TableError for the first row that is wrong; `said` is what is wrong with it, from its place."""
         for place in np.flatnonzero(wrong)[:1].tolist():
@@ -135,34 +124,30 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {form.first_row or 'of its columns'}")
     separator = max(",;\t", key=lines[0].count)
-    header, said = _header(lines[0], separator, form)
-    if said is None and len(lines) == 1:
-        said = "names the columns, and no rows follow; there must be at least one"
-    if said is not None:
-        raise TableError(f"{name}: row {rows[0]}: {said}")
-    allowed = {column: _allowed(column, form) for column in header}
-    blocks = []
-    for first in range(1, len(lines), _BLOCK):
-        some = lines[first : first + _BLOCK]
-        block = _numbers(some, separator, allowed)
-        if block is None:
-            complaints = (_complaint(line, separator, allowed) for line in some)
-            row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
-            raise TableError(f"{name}: row {row}: {said}")
-        blocks.append(block)
-    found = Table(name, dict(zip(header, np.concatenate(blocks).T, strict=True)), _frozen(rows[1:]))
-    cells = {}
-    for column, factor in header.items():
-        values = found[column]
+    factors, allowed, values, row = dict[str, float | None](), dict[str, Domain](), list[list[float]](), 0
+    try:
+        for row, line in zip(rows, lines, strict=True):  # noqa: B007 - messages name it
+            (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
+            if factors:
+                values.append(_numbers(cells, allowed, separator))
+            else:
+                factors = _header(cells, form)
+                allowed = {column: _allowed(column, form) for column in factors}
+        if not values:
+            raise ValueError("names the columns, and no rows follow; there must be at least one")
+    except (csv.Error, ValueError) as error:
+        said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
+        raise TableError(f"{name}: row {row}: {said}") from None
+    found = Table(name, dict(zip(factors, map(_frozen, np.transpose(values)), strict=True)), _frozen(rows[1:]))
+    for column, factor in factors.items():
         if factor is None:
             _refuse_without_unit(found, column)
-        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-        elif factor < 1.0:
-            values = values / round(1.0 / factor)
-        else:
-            values = values * factor
-        cells[column] = _frozen(values)
-    found = dataclasses.replace(found, columns=cells)
+    # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
+    scaled = {
+        column: found[column] / round(1.0 / factor) if factor and factor < 1.0 else found[column] * (factor or 1.0)
+        for column, factor in factors.items()
+    }
+    found = dataclasses.replace(found, columns={column: _frozen(one) for column, one in scaled.items()})
     form.check(found)
     return found
 
@@ -256,7 +241,6 @@ _UNITS = {
 }
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
 _PLAIN = {"depth": (0.0, 0.1, "um"), "modulus": (1e3, 2e12, "GPa")}  # what a coating has in m and Pa, and what is meant
-_BLOCK = 1 << 16  # rows parsed at a time
 
 
 def _allowed(column: str, form: Form) -> Domain:
@@ -296,50 +280,29 @@ def numbered_lines(text: str) -> tuple[list[int], list[str]]:
     return rows, lines
 
 
-def _split(lines: list[str], separator: str) -> list[list[str]]:
-    return list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
-
-
-def _numbers(lines: list[str], separator: str, allowed: Mapping[str, Domain]) -> np.ndarray | None:
-    """The numbers in some lines, shape (lines, columns), or None if any of them is not allowed."""
-    try:
-        cells = _split(lines, separator)
-        if len(cells) != len(lines) or set(map(len, cells)) != {len(allowed)}:
-            return None
-        numbers = np.fromiter((float(cell) for row in cells for cell in row), float).reshape(-1, len(allowed))
-    except (csv.Error, ValueError):
-        return None
-    right = (domain.contains(values) for values, domain in zip(numbers.T, allowed.values(), strict=True))
-    return numbers if all(map(np.all, right)) else None
-
-
-def _header(line: str, separator: str, form: Form) -> tuple[dict[str, float | None], str | None]:
-    """(The columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
+def _header(cells: list[str], form: Form) -> dict[str, float | None]:
+    """The columns in the order of the file, with their units in SI, None without; a ValueError says what is wrong."""
     found: dict[str, float | None] = {}
-    try:
-        (cells,) = _split([line], separator)
-    except csv.Error as problem:
-        return found, _not_csv(problem)
-    if all(number(cell) is not None for cell in cells):
-        return found, f"holds numbers; the first row must name the columns, {form.first_row}"
+    if all(number_in(cell) is not None for cell in cells):
+        raise ValueError(f"holds numbers; the first row must name the columns, {form.first_row}")
     for cell in cells:
         column, unit = _with_unit(cell.strip(), form.known)
         if column not in form.known:
-            return found, f"column {bare(column)}: there is no such column{near_or_all(column, form.known)}"
+            raise ValueError(f"column {bare(column)}: there is no such column{near_or_all(column, form.known)}")
         if column in found:
-            return found, f"column {column}: stands there more than once"
+            raise ValueError(f"column {column}: stands there more than once")
         units = _units_of(column)
         if unit is not None and unit not in units:
-            return found, f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}"
+            raise ValueError(f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}")
         found[column] = None if unit is None else units[unit]
     for some in form.columns:
         there = [column for column in found if column in some]
         if not there:
-            return found, f"column {' or '.join(some)}: missing; the first row must be {form.first_row}"
+            raise ValueError(f"column {' or '.join(some)}: missing; the first row must be {form.first_row}")
         if len(there) > 1:
             text = f"cannot be combined with {there[0]}; only one of them can be the amplitude"
-            return found, f"column {there[1]}: {text}"
-    return found, None
+            raise ValueError(f"column {there[1]}: {text}")
+    return found
 
 
 def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
@@ -353,35 +316,28 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
     return cell, None
 
 
-def _complaint(line: str, separator: str, allowed: Mapping[str, Domain]) -> str | None:
-    """What is wrong with a row; None if nothing is."""
-    try:
-        (cells,) = _split([line], separator)
-    except csv.Error as problem:
-        return _not_csv(problem)
+def _numbers(cells: list[str], allowed: Mapping[str, Domain], separator: str) -> list[float]:
+    """The numbers of a row, or a ValueError that says what is wrong with it."""
     if len(cells) > len(allowed):
         point = "; decimals are set off by a point" if separator == "," else ""
-        return f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}"
+        raise ValueError(f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}")
+    found = list[float]()
     for (column, domain), cell in zip(allowed.items(), cells + [""] * len(allowed), strict=False):
-        value = number(cell)
-        if not cell.strip():
-            return f"{column}: missing; it {domain.text}"
+        value = number_in(cell)
         if value is None or not domain.contains(value):
             point = "; decimals are set off by a point" if "," in cell else ""
-            return f"{column} = {cut(one_line(cell.strip()))}: {domain.text}{point}"
-    return None
+            told = f"{column} = {cut(one_line(cell.strip()))}: {domain.text}{point}"
+            raise ValueError(told if cell.strip() else f"{column}: missing; it {domain.text}")
+        found.append(value)
+    return found
 
 
-def number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
     """The number in a text; None if there is none."""
     try:
         return float(cell)
     except ValueError:
         return None
-
-
-def _not_csv(problem: csv.Error) -> str:
-    return f"is not valid CSV: {one_line(str(problem))}"
 
 
 def _frozen(values: Any) -> np.ndarray:

@@ -112,14 +112,14 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
             value = value if isinstance(value, float) else np.asarray(value)
             inside = domain.contains(value)
             if inside is not True and not np.all(inside):
-                _refuse(name, value, domain, np.argmin(np.asarray(inside)))
+                _refuse_element(name, value, domain, np.argmin(np.asarray(inside)))
         elif not isinstance(value, Tracer):
             on_device.append((name, value, domain))
     if on_device:
         _, arrays, rules = zip(*on_device, strict=True)
         for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), on_device, strict=True):
             if not inside:
-                _refuse(name, value, domain, jnp.argmin(domain.contains(value)))
+                _refuse_element(name, value, domain, jnp.argmin(domain.contains(value)))
 
 
 def on_host(value: ArrayLike) -> bool:
@@ -134,7 +134,7 @@ def _all_inside(values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array
     return jnp.stack([jnp.all(domain.contains(value)) for value, domain in zip(values, domains, strict=True)])
 
 
-def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
+def _refuse_element(name: str, value: Any, domain: Domain, first: Any) -> None:
     """Raise for the first element outside; `first` is its index in the flattened array."""
     index = tuple(int(i) for i in np.unravel_index(int(first), np.shape(value)))
     where = f" at index {', '.join(map(str, index))}" if index else ""

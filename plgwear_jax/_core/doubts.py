@@ -71,14 +71,14 @@ def _outside() -> int:
     return level
 
 
-def _known(*values: Any) -> bool:
+def _readable(*values: Any) -> bool:
     return all(not isinstance(value, Tracer) and on_host(value) and np.size(value) for value in values)
 
 
 def of_contact(contact: Any) -> list[str]:
     """What is doubtful of a contact: an indenter wider than a metre, and a layer thicker than its radius."""
     radius, found = contact.radius, []
-    if not _known(radius):
+    if not _readable(radius):
         return found
     if np.max(radius) > WIDE:
         found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
@@ -93,8 +93,8 @@ def _layers(material: Any) -> Any:
     """The thicknesses of layers in m; none of a modulus without jumps."""
     thickness, depth = getattr(material, "thickness", None), getattr(material, "depth", None)
     if thickness is not None:
-        return thickness if _known(thickness) else ()
-    if depth is None or np.ndim(depth) != 1 or not _known(depth):
+        return thickness if _readable(thickness) else ()
+    if depth is None or np.ndim(depth) != 1 or not _readable(depth):
         return ()
     z = np.asarray(depth)
     return np.diff(z[1:][np.diff(z) == 0.0], prepend=0.0)  # a depth that is given twice is an interface
@@ -102,7 +102,7 @@ def _layers(material: Any) -> Any:
 
 def of_onset(displacement: Any) -> str | None:
     """What is doubtful of the displacement amplitude at which gross slip begins."""
-    if not _known(displacement) or not np.max(displacement) > FAR:
+    if not _readable(displacement) or not np.max(displacement) > FAR:
         return None
     begins = written(float(np.max(displacement)), "m")
     return f"gross slip begins at {begins}, beyond 1 mm; are the modulus in Pa, the force in N and the radius in m?"

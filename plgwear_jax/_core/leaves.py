@@ -18,7 +18,7 @@ def paths_of(tree: Any) -> dict[str, Any]:
 def leaf_of(tree: Any, path: str) -> Any:
     """The leaf at a path, or the element of an array; as in `with_leaf`."""
     for key in _keys(path):
-        tree = _inside(tree, key)
+        tree = _stepped_into(tree, key)
     return tree
 
 
@@ -44,7 +44,7 @@ def _keys(path: str) -> list[str | int]:
     return [key if key[0] != "[" else int(key[1:-1]) if key[1:-1].isdecimal() else key[2:-2] for key in keys]
 
 
-def _inside(tree: Any, key: str | int) -> Any:
+def _stepped_into(tree: Any, key: str | int) -> Any:
     if isinstance(tree, list | tuple | dict):
         return dict(tree)[key] if isinstance(tree, dict) else list(tree)[int(key)]
     if isinstance(key, str):
@@ -58,7 +58,7 @@ def _with(tree: Any, keys: list[str | int], value: Any) -> Any:
     if not keys:
         return value
     key = keys[0]
-    value = _with(_inside(tree, key), keys[1:], value)
+    value = _with(_stepped_into(tree, key), keys[1:], value)
     if dataclasses.is_dataclass(tree):
         return dataclasses.replace(cast(Any, tree), **{str(key): value})
     if isinstance(tree, dict):

@@ -25,7 +25,7 @@ def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable
         @functools.wraps(function)
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
             if traced((args, kwargs)):
-                raise _refusal(getattr(function, "__name__", ""), instead)
+                raise _for_numbers_alone(getattr(function, "__name__", ""), instead)
             with one_question():
                 return function(*args, **kwargs)
 
@@ -37,8 +37,8 @@ def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable
 def refuse_traced(name: str, given: Any, instead: str) -> None:
     """Refuse traced values among those given to what is for numbers alone, and say what does work."""
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
-        raise _refusal(name, instead)
+        raise _for_numbers_alone(name, instead)
 
 
-def _refusal(name: str, instead: str) -> TypeError:
+def _for_numbers_alone(name: str, instead: str) -> TypeError:
     return TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")

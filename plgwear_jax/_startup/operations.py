@@ -65,7 +65,7 @@ def _broadcast(x, *, shape, broadcast_dimensions):
     return made
 
 
-def _padded(x, value, *, padding_config):
+def _with_padding(x, value, *, padding_config):
     low, high, gap = np.transpose(padding_config)
     if np.min((low, high)) < 0:
         raise UnknownError("pad")
@@ -83,7 +83,7 @@ def _accumulated(ufunc, x, *, axis, reverse):
 # --- places -----------------------------------------------------------------------------------------------------------
 
 
-def _places(x, at, axes, sizes, mode):
+def _window_places(x, at, axes, sizes, mode):
     """The indices of windows of some sizes in x: first the axes of the windows, then those of x.
 
     Along its last axis `at` has where a window begins, for these `axes` of x. The mode says what JAX does beyond x.
@@ -108,7 +108,7 @@ def _window(x, *at, slice_sizes):
 
 def _gathered(x, at, *, dimension_numbers, slice_sizes, mode):
     numbers, count = dimension_numbers, at.ndim - 1
-    found = x[_places(x, at, numbers.start_index_map, slice_sizes, mode)]
+    found = x[_window_places(x, at, numbers.start_index_map, slice_sizes, mode)]
     found = found.squeeze(tuple(count + axis for axis in numbers.collapsed_slice_dims))
     return np.moveaxis(found, range(count, found.ndim), numbers.offset_dims)
 
@@ -118,7 +118,7 @@ def _scattered(x, at, updates, *, dimension_numbers, mode):
     new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
     new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
     x = x.copy()
-    x[_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode)] = new
+    x[_window_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode)] = new
     return x
 
 
@@ -157,7 +157,7 @@ def _each_matrix(function, *matrices):
         return np.stack([_each_matrix(function, *each) for each in zip(*matrices, strict=True)])
 
 
-def _substituted(matrix, right, *, left_side, lower, transpose_a, unit_diagonal):
+def _triangle_solved(matrix, right, *, left_side, lower, transpose_a, unit_diagonal):
     if unit_diagonal or not left_side:
         raise UnknownError("triangular_solve")
     matrix = np.tril(matrix) if lower else np.triu(matrix)
@@ -235,7 +235,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "neg": np.negative,
     "not": np.invert,
     "or": np.bitwise_or,
-    "pad": _padded,
+    "pad": _with_padding,
     "pow": np.power,
     "real": lambda x: x.real,
     "reduce_and": lambda x, *, axes: np.all(x, axes),
@@ -260,7 +260,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "stack": lambda *parts, axis: np.stack(parts, axis),
     "sub": np.subtract,
     "transpose": lambda x, *, permutation: x.transpose(permutation),
-    "triangular_solve": _substituted,
+    "triangular_solve": _triangle_solved,
     "unstack": lambda x, *, axis: list(np.moveaxis(x, axis, 0)),
     "while": _repeated,
 }

@@ -28,7 +28,7 @@ from jax.experimental import serialize_executable
 from plgwear_jax import _files
 from plgwear_jax._startup import on
 from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import Steps, stepwise
+from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
@@ -221,8 +221,8 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         leaves = jax.tree.leaves(primals)
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
             return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
-        found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _directions(moving)))))
-        return jax.tree.map(value_of, found), _along(found, steps)
+        found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _unit_directions(moving)))))
+        return jax.tree.map(value_of, found), _along_steps(found, steps)
 
     implicit.defjvp(_rule, symbolic_zeros=True)
 
@@ -267,14 +267,14 @@ def follows(given: Any) -> bool:
     return wanted and sum(map(np.size, leaves)) <= _FEW and not traced(())
 
 
-def _directions(leaves):
+def _unit_directions(leaves):
     """The unit directions of all numbers together, along a first axis of each leaf."""
     ends = np.cumsum([np.size(x) for x in leaves])
     each = zip(leaves, np.split(np.eye(ends[-1]), ends[:-1], axis=1), strict=True)
     return [part.reshape(len(part), *np.shape(x)).astype(jnp.result_type(x)) for x, part in each]
 
 
-def _along(found, steps):
+def _along_steps(found, steps):
     """The derivatives of a tree, some of it with slopes by each of some numbers, along steps of these numbers."""
     leaves, tree = jax.tree.flatten(found)
     count = sum(map(np.size, steps))
@@ -334,7 +334,7 @@ class _Store:
             known = pickle.loads(zlib.decompress(file.read_bytes()))  # which checks a sum
             with contextlib.suppress(OSError):  # a disk that is read only
                 os.utime(file)
-            if isinstance(known, Steps):
+            if isinstance(known, SteppedProgram):
                 return known
             # JAX looks for LAPACK when it lowers a decomposition; a program that is loaded would crash.
             jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
@@ -343,7 +343,7 @@ class _Store:
     def write(self, key: str, made: Any) -> None:
         """Keep a program."""
         with contextlib.suppress(Exception):  # a full disk, a device whose programs cannot be kept
-            kept = made if isinstance(made, Steps) else serialize_executable.serialize(made)
+            kept = made if isinstance(made, SteppedProgram) else serialize_executable.serialize(made)
             content = zlib.compress(pickle.dumps(kept), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             left = self.most - len(content)

@@ -128,7 +128,7 @@ class _Block:
         return block
 
 
-class Steps:
+class SteppedProgram:
     """What computes the results of a program from its arguments; it can be pickled."""
 
     def __init__(self, traced: Any, patience: int):
@@ -159,7 +159,7 @@ class Steps:
         return jax.device_put(jax.tree.unflatten(self._tree, list(map(np.asarray, found))))
 
 
-def stepwise(traced: Any, patience: int = PATIENCE) -> Steps | None:
+def stepwise(traced: Any, patience: int = PATIENCE) -> SteppedProgram | None:
     """The steps of what `jax.jit` has traced; None if XLA should compile it.
 
     Args:
@@ -167,7 +167,7 @@ def stepwise(traced: Any, patience: int = PATIENCE) -> Steps | None:
         patience: How many steps may be taken, of all calls together, for each operation that XLA need not compile.
     """
     try:
-        steps = Steps(traced, patience)
+        steps = SteppedProgram(traced, patience)
     except UnknownError:
         return None
     return steps if steps.worthwhile else None

@@ -73,14 +73,14 @@ def plgwear(
 for _command in (
     new.new,
     solve.solve,
-    design.design,
-    front.front,
+    design.design_command,
+    front.front_command,
     wear.wear,
     regimes.regimes,
     coating.coating,
-    sweep.sweep,
+    sweep.sweep_command,
     sweep.plot,
     figures.figures,
     new.schema,
 ):
-    app.command()(refusing(_command))
+    app.command(_command.__name__.removesuffix("_command"))(refusing(_command))

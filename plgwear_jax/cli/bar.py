@@ -55,7 +55,7 @@ class Bar:
         return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
 
 
-def _rate(speed: float) -> str:
+def _points_a_second(speed: float) -> str:
     for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
         if speed >= unit:
             return f"{speed / unit:.3g} {name} points/s"
@@ -65,4 +65,4 @@ def _rate(speed: float) -> str:
 class _Speed(ProgressColumn):
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
-        return Text(_rate(speed) if speed else "")
+        return Text(_points_a_second(speed) if speed else "")

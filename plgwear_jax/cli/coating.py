@@ -10,7 +10,7 @@ from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, each, fields, measure
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def coating(
         import numpy as np
 
         from plgwear_jax import coating as mathematics
+        from plgwear_jax._core.domains import RefusedError
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.surfaces import DepthGraded
 
@@ -72,25 +73,20 @@ def coating(
         force = given.load.largest
         contact = given.build_contact()
         assert isinstance(contact, FrettingContact)
-        half_space = DepthGraded(data["depth"], data["modulus"], nu)
-        contact = dataclasses.replace(contact, material=half_space)
-        as_given = mathematics.worn(contact, force)
-        radius = float(as_given["contact_radius"])
+        contact = dataclasses.replace(contact, material=DepthGraded(data["depth"], data["modulus"], nu))
         try:
-            fit = mathematics.fit_power_law(data["depth"], data["modulus"], nu, radius)
+            fit, _, counts, idealisation = study = mathematics.studied(contact, force)
+        except RefusedError:  # the contact, not its table
+            raise
         except ValueError as error:
             refuse(f"{data.name}: {error}")
-        idealisation = mathematics.idealised(contact, force, fit.material, as_given)
         refuse_extremes(scene_file, np.all(np.isfinite(idealisation.quantities["wear_volume"])))
-        counts = mathematics.where_it_counts(contact, force, radius)
-        depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
-        curve = depths, np.asarray(half_space.modulus_at(depths))
-    report.draw("coating_picture", fit, curve, counts, idealisation)
+    report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     if out is not None and text is not None:
         _write_scene(text, fit, data.name, out)
-    doubt_units(scene_file, given, radius)
+    doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
     report.say(given.load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
@@ -163,10 +159,10 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         **fields(fit, "scatter", "felt", "covered"),
     )
     known = np.isfinite(fit.fitted) & (fit.fitted > 0.0)
-    fitted, near = each("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)
+    fitted, near = each_with_unit("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)
     report.table(
-        each("depth", fit.depth, "depth"),
-        each("modulus", fit.modulus, "modulus"),
+        each_with_unit("depth", fit.depth, "depth"),
+        each_with_unit("modulus", fit.modulus, "modulus"),
         fitted._replace(cells=[cell if sure else "" for cell, sure in zip(fitted.cells, known, strict=True)]),
         Column("difference (%)", [f"{x:+.2g}" if sure else "" for x, sure in zip(near, known, strict=True)]),
         Column("counts (%)", [f"{100.0 * share:.2g}" if share > 0.0 else "0" for share in fit.weight]),

@@ -23,8 +23,8 @@ def figures(
 ) -> None:
     """Draw the figures of the paper with the library, and check what the paper says about them.
 
-    Each becomes a PDF and a PNG. The file contact-sheet shows all of them, and figures.md says what agrees. Number 10
-    is the second of the two figures that are printed as 9.
+    Each becomes a PDF and a PNG. In the same folder, contact-sheet shows all of them, and figures.md says of each
+    statement whether it agrees. Number 10 is the second of the two figures that are printed as 9.
 
     Example: plgwear figures --out figures --only 4 --only 9
     """

@@ -19,12 +19,12 @@ from plgwear_jax.cli.question import (
     option,
     words_of,
 )
-from plgwear_jax.cli.report import Column, Report, counted, each
+from plgwear_jax.cli.report import Column, Report, counted, each_with_unit
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import LARGER
 
 
-def front(
+def front_command(
     scene_file: SceneFile,
     x: Annotated[
         str, typer.Option(help="First quantity of the trade-off, with its place in m if it needs one: wear_depth@5e-5.")
@@ -84,7 +84,9 @@ def front(
         words[found.y_name] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (
-        each(found.x_name if column == x_column else column, by[shown], words[column], reference.get(column), wrap=True)
+        each_with_unit(
+            found.x_name if column == x_column else column, by[shown], words[column], reference.get(column), wrap=True
+        )
         for column, by in columns.items()
     )
     report.say(amplitudes_told(given, found.y_name))

@@ -17,7 +17,7 @@ from plgwear_jax.cli.question import (
     read_scene,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, each, fields, measure, rounded
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure, rounded
 from plgwear_jax.cli.terminal import refuse
 
 if TYPE_CHECKING:
@@ -62,8 +62,9 @@ def regimes(
     given = read_scene(scene_file)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    moves = _range("--displacement", displacement, entry("displacement_amplitude").unit)
-    forces = _range("--normal-force", normal_force, entry("normal_force").unit)
+    within, form = (0.0, math.inf), " in {}, 0 < LOWEST < HIGHEST"
+    moves = interval("--displacement", displacement, within, form.format(entry("displacement_amplitude").unit))
+    forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
     if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
         refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
@@ -75,7 +76,10 @@ def regimes(
         found, cut = _computed(scene_file, contact, moves, forces, own, rig)
     _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
     report.draw("regimes_picture", found, cut, own, rig)
-    report.write_table(_columns(found))
+    names = "normal_force", "displacement_amplitude"
+    pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
+    columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
+    report.write_table({name: np.ravel(values) for name, values in columns.items()})
     doubt_units(scene_file, given, onset=float(cut.gross_slip_displacement[0]))
     _tell(report, found, cut, own, rig)
     report.end()
@@ -83,10 +87,6 @@ def regimes(
 
 def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
     refuse_extremes(scene_file, ((values > 0.0) & (values < math.inf)).all(), "the loops exceed")
-
-
-def _range(name: str, text: str | None, unit: str) -> tuple[float, float] | None:
-    return None if text is None else interval(name, text, (0.0, math.inf), f" in {unit}, 0 < LOWEST < HIGHEST")
 
 
 def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.ndarray]":
@@ -142,15 +142,6 @@ def _computed(
     return found, cut
 
 
-def _columns(found: "SlipRegimes") -> "dict[str, np.ndarray]":
-    """The map with a row for each pair."""
-    import numpy as np
-
-    forces, moves = np.meshgrid(found.normal_force, found.displacement_amplitude, indexing="ij")
-    named = {"normal_force": forces, "displacement_amplitude": moves, **fields(found, *_NAMES)}
-    return {name: np.ravel(values) for name, values in named.items()}
-
-
 def _tell(
     report: Report,
     found: "SlipRegimes",
@@ -178,9 +169,9 @@ def _tell(
     slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
     heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
     report.table(
-        each("displacement_amplitude", cut.displacement_amplitude[at], heading),
+        each_with_unit("displacement_amplitude", cut.displacement_amplitude[at], heading),
         Column("slip\n", slips, left=True),
-        each("tangential_force", cut.tangential_force[0, at], "tangential\nforce"),
+        each_with_unit("tangential_force", cut.tangential_force[0, at], "tangential\nforce"),
         *(
             Column(entry(name).name.replace(" ", "\n"), [f"{x:.3f}" for x in getattr(cut, name)[0, at]])
             for name in where

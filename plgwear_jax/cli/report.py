@@ -71,7 +71,7 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
     return {name: getattr(found, name) for name in names}
 
 
-def each(
+def each_with_unit(
     name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
 ) -> Column:
     """A column of values of a quantity, each with its own unit; the heading is by default the quantity's name."""
@@ -243,15 +243,15 @@ class Report:
             picture = self._files["picture"]
             found = self._found | ({"units": self._units} if self._units else {})
             found |= {} if picture is None else {"picture": str(picture)}
-            typer.echo(json.dumps(_plain(found), allow_nan=False))
+            typer.echo(json.dumps(_json_of(found), allow_nan=False))
 
 
-def _plain(value: Any) -> Any:
+def _json_of(value: Any) -> Any:
     """The value in the types of JSON; a number that is not finite becomes null."""
     if isinstance(value, dict):
-        return {name: _plain(item) for name, item in value.items()}
+        return {name: _json_of(item) for name, item in value.items()}
     if hasattr(value, "tolist"):  # an array
-        return _plain(value.tolist())
+        return _json_of(value.tolist())
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [_json_of(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

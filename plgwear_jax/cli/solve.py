@@ -45,7 +45,7 @@ def solve(
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
     doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
-    report.put(quantities={name: _listed(quantity) for name, quantity in quantities.items()})
+    report.put(quantities={name: _known_of(quantity) for name, quantity in quantities.items()})
     rows = [_row(name, quantity) for name, quantity in quantities.items()]
     shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
@@ -58,7 +58,7 @@ def solve(
 _HEADINGS = "quantity", "value", "unit", "at r", "meaning"
 
 
-def _listed(quantity: "Quantity") -> dict[str, Any]:
+def _known_of(quantity: "Quantity") -> dict[str, Any]:
     known = {name: value for name, value in quantity._asdict().items() if value is not None}
     return known if quantity.radii is None else known | {"radii_unit": entry("r").unit}
 

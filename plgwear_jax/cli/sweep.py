@@ -21,7 +21,7 @@ from plgwear_jax.cli.terminal import refuse, warn
 _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 
 
-def sweep(
+def sweep_command(
     quantity: Annotated[
         list[str],
         option(
@@ -83,8 +83,8 @@ def sweep(
         set_up(one_question=False)
         form = "NAME=VALUES, such as shape.exponent=2:4:9"
         texts = {name: text for name, text in given.items() if text is not None}
-        texts |= dict(_named("--axis =", text, form) for text in axis or ())
-        axes = {name: _values(name, text, single) for name, text in texts.items()}
+        texts |= dict(_name_and_text("--axis =", text, form) for text in axis or ())
+        axes = {name: _axis_values(name, text, single) for name, text in texts.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
         try:
@@ -130,10 +130,10 @@ def _with_axes(command: Any) -> inspect.Signature:
     return inspect.Signature([*named[:first], *map(_axis, [name for name in AXES if "." not in name]), *named[first:]])
 
 
-sweep.__signature__ = _with_axes(sweep)  # pyright: ignore[reportFunctionMemberAccess]
+sweep_command.__signature__ = _with_axes(sweep_command)  # pyright: ignore[reportFunctionMemberAccess]
 
 
-def _named(given: str, text: str, form: str) -> tuple[str, str]:
+def _name_and_text(given: str, text: str, form: str) -> tuple[str, str]:
     """The name and the values in the text of an option, or a line that says which form it must have."""
     name, equals, values = text.partition("=")
     if not equals:
@@ -141,7 +141,7 @@ def _named(given: str, text: str, form: str) -> tuple[str, str]:
     return name.strip(), values.strip()
 
 
-def _values(name: str, text: str, single: bool) -> Any:
+def _axis_values(name: str, text: str, single: bool) -> Any:
     if name in ("nu", "material.nu") and text.strip() == "holl":
         return "holl"
     from plgwear_jax.sweep.axes import read_axis
@@ -183,7 +183,7 @@ def _subject(
         forces = [name for name in ("phi", "tangential_force") if name in axes]
         if forces and (lasts or life) and given.load.of_displacement:
             refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
-        found |= {} if forces else _load(given, axes, lasts, life)
+        found |= {} if forces else _load_of(given, axes, lasts, life)
     if loads:
         from plgwear_jax import tables
 
@@ -192,7 +192,7 @@ def _subject(
     return found
 
 
-def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
+def _load_of(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
     """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
     load = given.load
     if load.weights is not None:
@@ -245,7 +245,7 @@ def plot(
     Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
     """
     picture = picture or Path(f"{store.stem}.png")
-    cuts = dict(_named("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
+    cuts = dict(_name_and_text("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
     check_target(picture, PICTURES)
     with computing("drawing the map", one_question=False), _refusing_values():
         library = _library()

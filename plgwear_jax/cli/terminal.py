@@ -6,6 +6,7 @@ import functools
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
@@ -35,7 +36,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
             with _interrupts():
                 command(**given)
         except ValueError as error:
-            line = _refusal(error, given.get("scene_file"))
+            line = _message(error, given.get("scene_file"))
             if line is None:
                 raise
             refuse(line)
@@ -47,25 +48,23 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
     before, ended = sys.unraisablehook, threading.Event()
+    main = threading.main_thread().ident or 0
 
-    def interrupt(left: threading.Event) -> None:
-        left.wait()  # on a busy machine the interrupt would come while `ignored` still starts this thread, and be lost
-        if ended.wait(_SOON):
-            return
-        if hasattr(signal, "pthread_kill"):  # which also ends a wait
-            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-        else:
-            _thread.interrupt_main()
+    def interrupt() -> None:
+        while not ended.wait(_SOON):
+            at = traceback.walk_stack(sys._current_frames().get(main))
+            if all(frame.f_code is not ignored.__code__ for frame, _ in at):  # where it would be lost as well
+                if hasattr(signal, "pthread_kill"):  # which also ends a wait
+                    signal.pthread_kill(main, signal.SIGINT)
+                else:
+                    _thread.interrupt_main()
+                return
 
     def ignored(error: Any) -> None:
         if not issubclass(error.exc_type, KeyboardInterrupt):
             before(error)
             return
-        left = threading.Event()
-        try:
-            threading.Thread(target=interrupt, args=[left], daemon=True).start()
-        finally:
-            left.set()
+        threading.Thread(target=interrupt, daemon=True).start()
 
     sys.unraisablehook = ignored
     try:
@@ -75,10 +74,10 @@ def _interrupts() -> Iterator[None]:
         ended.set()
 
 
-_SOON = 0.05  # s, after which a callback has ended
+_SOON = 0.05  # s, after which a callback has mostly ended
 
 
-def _refusal(error: ValueError, scene_file: Any) -> str | None:
+def _message(error: ValueError, scene_file: Any) -> str | None:
     """The message for an error in the input; None for an error of the program."""
     if isinstance(error, TargetError):
         return str(error)

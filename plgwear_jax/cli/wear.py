@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene import Scene
-    from plgwear_jax.scene.sections import Load
+    from plgwear_jax.scene.sections import LoadSection
     from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
@@ -108,13 +108,6 @@ def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, dee
     report.say(told)
 
 
-def _span(first: float, last: float) -> str:
-    """An interval of cycles, of which an end may be open."""
-    if first == 0.0 or not last < math.inf:
-        return f"at most {counted(last)}" if first == 0.0 and last < math.inf else f"at least {counted(first)}"
-    return f"{counted(first)} to {counted(last)}"
-
-
 def _share_out(given: "Scene", worn: dict[str, float]) -> str | None:
     """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
     share = 0.0 if given.wear is None else given.wear.half_space_share
@@ -154,6 +147,8 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
         import numpy as np
 
+        from plgwear_jax._core.doubts import of_wear
+
         run = given.over_cycles()
         ends = None if load.cycles is None else np.cumsum(load.cycles)
         shares, cycles, printed = _times(scene_file, run, life) if ends is None else ({}, ends, ends)
@@ -175,8 +170,10 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.draw("wear_picture", run, cycles, drawn, life)
     report.write_table(columns)
     doubt_units(scene_file, given, None if blocks else worn.get("worn_radius", float(columns["contact_radius"][-1])))
-    if not blocks:
-        _doubt_wear(scene_file, shares.get(0.99), None if life else end["cycles"])
+    if not blocks:  # few cycles after which nearly all is worn, or to which gross slip is followed
+        doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
+        if doubtful is not None:
+            warn(f"{scene_file}: [wear]: {doubtful}")
     law = {name: float(value) for name, value in vars(given.law).items()}
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if wear is not None and wear.half_space_share:
@@ -184,7 +181,22 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     if blocks:
         _tell_blocks(report, load, columns)
     else:
-        _tell_course(report, load, columns, printed, shares, life, steady, end)
+        slips = columns["stick_radius"] <= 0.0
+        regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
+        regime = "gross slip" if slips.all() else regime
+        at = abs(cycles - printed[:, None]).argmin(axis=1)
+        rows = {name: values[at] for name, values in columns.items()}
+        if not load.in_gross_slip.any():
+            report.put(tangential_force=load.largest)
+        report.put(regime=regime, life=life, **rows)
+        report.say(load.remark)
+        report.table(*_course_columns(rows, steady))
+        held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
+        if steady is None:
+            much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
+            report.say(f"{regime} {held}: {much}; the wear goes on")
+        else:
+            _tell_steady(report, held, shares, life, steady, end["volume"])
     report.say(both)
     if until is not None and through is not None:
         ends = f": the deepest wear is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
@@ -194,45 +206,14 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     report.end()
 
 
-def _doubt_wear(scene_file: Path, nearly: float | None, followed: float | None) -> None:
-    """Warn of cycles after which nearly all is worn, or to which gross slip is followed, that are too few."""
-    from plgwear_jax._core.doubts import of_wear
-
-    said = of_wear(nearly) if nearly is not None else None if followed is None else of_wear(followed, grows=True)
-    if said is not None:
-        warn(f"{scene_file}: [wear]: {said}")
-
-
-def _tell_course(
-    report: Report,
-    load: "Load",
-    columns: "dict[str, np.ndarray]",
-    printed: "np.ndarray",
-    shares: dict[float, float],
-    life: float | None,
-    steady: dict[str, float] | None,
-    end: dict[str, float],
+def _tell_steady(
+    report: Report, held: str, shares: dict[float, float], life: float | None, steady: dict[str, float], volume: float
 ) -> None:
-    at = abs(columns["cycles"] - printed[:, None]).argmin(axis=1)
-    rows = {name: values[at] for name, values in columns.items()}
-    slips = columns["stick_radius"] <= 0.0
-    regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
-    regime = "gross slip" if slips.all() else regime
-    if not load.in_gross_slip.any():
-        report.put(tangential_force=load.largest)
-    report.put(regime=regime, life=life, **rows)
-    report.say(load.remark)
-    report.table(*_columns(rows, steady))
-    held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
-    if steady is None:
-        much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
-        report.say(f"{regime} {held}: {much}; the wear goes on")
-        return
     report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
     if life is not None:
         unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
-        after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
-        report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
+        after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
+        report.say(f"{after}: {100.0 * volume / steady['volume']:.3g} %")
     first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
     then = "".join(f", {much} after {number}" for much, number in later)
     report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
@@ -241,7 +222,7 @@ def _tell_course(
 _HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
 
 
-def _tell_blocks(report: Report, load: "Load", columns: "dict[str, np.ndarray]") -> None:
+def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]") -> None:
     slips = ((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
     report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
     left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
@@ -295,7 +276,7 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
 
 
-def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
+def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
     wear, end = rows["volume_per_cycle"], steady or {}
     largest = max(end.get("volume", 0.0), float(rows["volume"].max()))
     # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
@@ -395,7 +376,10 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         best, *ends = through
         first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
-        known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_span(first, last)}"
+        known = f"{counted(first)} to {counted(last)}"
+        if first == 0.0 or not last < math.inf:
+            known = f"at least {counted(first)}" if first or not last < math.inf else f"at most {counted(last)}"
+        known = f", 95 % confidence: {known}" if low == low and best < math.inf else ""
         _tell_until(given, report, until, best, "", known)
     report.end()
     if found.doubt is not None:

@@ -60,7 +60,7 @@ _DEEPEST = Root(
 )
 
 
-def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
+def _depth_near_deepest(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """The depth at y, near the deepest place. An error e of y gives a depth error of order e^2, e^3 with `second`."""
     at = arc(y, s, q, digits)
     # At the smallest amplitudes, where the maximum in `_deepest_load` acts, the difference is negative: depth 0.
@@ -77,18 +77,18 @@ def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, half_digits(_DEEPEST, digits, k.dtype), copy=1)
 
     def depth(k: Array) -> Array:
-        return _deepest_wear(y, *exponents(k), phi, digits, second=True)
+        return _depth_near_deepest(y, *exponents(k), phi, digits, second=True)
 
     return jnp.where(worn, jax.jvp(depth, (k,), (jnp.ones_like(k),))[1], 0.0)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
-def _share(y: Array, s: Array, q: Array, digits: int | None) -> Array:
+def _tail_over_s(y: Array, s: Array, q: Array, digits: int | None) -> Array:
     """Q/s with its slope in y in closed form, since the slope, small as q -> 0, is multiplied by a large dy/dk."""
     return arc(y, s, q, digits).share
 
 
-@_share.defjvp
+@_tail_over_s.defjvp
 def _share_jvp(digits: int | None, primals, tangents):
     y, s, q = primals
     at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[1:])
@@ -105,7 +105,7 @@ def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     residual = jax.lax.stop_gradient(relative_residual(y, _deepest_load(s, q, phi), rise))
     correction = residual * reciprocal(rise.slope)  # (root - y)/y
     flat = at.density * (rise.chord + residual) * (1.0 - s * correction * reciprocal(1.0 + y))
-    rate = (s * slip(s, phi) * _share(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))
+    rate = (s * slip(s, phi) * _tail_over_s(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))
     return jnp.where(worn, 0.5 * stick_power(s, phi, 2.0, digits) * rate, 0.0)
 
 
@@ -140,4 +140,4 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     few = working_digits(digits, k.dtype) <= 11
     enough = _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
     worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, enough, copy=0)
-    return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)
+    return jnp.where(worn, _depth_near_deepest(y, *exponents(k), phi, digits, second=few), 0.0)

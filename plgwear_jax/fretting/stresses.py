@@ -149,7 +149,7 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
     return s * phi / stick_power(s, phi, 2.0, digits)
 
 
-class _Inside(NamedTuple):
+class _InsideStickEdge(NamedTuple):
     """The worn contact at a distance inside the stick edge, or at the centre if the distance is larger than c."""
 
     z: Array  # 1 - (r/c)^2
@@ -158,12 +158,12 @@ class _Inside(NamedTuple):
     singular: Array  # z^-q
 
 
-def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _Inside:
+def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _InsideStickEdge:
     c = stick_power(s, phi, 1.0, digits)
     inner = (distance > 0.0) & (distance < c)  # callers handle distance = 0
     depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
     z = depth * (2.0 - depth)
-    return _Inside(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
+    return _InsideStickEdge(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
 
 
 def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:

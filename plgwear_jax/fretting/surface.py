@@ -170,7 +170,7 @@ class _Ring(NamedTuple):
     lift: Array  # m - G(y), positive in the ring
 
 
-def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
+def _ring_at(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     s, q = exponents(k)
     c, m = stick(k, phi), slip(s, phi)
     # No ring reaches further than y = m/s. For radii beyond twice the corresponding radius any finite numbers will do.
@@ -184,14 +184,14 @@ def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
 
 
 def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
-    ring = _in_ring(r, k, phi, digits)
+    ring = _ring_at(r, k, phi, digits)
     return jnp.where(ring.worn, 0.5 * ring.c * ring.c * ring.at.share * ring.lift, 0.0)
 
 
 def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(f_inf)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) inside the ring."""
     s, q = exponents(k)
-    ring = _in_ring(r, k, phi, digits)
+    ring = _ring_at(r, k, phi, digits)
     rate = s * ring.at.share + q * ring.at.density / jnp.where(ring.worn, ring.y, 1.0)
     return jnp.where(ring.worn, sinking(s, phi, digits) * rate, 0.0)
 

@@ -28,7 +28,7 @@ from plgwear_jax.optimise.answers import (
 from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
 from plgwear_jax.optimise.question import Keywords, Limit, Question, WearHorizon
 from plgwear_jax.optimise.scenarios import Scenarios, WeightedLoad, tail_weights
-from plgwear_jax.optimise.search import Interval, Minimum, differentiable, minimise
+from plgwear_jax.optimise.search import Interval, Minimum, minimise
 
 __all__ = [
     "Comparison",
@@ -60,7 +60,6 @@ __all__ = [
     "critical_amplitudes",
     "design",
     "designs",
-    "differentiable",
     "free_design",
     "front",
     "in_steady_state",

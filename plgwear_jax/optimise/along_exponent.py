@@ -77,7 +77,7 @@ def with_room(highest: Any, lowest: Any) -> tuple[Any, Any]:
     return highest + _ROOM * (1.0 - abs(highest)), lowest - _ROOM * (1.0 - abs(lowest))
 
 
-def nodes_of(ends: Array, count: int) -> Array:
+def exponents_of_runs(ends: Array, count: int) -> Array:
     """Chebyshev's nodes between two ends, of shape (2, ...), along a last axis."""
     highest, lowest = ends[..., None]
     at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
@@ -93,7 +93,7 @@ class _Nodes(NamedTuple):
 
 
 @program()
-def _nodes(question: Question) -> _Nodes:
+def _nodes_needed(question: Question) -> _Nodes:
     """Where runs are needed, and what closed forms tell there."""
     assert question.load is not None
     phi, count = (
@@ -101,14 +101,14 @@ def _nodes(question: Question) -> _Nodes:
         NODES if "k" in question.bounds else 1,
     )
     ends = jnp.stack([jnp.asarray(end, phi.dtype) for end in ends_of(question)])
-    k = nodes_of(ends, count)
+    k = exponents_of_runs(ends, count)
     ratio = dataclasses.replace(question.contact.material, k=k).tangential_ratio()
     log_volume = jnp.log(fretting.wear_volume(k, phi[:, None]))
     return _Nodes(ends, k, phi, log_volume, jnp.log(ratio) - jnp.log1p(k))
 
 
 @program(level=1)
-def _shares(k: Array, phi: Array) -> Shares:
+def _shares_at_nodes(k: Array, phi: Array) -> Shares:
     return each(
         sequential_forward_mode(lambda k, phi: run(march_resolution_of(None), k, phi).shares), (k, phi[:, None])
     )
@@ -116,5 +116,5 @@ def _shares(k: Array, phi: Array) -> Shares:
 
 def runs_of(question: Question) -> RunsAlongExponent:
     """The runs that a question needs."""
-    at = _nodes(question)
-    return RunsAlongExponent(at.ends, at.log_volume, at.log_ratio, _shares(at.k, at.phi))
+    at = _nodes_needed(question)
+    return RunsAlongExponent(at.ends, at.log_volume, at.log_ratio, _shares_at_nodes(at.k, at.phi))

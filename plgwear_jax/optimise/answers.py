@@ -18,6 +18,7 @@ from jax.tree_util import tree_flatten_with_path
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
+from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
@@ -55,6 +56,7 @@ from plgwear_jax.optimise.question import (
     Objective,
     Question,
     checked_kind_of,
+    is_held,
     keeps,
     limits_of,
     objective_of,
@@ -62,10 +64,11 @@ from plgwear_jax.optimise.question import (
     question_of,
     read_from_runs,
     solved_one_by_one,
+    unless_refused,
 )
 from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
-from plgwear_jax.optimise.search import Minimum, conditions, inclination, minimise, solved
-from plgwear_jax.rules import BY_THEN, LARGER, is_linear, one_of
+from plgwear_jax.optimise.search import Minimum, conditions, inclination, minimise, solved_by_elimination
+from plgwear_jax.rules import BY_THEN, LARGER, free_complaint, is_linear, one_of
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import amplitude_of
 
@@ -147,7 +150,7 @@ class Design:
     @property
     def bounds(self) -> dict[str, tuple[float, float]]:
         """The lowest and the highest value of each variable, by name, in SI units."""
-        return {name: (number(lowest), number(highest)) for name, (lowest, highest) in self.question.bounds.items()}
+        return {name: (as_float(lowest), as_float(highest)) for name, (lowest, highest) in self.question.bounds.items()}
 
     @property
     def windows(self) -> list[tuple[float, float, float]]:
@@ -155,23 +158,23 @@ class Design:
         found: dict[float, list[float]] = {}
         for one in self.question.limits:
             if one.quantity == "modulus_at":
-                found.setdefault(number(one.places["z"]), [math.nan, math.nan])[not one.lowest] = number(one.value)
+                found.setdefault(as_float(one.places["z"]), [math.nan, math.nan])[not one.lowest] = as_float(one.value)
         return [(depth, lowest, highest) for depth, (lowest, highest) in sorted(found.items())]
 
     @property
     def variables(self) -> dict[str, float]:
         """The values of what was varied, by name."""
-        return {name: number(value) for name, value in self.minimum.variables.items()}
+        return {name: as_float(value) for name, value in self.minimum.variables.items()}
 
     @property
     def reference_variables(self) -> dict[str, float]:
         """The values of the reference for what was varied, by name."""
-        return {name: number(value) for name, value in reference_variables(self.question).items()}
+        return {name: as_float(value) for name, value in reference_variables(self.question).items()}
 
     @property
     def saving(self) -> float:
         """The share by which the objective is less than that of the reference."""
-        return number(1.0 - self.value / self.reference_value)
+        return as_float(1.0 - self.value / self.reference_value)
 
     @property
     def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
@@ -204,12 +207,12 @@ class Design:
         """The next best minimum, or None."""
         if not math.isfinite(self.minimum.rival_value):
             return None
-        return {name: number(value) for name, value in self.minimum.rival.items()}
+        return {name: as_float(value) for name, value in self.minimum.rival.items()}
 
     @property
     def rival_value(self) -> float:
         """The objective of the rival, in SI units; infinite if there is none."""
-        return number(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
+        return as_float(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
 
     def __repr__(self) -> str:
         try:
@@ -218,7 +221,7 @@ class Design:
             return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
 
 
-def number(value: Any) -> Any:
+def as_float(value: Any) -> Any:
     """A concrete number as a float; what is traced, or an array of several, as it is."""
     return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
@@ -256,7 +259,7 @@ def design(
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold=True)
+        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius")
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
 
@@ -273,7 +276,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
     evaluator = Evaluator(question, known)
     at = evaluator.evaluate(found.variables)
-    contact = evaluator.contact(found.variables)
+    contact = evaluator.contact(question.contact, found.variables)
     return Design(
         contact=contact,
         value=valued(at.objective[0], question, contact),
@@ -454,11 +457,11 @@ def in_steady_state(found: Design) -> InSteadyState:
         return float(weight @ np.broadcast_to(read(contact, name, force, places), force.shape))
 
     ours, theirs = map(over_lives, (found.contact, best.contact))
-    flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
+    flips_at = overtaken_at(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
     return InSteadyState(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
 
 
-def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:
+def overtaken_at(lives: np.ndarray, more: np.ndarray) -> float | None:
     """Where the share by which the one wears more than the other becomes positive for good."""
     if not more[-1] > _SAME:
         return None
@@ -481,17 +484,16 @@ def _in_words(found: Design) -> str:
     """The objective, the variables, the material, what was held and limited, and what is certain."""
     lines = [headline(found)]
     for name, value in found.variables.items():
-        lines.append(between(name, name, value, found.bounds[name], found.at_bound[name]))
+        lines.append(placed_between(name, name, value, found.bounds[name], found.at_bound[name]))
     material = found.contact.material
     numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in vars(material)]
-    told = ", ".join(_named(name, getattr(material, name)) for name in numbers)
+    told = ", ".join(_row_of(name, getattr(material, name)) for name in numbers)
     told = "E(z) at depths" if "depth" in vars(material) else told
     lines += textwrap.wrap(f"material: {told}{f'; {found.hold} held' if found.hold else ''}", _WIDTH - 2, **_INDENTED)
     if found.load is not None:
         counting, amplitudes = int(np.count_nonzero(np.asarray(found.load.weight))), found.load.amplitudes
         told = f"{counting} amplitudes, at most " if counting > 1 else ""
-        told += f"{np.max(amplitudes):.4g} N" if found.question.by_force else str(found.load.load)
-        lines.append(f"load: {told}")
+        lines.append(f"load: {told}{f'{np.max(amplitudes):.4g} N' if found.question.by_force else found.load.load}")
     if found.question.scenarios is not None:
         lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
     if isinstance(found.contact, FrettingContact) and found.load is not None and found.question.by_force:
@@ -508,7 +510,7 @@ def _in_words(found: Design) -> str:
     return "\n  ".join(["Design:", *lines])
 
 
-def _named(name: str, values: Any) -> str:
+def _row_of(name: str, values: Any) -> str:
     """A number of a material, or a row of them."""
     told = ", ".join(measured(f"material.{name}", value) for value in np.ravel(values))
     return f"{name} = [{told}]" if np.ndim(values) else f"{name} = {told}"
@@ -521,7 +523,7 @@ def headline(found: Any) -> str:
     return f"{found.objective} = {measured(found.objective, found.value)}, {much}"
 
 
-def between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
+def placed_between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
     """The value of what varies, with its bounds and the one on which it lies."""
     lowest, highest = (measured(name, end) for end in bounds)
     place = f", at the {side} bound" if side else ""
@@ -599,7 +601,8 @@ def compared(found: Design) -> Comparison:
         if not is_closed(question.contact):
             if tells_states(question):
                 known = {name: np.array([found.variables[name], x]) for name, x in found.reference_variables.items()}
-                states = Evaluator(question).states(known)
+                evaluator = Evaluator(question)
+                states = evaluator.told(evaluator.points(known)).state
             else:
                 from plgwear_jax.steady import state  # which closed forms do without
                 from plgwear_jax.surfaces.effort import effort_of
@@ -608,7 +611,7 @@ def compared(found: Design) -> Comparison:
             both = _numeric_rings(pair, states, distance, depths)
         else:
             others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-            both = _rings(others, pair, force, distance, depths)
+            both = _closed_rings(others, pair, force, distance, depths)
     both = jax.device_get(both)
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(both, quantities=both.quantities | objective)
@@ -617,8 +620,8 @@ def compared(found: Design) -> Comparison:
 def doubtful(found: Design, comparison: Comparison) -> str | None:
     """Why nobody could make or measure the best contact, if so, from what `compared` gives."""
     punch = isinstance(found.contact, GrossSlipContact)
-    radius = number(found.contact.radius if punch else comparison.quantities["contact_radius"][0])
-    return doubts.of_design(comparison.depths, comparison.modulus[0], radius, number(np.max(comparison.depth[0])))
+    radius = as_float(found.contact.radius if punch else comparison.quantities["contact_radius"][0])
+    return doubts.of_design(comparison.depths, comparison.modulus[0], radius, as_float(np.max(comparison.depth[0])))
 
 
 def _depths_shown(question: Question) -> np.ndarray:
@@ -628,10 +631,10 @@ def _depths_shown(question: Question) -> np.ndarray:
 
 
 @program(static=1)
-def _rings(
+def _closed_rings(
     others: tuple[str, ...], pair: Any, force: ArrayLike, distance: ArrayLike | None, shown: ArrayLike
 ) -> Comparison:
-    column = _columns(pair)  # a FrettingContact of two
+    column = _in_columns(pair)  # a FrettingContact of two
     steady = column.steady(force)
     names = "contact_radius", "stick_radius", "worn_radius", *others
     # Materialised, since many results use them.
@@ -646,7 +649,7 @@ def _rings(
     return _with_moduli(pair, quantities, radius, inside, radii, steady.wear_depth(radii), shown)
 
 
-def _columns(pair: Any) -> Any:
+def _in_columns(pair: Any) -> Any:
     """Two contacts, along the first of two axes."""
     return jax.tree.map(lambda field: field[:, None], pair)
 
@@ -675,7 +678,7 @@ def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Compariso
     horizon, load = question.horizon, question.load
     assert horizon is not None and load is not None
     one = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
-    column = _columns(pair)
+    column = _in_columns(pair)
     run = column.over_cycles(one, horizon.law)
     radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
     radius = column.steady(0.0).contact_radius
@@ -685,7 +688,7 @@ def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Compariso
 
 @program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
-    column = _columns(pair)
+    column = _in_columns(pair)
     steady = column.steady()
     quantities = {name: getattr(steady, name)[:, 0] for name in ("volume_change", "force_drop")}
     radii = column.radius * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
@@ -1041,14 +1044,14 @@ def sensitivities(found: Design) -> Sensitivities:
             moved[[*question.bounds].index(variable)] = 1.0
             moved *= side == (-1, 1)[end]
         else:
-            steps = _steps(question, one)
+            steps = _input_steps(question, one)
             beside = zip(*(_at(changed(question, one, step), at[None], runs) for step in steps), strict=True)
             # Values are subtracted first, so that the derivative of what does not change is exactly 0.
             parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
-            values, slopes = (np.tensordot(_weights(steps), part, 1) for part in parts)
+            values, slopes = (np.tensordot(_weights_of_nodes(steps), part, 1) for part in parts)
         of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
         of_limits = np.where(state.active > 0.0, values[1:], 0.0)
-        dx = -solved(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
+        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
         variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
         saving[one.name] = -share * float(values[0] + here[1][0, 0] @ dx)
     return Sensitivities(variables, saving)
@@ -1068,7 +1071,7 @@ def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
     slopes = _at(question, stencil, runs)[1].reshape(_NODES.size, at.size, -1, at.size)
-    return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
+    return np.einsum("j,jimk->mki", _weights_of_nodes(_NODES), slopes) / step
 
 
 _NODES = np.arange(-2.0, 3.0)
@@ -1079,7 +1082,7 @@ def _step() -> float:
     return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 
 
-def _steps(question: Question, by: "Input") -> np.ndarray:
+def _input_steps(question: Question, by: "Input") -> np.ndarray:
     """Changes of an input that leave it well within its range, (5,)."""
     room, of = 1.0, by.path[-1]
     if of == "k":
@@ -1092,7 +1095,7 @@ def _steps(question: Question, by: "Input") -> np.ndarray:
     return steps - max(float(by.value) + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
 
 
-def _weights(nodes: np.ndarray) -> np.ndarray:
+def _weights_of_nodes(nodes: np.ndarray) -> np.ndarray:
     """The weights of the values at five nodes in the derivative at 0."""
     scale = np.max(np.abs(nodes))
     powers = np.vander(nodes / scale, increasing=True).T
@@ -1103,54 +1106,49 @@ def _weights(nodes: np.ndarray) -> np.ndarray:
 
 
 class Input(NamedTuple):
-    """A leaf of the question.
+    """A leaf of the question, or an entry of it.
 
     Attributes:
         name: As it is printed.
-        path: Where it is in the pytree.
-        value: What it is.
+        place: Where the leaf is in the pytree.
+        leaf: The leaf.
+        entry: Which entry it is of a row of them; None for the whole leaf.
     """
 
     name: str
-    path: tuple[Any, ...]
-    value: Any
+    place: tuple[Any, ...]
+    leaf: Any
+    entry: int | None = None
 
     @property
-    def linear(self) -> bool:
-        """It changes by a sum, not by a factor."""
-        return any(is_linear(str(part)) for part in self.path)
+    def value(self) -> Any:
+        """The number."""
+        return self.leaf if self.entry is None else self.leaf[self.entry]
+
+    @property
+    def path(self) -> tuple[Any, ...]:
+        """Names of fields and keys, and numbers of entries."""
+        return tuple(getattr(key, "name", getattr(key, "key", getattr(key, "idx", None))) for key in self.place)
 
 
 def inputs(question: Question) -> Iterator[Input]:
     """All inputs of a question; the amplitudes count as one, their weights as none, layers and tables one by one."""
-    for place, value in tree_flatten_with_path(question)[0]:
-        path = _path(place)
-        name = _name(path, question)
-        if path[0] == "contact" and np.ndim(value):
-            yield from (Input(f"{path[1]}.{name}[{i}]", (*path, i), one) for i, one in enumerate(value))
+    for place, leaf in tree_flatten_with_path(question)[0]:
+        whole = Input("", place, leaf)
+        name = _name(whole.path, question)
+        if whole.path[0] == "contact" and np.ndim(leaf):
+            for i in range(len(leaf)):
+                yield whole._replace(name=f"{whole.path[1]}.{name}[{i}]", entry=i)
         elif name is not None:
-            yield Input(name, path, value)
+            yield whole._replace(name=name)
 
 
 def changed(question: Question, by: Input, step: float) -> Question:
-    """The question with an input changed: k and nu by a sum, all else by the logarithm of a factor."""
-
-    def anew(place: Any, value: Any) -> Any:
-        path = _path(place)
-        if path == by.path[:-1]:
-            return np.where(np.arange(np.size(value)) == by.path[-1], np.exp(step), 1.0) * value
-        if path != by.path:
-            return value
-        return value + step if by.linear else value * np.exp(step)
-
-    made = jax.tree_util.tree_map_with_path(anew, question)
-    # JAX sorts the names in a dict; the order of the variables is that of the program and of all arrays.
-    return dataclasses.replace(made, bounds={name: made.bounds[name] for name in question.bounds})
-
-
-def _path(place: Any) -> tuple[Any, ...]:
-    """Names of fields and keys, and numbers of entries."""
-    return tuple(getattr(key, "name", getattr(key, "key", getattr(key, "idx", None))) for key in place)
+    """The question with an input changed: k, nu and exponents by a sum, all else by the logarithm of a factor."""
+    where = True if by.entry is None else np.arange(np.size(by.leaf)) == by.entry
+    linear = any(is_linear(str(part)) for part in by.path)
+    value = by.leaf + np.where(where, step, 0.0) if linear else by.leaf * np.where(where, np.exp(step), 1.0)
+    return with_leaf(question, by.place, value)
 
 
 _ENDS = "lowest", "highest"
@@ -1263,7 +1261,7 @@ class FreeDesign:
         power_law_value: That of the power law; NaN if none keeps the limits.
         reference_value: That of the reference.
         contact_radii: Contact radii in m: of the best contact, of the power law, of the reference.
-        objective: What was minimised.
+        question: What was asked, on a `DepthGraded`.
         profile: The bounds.
         minima: The minima that were found, the best one first.
         starts: How many descents were made.
@@ -1279,12 +1277,17 @@ class FreeDesign:
     power_law_value: float
     reference_value: float
     contact_radii: tuple[float, float, float]
-    objective: str
+    question: Question
     profile: ModulusProfile
     minima: tuple[LocalMinimum, ...]
     starts: int
     evaluations: int
     converged: bool
+
+    @property
+    def objective(self) -> str:
+        """What was minimised."""
+        return self.question.objective
 
     @property
     def modulus(self) -> np.ndarray:
@@ -1313,24 +1316,33 @@ class FreeDesign:
         """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
         return self.converged and self.minima[0].starts > 1
 
+    @property
+    def doubt(self) -> str | None:
+        """Why nobody could make or measure the best half-space, if so; None under loads without a steady state."""
+        if self.question.load is None or not self.question.by_force:
+            return None
+        radius, deepest = self.contact_radii[0], self.contact.steady(self.question.load.amplitudes[0]).deepest_wear
+        depths = radius * np.geomspace(*doubts.FELT, 16)
+        return doubts.of_design(depths, np.asarray(self.contact.material.modulus_at(depths)), radius, float(deepest))
+
     def __repr__(self) -> str:
-        """The objective, the moduli, the best power law, the contact radii, and what is certain."""
+        """The objective, the moduli, the best power law, the contact radii, what is doubtful, and what is certain."""
         profile, lines = self.profile, [headline(self)]
         bounds = zip(profile.at, profile.lower, profile.upper, self.modulus, self.at_bound, strict=True)  # pyright: ignore
         for depth, low, high, modulus, side in bounds:
-            lines.append(between(f"modulus at {measured('depth', depth)}", "modulus", modulus, (low, high), side))
+            lines.append(
+                placed_between(f"modulus at {measured('depth', depth)}", "modulus", modulus, (low, high), side)
+            )
         law = f"k = {self.exponent:.3g}, {self.objective} = {measured(self.objective, self.power_law_value)}"
         lines.append(f"best power law: {law if np.isfinite(self.power_law_value) else 'none keeps the limits'}")
         best, _, reference = (measured("contact_radius", radius) for radius in self.contact_radii)
         lines.append(f"contact_radius = {best}, that of the reference {reference}")
         lines.append(f"{self.minima[0].starts} of {self.starts} descents ended here, minima: {len(self.minima)}")
+        lines += textwrap.wrap(self.doubt or "", _WIDTH - 2)
         return "\n  ".join(["FreeDesign:", *lines, certainty(self, ("converged", "certified"))])
 
 
-RowsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-
-
-class _Problem:
+class _FreeModuli:
     """The question for SLSQP: log(E) scaled to 0 at the lower and 1 at the upper bound; no point is solved twice.
 
     The last limit of the question is that of the contact radius by that of the reference, which holds it or not.
@@ -1339,33 +1351,32 @@ class _Problem:
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
         self.known: Known = {}
         self.evaluator, self.held = Evaluator(question, self.known, lanes=1), held
-        self.depth, self.steepness = np.asarray(profile.at), profile.steepness
-        self.low, self.high = np.log(profile.lower), np.log(profile.upper)
+        self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
+        self.width = np.log(profile.upper) - self.low
+        # What the steepness wants to be >= 0: a constant and its slopes.
+        self.room, self.by_room = np.zeros(0), np.zeros((0, self.low.size))
+        if profile.steepness is not None:
+            apart = np.diff(np.log(self.depth))
+            first, step = np.diff(self.low) / apart, np.diff(np.diag(self.width), axis=0) / apart[:, None]
+            self.room = np.concatenate([profile.steepness - first, profile.steepness + first])
+            self.by_room = np.concatenate([-step, step])
 
     def moduli(self, x: np.ndarray) -> np.ndarray:
         """The moduli in Pa."""
-        return np.exp(self.low + np.clip(x, 0.0, 1.0) * (self.high - self.low))
-
-    def _at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        values, slopes = self.evaluator.rows(self.moduli(x)[None])
-        return values[0], slopes[0] * (self.high - self.low)
+        return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
 
     def contact_radius(self, x: np.ndarray) -> float:
         """The contact radius over that of the reference."""
-        return float(np.exp(self._at(x)[0][-1]))
+        return float(np.exp(self.evaluator.rows(self.moduli(x)[None])[0][0, -1]))
 
-    def rows(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rows(self, x: np.ndarray) -> Rows:
         """The logarithm of the objective, what has to be 0, what has to be >= 0, and their slopes."""
-        values, slopes = self._at(x)
-        rows, by = ([part[:1], *([part[-1:]] if self.held else []), -part[1:-1]] for part in (values, slopes))
-        if self.steepness is not None:
-            apart = np.diff(np.log(self.depth))
-            step = np.diff(np.eye(len(x)), axis=0) * (self.high - self.low) / apart[:, None]
-            first = np.diff(self.low) / apart
-            for side in (1.0, -1.0):
-                rows.append(self.steepness - side * (first + step @ x))
-                by.append(-side * step)
-        return np.concatenate(rows), np.concatenate(by)
+        (values,), (slopes,) = self.evaluator.rows(self.moduli(x)[None])
+        rows, by = (
+            np.concatenate([part[:1], part[-1:][: self.held], -part[1:-1], more])
+            for part, more in ((values, self.room + self.by_room @ x), (slopes * self.width, self.by_room))
+        )
+        return rows, by
 
     def log_value(self, x: np.ndarray) -> float:
         """The logarithm of the objective; infinite where a limit is broken."""
@@ -1377,7 +1388,11 @@ class _Problem:
     def value(self, x: np.ndarray) -> float:
         """The objective in SI units; NaN where a limit is broken."""
         least = self.log_value(x)
-        return float(np.exp(least) * self.evaluator.shared.scale) if np.isfinite(least) else float("nan")
+        return float(np.exp(least) * self.evaluator.shared.scale) if np.isfinite(least) else np.nan
+
+    def descended(self, start: np.ndarray, change: float) -> np.ndarray:
+        """Where a descent ends."""
+        return _slsqp(start, self.rows, self.held, np.array([[0.0, 1.0]] * start.size), change)
 
 
 @concrete_only("the methods of contacts on a DepthGraded work there")
@@ -1387,7 +1402,6 @@ def free_design(
     modulus: ModulusProfile,
     *,
     starts: int = 20,
-    seed: int = 0,
     **keywords: Unpack[Keywords],
 ) -> FreeDesign:
     """Find the E(z) on which the indenter wears least, by its values at some depths, with PCHIP between them.
@@ -1399,7 +1413,6 @@ def free_design(
         load: As of `design`; the time grows with the number of amplitudes.
         modulus: The depths, and the bounds of the modulus there.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
-        seed: Seed of the random numbers.
         **keywords: As of `design`, without scenarios.
 
     Returns:
@@ -1414,7 +1427,7 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: a free gradient takes none")
-    nu, hold = contact.material.nu, keywords.pop("hold", None)
+    nu, hold = contact.material.nu, is_held(keywords.pop("hold", None))
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
     from plgwear_jax.surfaces import DepthGraded
@@ -1426,18 +1439,17 @@ def free_design(
     ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
     vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
     question = question_of(on(modulus.lower), load, vary, **keywords)
-    if hold and any(one.quantity == "contact_radius" for one in question.limits):
-        raise ValueError("limits.contact_radius: cannot be limited while hold fixes it")
+    unless_refused(free_complaint((), hold, {one.quantity for one in question.limits}))
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
     radius = float(np.asarray(contact.steady(0.0).contact_radius))
     last = Limit(radius, {}, "contact_radius", "contact_radius", False)
-    problem = _Problem(dataclasses.replace(question, limits=(*question.limits, last)), modulus, bool(hold))
+    problem = _FreeModuli(dataclasses.replace(question, limits=(*question.limits, last)), modulus, hold)
 
     power_law, exponent = _best_power_law(problem)
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     begun = [power_law] + [0.05 + 0.9 * random.integers(0, 2, problem.depth.size) for _ in range(starts - 1)]
-    minima = _distinct(problem, [(_descended(problem, np.asarray(x, float), _COARSE), 1) for x in begun])
-    refined = [(_descended(problem, x, _FINE), n) for x, n in minima[:_REFINED]]
+    minima = _distinct(problem, [(problem.descended(x, _COARSE), 1) for x in begun])
+    refined = [(problem.descended(x, _FINE), n) for x, n in minima[:_REFINED]]
     minima = _distinct(problem, refined + minima[_REFINED:])  # again: two of them may have ended in one
     x = minima[0][0]
     local = tuple(LocalMinimum(problem.value(x), problem.moduli(x), n) for x, n in minima)
@@ -1450,7 +1462,7 @@ def free_design(
         power_law_value=problem.value(power_law),
         reference_value=reference_value,
         contact_radii=(radius * problem.contact_radius(x), radius * problem.contact_radius(power_law), radius),
-        objective=question.objective,
+        question=question,
         profile=modulus,
         minima=local,
         starts=starts,
@@ -1459,15 +1471,18 @@ def free_design(
     )
 
 
-def _slsqp(start: np.ndarray, rows: RowsAt, held: bool, bounds: Any, change: float = _FINE) -> np.ndarray:
+def _slsqp(
+    start: np.ndarray, rows: Callable[[np.ndarray], Rows], held: bool, bounds: np.ndarray, change: float = _FINE
+) -> np.ndarray:
     """Where SLSQP ends."""
     from scipy import optimize
 
-    kinds: list[dict[str, Any]] = []
-    for kind, part in (("eq", slice(1, 1 + held)), ("ineq", slice(1 + held, None))):
-        if rows(start)[0][part].size:
-            functions = {"fun": lambda x, part=part: rows(x)[0][part], "jac": lambda x, part=part: rows(x)[1][part]}
-            kinds.append({"type": kind, **functions})
+    kinds = ("eq", slice(1, 1 + held)), ("ineq", slice(1 + held, None))
+    limits: Any = [
+        {"type": kind, "fun": lambda x, part=part: rows(x)[0][part], "jac": lambda x, part=part: rows(x)[1][part]}
+        for kind, part in kinds
+        if rows(start)[0][part].size
+    ]
     with warnings.catch_warnings():
         # Older SciPy steps beyond a bound by rounding, and says so.
         warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
@@ -1477,17 +1492,13 @@ def _slsqp(start: np.ndarray, rows: RowsAt, held: bool, bounds: Any, change: flo
             jac=True,
             method="SLSQP",
             bounds=bounds,
-            constraints=kinds,
+            constraints=limits,
             options={"maxiter": 80, "ftol": change},
         )
-    return found.x
+    return np.clip(found.x, *bounds.T)
 
 
-def _descended(problem: _Problem, start: np.ndarray, change: float) -> np.ndarray:
-    return np.clip(_slsqp(start, problem.rows, problem.held, [(0.0, 1.0)] * start.size, change), 0.0, 1.0)
-
-
-def _distinct(problem: _Problem, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
+def _distinct(problem: _FreeModuli, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
     """The minima at which so many descents ended, the best one first; those that break limits come last."""
     found: list[tuple[np.ndarray, int]] = []
     for x, number in sorted(ends, key=lambda end: problem.log_value(end[0])):
@@ -1499,30 +1510,31 @@ def _distinct(problem: _Problem, ends: list[tuple[np.ndarray, int]]) -> list[tup
     return kept or found
 
 
-def _best_power_law(problem: _Problem) -> tuple[np.ndarray, float]:
+def _best_power_law(problem: _FreeModuli) -> tuple[np.ndarray, float]:
     """The best power law clipped to the bounds: where it lies between them, and its exponent."""
-    width, middle = problem.high - problem.low, 0.5 * (problem.low + problem.high).mean()
+    low, width = problem.low, problem.width
     z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
     z = z - z.mean()
-    scale = float(np.ptp(problem.low) + width.max())
+    middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
 
-    def clipped(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def clipped(p: np.ndarray) -> Rows:
         """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
-        x = (middle + scale * p[1] + p[0] * z - problem.low) / width
+        x = (middle + scale * p[1] + p[0] * z - low) / width
         inside = ((x > 0.0) & (x < 1.0)) / width
         return np.clip(x, 0.0, 1.0), np.stack([z * inside, scale * inside], axis=1)
 
-    def rows(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rows(p: np.ndarray) -> Rows:
         x, slopes = clipped(p)
         values, by = problem.rows(x)
         return values, by @ slopes
 
-    ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, [(-0.999, 0.999), (-1.0, 1.0)]) for k in _EXPONENTS]
+    bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
+    ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]
     best = min(ends, key=lambda p: problem.log_value(clipped(p)[0]))
     return clipped(best)[0], float(best[0])
 
 
-def _downhill(problem: _Problem, x: np.ndarray) -> float:
+def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
     """The largest change of log(objective) over the box that leads downhill within bounds and limits."""
     from scipy import optimize
 
@@ -1592,7 +1604,7 @@ def designs(
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold=True)
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius")
         >>> print(best.variables["k"])
         [-0.5  0.5]
 
@@ -1604,15 +1616,15 @@ def designs(
     question, given = parts_of(contact, load, vary, **keywords)
     level, weight = jnp.asarray(keywords.get("level", 0.0)), keywords.get("weight")
     if given is None:
-        return _designs(question, level)
+        return _designs_in_a_batch(question, level)
     if weight is not None:
         check("weight", weight, WEIGHT)
     question = dataclasses.replace(question, load=WeightedLoad(given, weight))
     if solved_one_by_one(question) and not traced((question, level)):
-        return _one_by_one(question, keywords.get("level", 0.0))
+        return _designs_in_turn(question, keywords.get("level", 0.0))
     if not question.by_force:
         alone = given.with_amplitude(lambda x: jnp.asarray(x)[..., None]) if given.lasts else given
-        return _designs(dataclasses.replace(question, load=WeightedLoad(alone, jnp.ones(1))), level)
+        return _designs_in_a_batch(dataclasses.replace(question, load=WeightedLoad(alone, jnp.ones(1))), level)
     force = jnp.asarray(given.amplitude)
     check_real("load", force)
     force = force[..., None] if weight is None else force
@@ -1621,7 +1633,7 @@ def designs(
     force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
     weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
     force, weights = jnp.broadcast_arrays(force, weights)
-    return _designs(dataclasses.replace(question, load=WeightedLoad(Force(force), weights)), level)
+    return _designs_in_a_batch(dataclasses.replace(question, load=WeightedLoad(Force(force), weights)), level)
 
 
 class _Batch:
@@ -1648,7 +1660,7 @@ class _Batch:
         return dataclasses.replace(self._question, contact=contact, horizon=horizon, load=load)
 
 
-def _one_by_one(question: Question, level: float) -> Designs:
+def _designs_in_turn(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
     assert question.load is not None
     given = question.load
@@ -1675,7 +1687,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
 
 
 @jax.jit
-def _designs(question: Question, level: Array) -> Designs:
+def _designs_in_a_batch(question: Question, level: Array) -> Designs:
     """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
     batch = _Batch(question, question.load is not None and question.load.amplitudes is not None, jnp)
 

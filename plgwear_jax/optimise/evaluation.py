@@ -20,18 +20,17 @@ from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read, read_from
 from plgwear_jax.contact import is_closed
-from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import (
     Question,
     keeps,
-    leaf_of,
     needs_force,
     read_from_runs,
     solved_one_by_one,
-    with_leaf,
+    variable_of,
+    with_variables,
 )
-from plgwear_jax.optimise.scenarios import solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.search import Interval, Minimum, Plan, found_by, plan_of, with_slopes
+from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
+from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, found_by, plan_of, values_and_jacobian
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
@@ -45,7 +44,6 @@ class Shared(NamedTuple):
     radius: Any = None  # the contact radius of the reference, if it is held
     runs: "RunsAlongExponent | None" = None  # from which the wear is read, if it can be
     scale: Any = 1.0  # the objective of the reference in SI units
-    force: Any = None  # force amplitude of a scenario in place of a displacement, unless it is NaN
 
 
 class Candidate:
@@ -53,9 +51,7 @@ class Candidate:
 
     def __init__(self, question: Question, variables: Mapping[str, Any], shared: Shared | None = None) -> None:
         self.question, self.shared = question, shared or Shared()
-        self.free = question.contact
-        for name, value in variables.items():
-            self.free = with_leaf(self.free, name, value)
+        self.free = with_variables(question.contact, variables)
         self._runs: dict[Any, Any] = {}  # what was solved over cycles, for all quantities
 
     @functools.cached_property
@@ -70,9 +66,7 @@ class Candidate:
             from plgwear_jax.steady.held_radius import log_stiffness_for  # which closed forms do without
 
             log_stiffening = log_stiffness_for(self.free, radius) - material.log_stiffness()
-        return dataclasses.replace(
-            self.free, material=dataclasses.replace(material, E0=material.E0 * jnp.exp(log_stiffening))
-        )
+        return with_variables(self.free, {"E0": material.E0 * jnp.exp(log_stiffening)})
 
     # --- the states of the contact ------------------------------------------------------------------------------------
 
@@ -103,10 +97,10 @@ class Candidate:
     @functools.cached_property
     def largest(self) -> Any:
         """At the largest amplitude, first of an axis where all of them are solved together."""
-        if is_closed(self.free):
-            return self._steady(self._amplitudes[0][0] if self.question.by_force else 0.0)
-        forced = any(needs_force(one.quantity) for one in self.question.limits)
-        return self.steady if self.question.horizon is None or forced else self._steady(0.0)
+        closed, forced = is_closed(self.free), any(needs_force(one.quantity) for one in self.question.limits)
+        if not closed and (self.question.horizon is None or forced):
+            return self.steady
+        return self._steady(self._amplitudes[0][0] if closed and self.question.by_force else 0.0)
 
     def _by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity after the cycles, at each amplitude at which it is solved."""
@@ -121,17 +115,8 @@ class Candidate:
             log_worn = runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
             return radius**4 / jnp.asarray(contact.radius) * jnp.exp(log_worn)
         given = {**places, "cycles": jnp.asarray(horizon.cycles), "wear_coefficient": horizon.law}
-
-        def under(load: Any, solved: dict[Any, Any] | None = None) -> Array:
-            return read(self.contact, name, load, given, solved=solved)
-
-        if self.shared.force is None:
-            blocks = load.amplitudes is None
-            return under(load.load if blocks else load.with_amplitudes(self._amplitudes[0], None).load, self._runs)
-        known = jnp.asarray(self.shared.force)
-        slips = jnp.isnan(known)
-        some = 0.5 * jnp.asarray(self.free.friction) * self.free.normal_force  # any, where it is not read
-        return jax.lax.cond(slips, lambda: under(load.load), lambda: under(Force(jnp.where(slips, some, known)[None])))
+        under = load if load.amplitudes is None else load.with_amplitudes(self._amplitudes[0], None)
+        return read(self.contact, name, under.load, given, solved=self._runs)
 
     # --- what is minimised, and the limits ----------------------------------------------------------------------------
 
@@ -149,7 +134,7 @@ class Candidate:
             return jnp.atleast_1d(found)
         amplitudes, between = self._amplitudes
         found = jnp.broadcast_to(found, jnp.shape(amplitudes))
-        return found if between is None else jnp.exp(between @ _log(found))
+        return found if between is None else jnp.exp(between @ _log_or_least(found))
 
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
@@ -164,64 +149,55 @@ class Candidate:
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""
         load = self.question.load
-        return _log(jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(()) / self.shared.scale)
+        total = jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(())
+        return _log_or_least(total / self.shared.scale)
 
     def excess(self) -> list[Array]:
         """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
         return [
-            (-1.0 if one.lowest else 1.0) * _log(self.value(one.quantity, one.places) / one.value)
+            (-1.0 if one.lowest else 1.0) * _log_or_least(self.value(one.quantity, one.places) / one.value)
             for one in self.question.limits
         ]
 
     def rows(self) -> Array:
-        """The objective and the excess of each limit, (1 + m,); `rows_of_scenarios` if there are any."""
+        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`."""
         if self.question.scenarios is not None:
-            return self.rows_of_scenarios()
+            return self._rows_of_scenarios(self.question.scenarios)
         return jnp.stack([jnp.asarray(x) for x in (self.objective(), *self.excess())])
 
-    def rows_of_scenarios(self) -> Array:
+    def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
         """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
-        question, scale = self.question, self.shared.scale
-        scenarios = question.scenarios
-        assert scenarios is not None
+        question = self.question
 
         def scenario(given: tuple[Any, Any, Any]) -> Array:
             there, law, force = given
             for name in (*question.bounds, *(("E0",) if question.hold else ())):
-                own, base, value = (leaf_of(contact, name) for contact in (there, question.contact, self.contact))
+                own, base, value = (variable_of(contact, name) for contact in (there, question.contact, self.contact))
                 value = value + (own - base) if is_linear(name) else value * (own / base)
-                there = with_leaf(there, name, value)
+                there = with_variables(there, {name: value})
             load, horizon = question.load, question.horizon
             if horizon is not None and law is not None:
                 horizon = dataclasses.replace(horizon, law=law)
-            if load is not None and force is not None and question.by_force:
-                load, force = load.with_amplitudes(force[None], load.weight), None
+            if load is not None and force is not None:
+                load = load.with_amplitudes(force[None], load.weight)
             # The names of what varies stay: they decide how a contact is solved.
             parts = {"contact": there, "load": load, "horizon": horizon, "hold": False, "scenarios": None}
-            candidate = Candidate(dataclasses.replace(question, **parts), {}, Shared(force=force))
-            return jnp.concatenate([candidate.amounts() / scale, *(x.reshape(1) for x in candidate.excess())])
+            one = Candidate(dataclasses.replace(question, **parts), {})
+            return jnp.concatenate([one.amounts() / self.shared.scale, *(x.reshape(1) for x in one.excess())])
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
         return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
 
 
-def _log(x: Any) -> Array:
+def _log_or_least(x: Any) -> Array:
     """log(x), finite where x is 0 or negative, as a depth of wear is outside of the ring."""
     x = jnp.asarray(x)
     return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
 
 
-def moved(variables: Mapping[str, Any], steps: Mapping[str, Any]) -> dict[str, Any]:
-    """The variables after steps on the scale on which each of them is searched."""
-    return {
-        name: value if name not in steps else value + steps[name] if is_linear(name) else value * jnp.exp(steps[name])
-        for name, value in variables.items()
-    }
-
-
 def reference_variables(question: Question) -> dict[str, Any]:
     """The values of the variables for the contact as given."""
-    return {name: leaf_of(question.contact, name) for name in question.bounds}
+    return {name: variable_of(question.contact, name) for name in question.bounds}
 
 
 def space(question: Question) -> dict[str, Interval]:
@@ -278,45 +254,54 @@ class Evaluation(NamedTuple):
         return np.exp(self.values[:, 0]) * self.scale
 
 
+class Told(NamedTuple):
+    """What a program tells of each point."""
+
+    values: Any  # of `Candidate.rows`
+    slopes: Any  # of them
+    held: dict[str, Any]  # E0 that holds the contact radius, if it is held
+    state: Any  # the solution at the largest amplitude, if it `tells_states`
+
+
 def tells_states(question: Question) -> bool:
     """Whether the state of each contact at the largest amplitude is solved, and told besides the rows."""
     return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
 
 
-def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array, Any]:
-    """Values of `Candidate.rows`, and last log(E0) where it holds the contact radius; slopes of them; the state."""
-    here = dict(zip(names, point, strict=True))
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
+    here, held = dict(zip(names, point, strict=True)), {}
     outside = question.hold and not is_closed(question.contact)
-    modulus = Candidate(question, here, shared).contact.material.E0 if question.hold else None
+    if question.hold:
+        held = {"E0": Candidate(question, here, shared).contact.material.E0}
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
-        here["E0"], shared = modulus, shared._replace(radius=None)
+        here, shared = here | held, shared._replace(radius=None)
 
     def there(steps: Array) -> tuple[Array, Any]:
-        candidate = Candidate(question, moved(here, dict(zip(here, steps, strict=True))), shared)
+        moved = {
+            name: value + step if is_linear(name) else value * jnp.exp(step)
+            for (name, value), step in zip(here.items(), steps, strict=True)
+        }
+        candidate = Candidate(question, moved, shared)
         rows = candidate.rows()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes, state = with_slopes(there, True)(jnp.zeros(len(here), point.dtype))
-    if modulus is None:
-        return values, slopes, state
+    values, slopes, state = values_and_jacobian(there, True)(jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
         along = slopes[-1, :-1] / slopes[-1, -1]
         values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
-    return jnp.append(values, jnp.log(modulus)), slopes, state
+    return Told(values, slopes, held, state)
 
 
 @program(static=1)
-def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array, Any]:
+def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
     return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
 @program(static=1, level=1)
-def _in_turn(
-    names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array
-) -> tuple[Array, Array, Any]:
+def _in_turn(names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array) -> Told:
     """The first `count` points, one after the other: contacts that are solved numerically."""
     one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
 
@@ -338,7 +323,7 @@ class Evaluator:
     """Evaluates a question at concrete choices of the variables, by one program; no point is solved twice."""
 
     def __init__(self, question: Question, known: Known | None = None, lanes: int | None = None) -> None:
-        self.given, self.question, self.lanes = question, concrete(question), lanes or plan_for(question).lanes
+        self.question, self.lanes = concrete(question), lanes or plan_for(question).lanes
         self.names, self.known = tuple(question.bounds), {} if known is None else known
         self.key = b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self.question))
 
@@ -347,13 +332,10 @@ class Evaluator:
         """What all choices have in common."""
         if self.key not in self.known:
             question = self.question
-            shared = Shared(
-                concrete(_held_radius(question)),
-                self._runs(),
-                np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
-            )
-            point = self.points(reference_variables(question))
-            (worth,) = self._over_scenarios(*self._without_modulus(*self._solved(point, shared)[:2]))[0][:, 0]
+            one = np.ones((), np.result_type(*jax.tree.leaves(question.contact)))
+            shared = Shared(concrete(_held_radius(question)), self._runs(), one)
+            told = self._solved(self.points(reference_variables(question)), shared)
+            (worth,) = self._over_scenarios(told.values, told.slopes)[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))
         return self.known[self.key]
 
@@ -370,7 +352,7 @@ class Evaluator:
             self.known[key] = runs_of(question)
         return self.known[key]
 
-    def _solved(self, points: np.ndarray, shared: Shared) -> tuple[np.ndarray, np.ndarray, Any]:
+    def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
         in_turn = solved_one_by_one(self.question) and shared.runs is None
         found = []
@@ -382,8 +364,8 @@ class Evaluator:
             found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
         return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
 
-    def _told(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, Any]:
-        """What `_at_point` tells at points; of contacts that are solved numerically it is kept."""
+    def told(self, points: np.ndarray) -> Told:
+        """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
         if not solved_one_by_one(self.question) or self.shared.runs is not None:
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
@@ -393,18 +375,12 @@ class Evaluator:
             self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
         return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
 
-    def states(self, variables: Mapping[str, ArrayLike]) -> Any:
-        """The states at the largest amplitude, where they are told."""
-        return self._told(self.points(variables))[2]
-
-    def _without_modulus(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
-        return values[:, :-1] if self.question.hold else values, slopes
-
     def rows(self, points: np.ndarray) -> Rows:
         """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
-        return self._without_modulus(*self._told(points)[:2])
+        told = self.told(points)
+        return told.values, told.slopes
 
-    def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
         return (
             (values, slopes) if self.question.scenarios is None else over_scenarios(self.question, values, slopes)[:2]
         )
@@ -417,17 +393,14 @@ class Evaluator:
         """The choices as rows, (points, n)."""
         return np.stack([np.atleast_1d(concrete(variables[name])) for name in self.names], axis=-1)
 
-    def contact(self, variables: Mapping[str, ArrayLike]) -> Any:
-        """The contact with these variables, with its radius held."""
-        found = self.given.contact
-        for name in self.names:
-            found = with_leaf(found, name, float(np.asarray(variables[name])))
-        if self.question.hold:
-            found = with_leaf(found, "E0", float(np.exp(self._told(self.points(variables))[0][0, -1])))
-        return found
+    def contact(self, contact: Any, variables: Mapping[str, Any]) -> Any:
+        """The contact, as it was given, with these variables, and with its radius held."""
+        held = self.told(self.points(variables)).held if self.question.hold else {}
+        given = {name: variables[name] for name in self.names} | held  # in the order of the question
+        return with_variables(contact, {name: np.asarray(value).item() for name, value in given.items()})
 
 
-def plan_for(question: Question) -> Plan:
+def plan_for(question: Question) -> SearchPlan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(question.limits))
     if not solved_one_by_one(question) or read_from_runs(question):
@@ -485,7 +458,7 @@ class Worst(NamedTuple):
 
 
 class OfScenarios(NamedTuple):
-    """Values and slopes of all scenarios, of `Candidate.rows_of_scenarios`."""
+    """Values and slopes of all scenarios, sorted."""
 
     amounts: np.ndarray  # (points, scenarios * amplitudes)
     by: np.ndarray  # their slopes, (points, scenarios * amplitudes, n)
@@ -498,29 +471,30 @@ def of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> 
     assert question.scenarios is not None
     points, n, count = len(values), slopes.shape[-1], np.size(question.scenarios.weight)
     values, slopes = values.reshape(points, count, -1), slopes.reshape(points, count, -1, n)
-    (amounts, excess), (by, inclined) = (
-        np.split(x, [x.shape[2] - len(question.limits)], axis=2) for x in (values, slopes)
-    )
-    return OfScenarios(amounts.reshape(points, -1), by.reshape(points, -1, n), excess, inclined)
+    first = values.shape[2] - len(question.limits)
+    amounts, by = values[:, :, :first].reshape(points, -1), slopes[:, :, :first].reshape(points, -1, n)
+    return OfScenarios(amounts, by, values[:, :, first:], slopes[:, :, first:])
+
+
+def _log_of_mean(found: OfScenarios, weights: np.ndarray) -> Rows:
+    """Logarithms of means of all amounts, and their slopes; the weights are (points, ..., scenarios * amplitudes)."""
+    total = np.einsum("l...c,lc->l...", weights, found.amounts)
+    total = np.maximum(total, np.finfo(weights.dtype).tiny)  # a depth can be 0
+    return np.log(total), np.einsum("l...c,lcn->l...n", weights, found.by) / total[..., None]
 
 
 def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
     assert question.scenarios is not None
-    found, weight = (
-        of_scenarios(question, values, slopes),
-        np.ones(1) if question.load is None else question.load.weight,
-    )
-    probable = np.ravel(np.asarray(question.scenarios.weight)[:, None] * np.asarray(weight))
-    level = question.scenarios.level
-    weights = np.array([np.asarray(tail_weights(lane, probable, level)) for lane in found.amounts])
-    total = np.maximum(np.einsum("lc,lc->l", weights, found.amounts), np.finfo(values.dtype).tiny)  # a depth can be 0
-    inclined = np.einsum("lc,lcn->ln", weights, found.by) / total[:, None]
+    found, weight = of_scenarios(question, values, slopes), 1.0 if question.load is None else question.load.weight
+    probable = np.ravel(np.asarray(question.scenarios.weight)[:, None] * weight)
+    weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in found.amounts])
+    goal, along = _log_of_mean(found, weights)
     at = found.excess.argmax(1)
     excess = np.take_along_axis(found.excess, at[:, None], 1)[:, 0]
     steep = np.take_along_axis(found.inclined, at[:, None, :, None], 1)[:, 0]
-    values = np.concatenate([np.log(total)[:, None], excess], axis=1)
-    return Worst(values, np.concatenate([inclined[:, None], steep], axis=1), weights, at)
+    joined = np.concatenate([goal[:, None], excess], axis=1), np.concatenate([along[:, None], steep], axis=1)
+    return Worst(*joined, weights, at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:
@@ -554,33 +528,35 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
     closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, known)
 
-    def worst_at(variables: Mapping[str, ArrayLike]) -> Worst:
-        return over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
+    def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Worst, list[tuple[int, int]]]:
+        """The scenarios in one, and in which of them each limit is broken the most."""
+        at = over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
+        return at, [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
 
-    at = worst_at(reference_variables(question))
+    def badness(found: Minimum) -> tuple[bool, float]:
+        kept = bool(keeps(found.limits) and np.isfinite(found.value))
+        return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
+
+    at, pairs = worst_at(reference_variables(question))
     choices = [at.weights[0]]
-    pairs = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
-    best, multipliers, all_known = None, np.zeros(0), False
+    best, multipliers, all_known = None, np.zeros(len(question.limits)), False
     for _ in range(_ROUNDS):
         found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
-        best = min(found, key=_badness)
-        multipliers = np.zeros(len(at.scenario[0]), best.multipliers.dtype)
+        best = min(found, key=badness)
+        multipliers = np.zeros(len(question.limits), best.multipliers.dtype)
         for (_, limit), multiplier in zip(pairs, best.multipliers[len(choices) - 1 :], strict=False):
             multipliers[limit] += multiplier
-        at = worst_at(best.variables)
+        at, broken = worst_at(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
-        new = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
-        new = [pair for pair in new if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
+        new = [pair for pair in broken if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
-            all_known = False  # a search has not ended where its limits are kept
-            worse = False
+            all_known = worse = False  # a search has not ended where its limits are kept
         if not new and not worse:
             break
         pairs += new
-        if worse:
-            choices.append(at.weights[0])
+        choices += [at.weights[0]] if worse else []
     else:
         all_known = False
     assert best is not None
@@ -594,33 +570,23 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
     )
 
 
-def _badness(found: Minimum) -> tuple[bool, float]:
-    kept = bool(keeps(found.limits)) and bool(np.isfinite(found.value))
-    return (False, float(found.value)) if kept else (True, float(np.max(found.limits, initial=-np.inf)))
-
-
 def _relaxed(
     question: Question, choices: list[np.ndarray], pairs: list[tuple[int, int]], which: int, known: Known
 ) -> Minimum:
     """The best design where one choice of the weights is the worst of those that are known, within some limits."""
     count = len(choices) - 1 + len(pairs)
     room = next(size for size in (0, 1, 2, 4, 8, 16, 32, 64, count) if size >= count)  # for few programs
-    others = [other for other in range(len(choices)) if other != which]
     scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
-    weights = np.array(choices)
 
     def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
         each = of_scenarios(question, values, slopes)
-        totals = np.maximum(each.amounts @ weights.T, np.finfo(values.dtype).tiny)  # a depth can be 0
-        logs, inclined = np.log(totals), np.einsum("kc,lcn->lkn", weights, each.by) / totals[..., None]
-        goal, along = logs[:, which], inclined[:, which]
         found = np.full((len(values), 1 + room), FAR_OFF, values.dtype)
         by = np.zeros((*found.shape, slopes.shape[-1]), values.dtype)
-        found[:, 0], by[:, 0] = goal, along
-        found[:, 1 : len(choices)] = logs[:, others] - goal[:, None]
-        by[:, 1 : len(choices)] = inclined[:, others] - along[:, None]
-        found[:, len(choices) : 1 + count] = each.excess[:, scenarios, limits]
-        by[:, len(choices) : 1 + count] = each.inclined[:, scenarios, limits]
+        means = _log_of_mean(each, np.broadcast_to(choices, (len(values), *np.shape(choices))))
+        for whole, mean, limited in zip((found, by), means, (each.excess, each.inclined), strict=True):
+            goal = mean[:, which, None]
+            above = np.delete(mean, which, axis=1) - goal
+            whole[:, : 1 + count] = np.concatenate([goal, above, limited[:, scenarios, limits]], axis=1)
         return found, by
 
     return search(question, changed, known, limits=room)

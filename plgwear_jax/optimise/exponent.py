@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -111,13 +111,13 @@ def optimal_exponent(
     few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     # Within a program everything is traced, even constants.
     traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
-    return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
+    return _optimal_exponents(*values, digits) if traced or not few else _few_optimal_exponents(values, digits)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
 
 
-def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
+def _few_optimal_exponents(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
     phi, lower, upper = np.broadcast_arrays(*(np.asarray(value) for value in values))
     noise = None if digits is None else 10.0**-digits
     found = []
@@ -171,7 +171,7 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
     from plgwear_jax.optimise.along_exponent import (  # seldom needed, and take time
         NODES,
-        nodes_of,
+        exponents_of_runs,
         shares_of_nodes,
         with_room,
     )
@@ -184,7 +184,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
     valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
     ends = jnp.stack(with_room(upper, lower))
-    k = jnp.moveaxis(nodes_of(ends, NODES), -1, 0)
+    k = jnp.moveaxis(exponents_of_runs(ends, NODES), -1, 0)
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.005)
     volume = wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits)
@@ -299,8 +299,6 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
 _FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-# Nine give 12 digits or more for any bounds; each further one multiplies the number of digits by 1.5.
-_SECANTS = 12
 
 
 @jax.jit
@@ -317,7 +315,6 @@ def _in_between(k: Array) -> Array:
     return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
 
 
-@jax.custom_jvp
 def _roots(lower: Array, upper: Array) -> Array:
     """The three amplitudes for each pair of bounds, shape (3, n)."""
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
@@ -327,78 +324,21 @@ def _roots(lower: Array, upper: Array) -> Array:
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
 
     def mean_slope(phi: Array) -> Array:
+        at = jnp.broadcast_to(phi[..., None], k.shape)
+        by_k = jax.jvp(lambda k: fretting.wear_volume(k, at), (k,), (jnp.ones_like(k),))[1]
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
-        return _by_k(k, jnp.broadcast_to(phi[..., None], k.shape)) @ weights * (1.0 - phi) / (phi * phi)
+        return by_k @ weights * (1.0 - phi) / (phi * phi)
 
-    above, below = (jnp.broadcast_to(jnp.array(ends, k.dtype)[:, None], first.shape) for ends in _BRACKETS)
-    return _bracketed_root(mean_slope, above, below)
+    def halved(f: Callable[[Array], Array], above: Array) -> Array:
+        def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+            middle = 0.5 * (ends[0] + ends[1])
+            positive = f(middle) > 0.0
+            return jnp.where(positive, middle, ends[0]), jnp.where(positive, ends[1], middle)
+
+        return jax.lax.fori_loop(0, jnp.finfo(above.dtype).nmant + 4, halve, (above, below))[0]
+
+    above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
+    return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
 
 
 _BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))
-
-
-class _Bracket(NamedTuple):
-    """Two points with a root between them, the newer one first, and the best point so far."""
-
-    here: Array
-    f_here: Array
-    behind: Array
-    f_behind: Array
-    best: Array
-    f_best: Array
-
-
-def _bracketed_root(f: Callable[[Array], Array], above: Array, below: Array) -> Array:
-    """The root of each element of f, positive at one end and negative at the other, by the Illinois method."""
-
-    def secant(_, at: _Bracket) -> _Bracket:
-        rise = at.f_here - at.f_behind
-        step = at.f_here * (at.behind - at.here) / jnp.where(rise == 0.0, 1.0, rise)
-        there = at.here + jnp.where(rise == 0.0, 0.0, step)
-        f_there = f(there)
-        same = jnp.sign(f_there) == jnp.sign(at.f_here)
-        # The value at an end that stays is halved, so that the next secant crosses to its side.
-        behind, f_behind = jnp.where(same, at.behind, at.here), jnp.where(same, 0.5 * at.f_behind, at.f_here)
-        # Later secants follow rounding errors and may move away from the root again.
-        better = jnp.abs(f_there) < jnp.abs(at.f_best)
-        best, f_best = jnp.where(better, there, at.best), jnp.where(better, f_there, at.f_best)
-        return _Bracket(there, f_there, behind, f_behind, best, f_best)
-
-    # Rough values at the ends are good enough, and the program then contains f only once.
-    rough = jnp.full_like(above, 0.1)
-    unknown = jnp.full_like(above, jnp.inf)
-    return jax.lax.fori_loop(0, _SECANTS, secant, _Bracket(below, -rough, above, rough, above * jnp.nan, unknown)).best
-
-
-@_roots.defjvp
-def _roots_jvp(primals, tangents):
-    """The implicit functions: V_kk dk + V_kphi dphi = 0 at each bound, and dV(upper) = dV(lower)."""
-    at_lower, at_upper, equal = roots = _roots(*primals)
-    k, turning, equal = (jnp.concatenate(pair) for pair in (primals, (at_lower, at_upper), (equal, equal)))
-    bend = _along(lambda k: _by_k(k, turning), k)
-    twist = _along(lambda phi: _by_k(k, phi), turning)
-    slope = _by_k(k, equal)
-    rise = _along(lambda phi: fretting.wear_volume(k, phi), equal)
-
-    # As products of matrices, which XLA does not fuse with the four factors: fused, compiling takes three times as
-    # long.
-    def coefficients(which: np.ndarray, *parts: Array) -> Array:
-        return jnp.asarray(which, k.dtype) @ jnp.concatenate(parts).reshape(4, -1)
-
-    by_lower, by_upper = (coefficients(_EQUATIONS * at, bend, slope) for at in ([1, 0, 1, 0], [0, 1, 0, 1]))
-    by_phi = coefficients(_EQUATIONS, twist, rise)
-    return roots, -(by_lower * tangents[0] + by_upper * tangents[1]) / by_phi
-
-
-# A row for each of the three amplitudes: the factors of two numbers at the lower and the upper bound.
-_EQUATIONS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 1]])
-
-
-def _by_k(k: Array, phi: Array) -> Array:
-    """dV/dk."""
-    return _along(lambda k: fretting.wear_volume(k, phi), k)
-
-
-def _along(f: Callable[[Array], Array], x: Array) -> Array:
-    """The derivative of each element of f."""
-    return jax.jvp(f, (x,), (jnp.ones_like(x),))[1]

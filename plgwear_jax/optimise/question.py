@@ -7,7 +7,7 @@ weights that do not depend on the design, and smooth functions of it.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from jax.core import Tracer
@@ -31,6 +31,7 @@ from plgwear_jax.rules import (
     OBJECTIVE,
     VARIABLES,
     Complaint,
+    Hold,
     Kind,
     complaint,
     domain_of,
@@ -58,8 +59,8 @@ class Keywords(TypedDict, total=False):
             of one quantity are a list: {"modulus_at": [{"between": (60e9, 400e9), "z": 1e-5}, ...]}. They are limits of
             the steady state at the largest amplitude that counts, or with names such as "transient.wear_depth" after
             the cycles.
-        hold: True or "contact_radius" keeps the initial contact radius of the reference by adjusting E0. Then neither
-            E0 nor z0 can vary, as a contact depends on them only through E0/z0^k.
+        hold: "contact_radius" keeps the initial contact radius of the reference by adjusting E0. Then neither E0 nor z0
+            can vary, as a contact depends on them only through E0/z0^k.
         cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
             worn_radius; by default that of the steady state counts.
         law: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
@@ -72,7 +73,7 @@ class Keywords(TypedDict, total=False):
 
     minimise: Objective | None
     limits: Mapping[str, Any] | None
-    hold: bool | Literal["contact_radius"] | None
+    hold: Hold | None
     cycles: Given | None
     law: Given | WearLaw | None
     weight: Given | None
@@ -108,6 +109,13 @@ class Limit:
     lowest: bool = static()
 
 
+def unless_refused(found: Any) -> Any:
+    """What was found, or a ValueError if that is a complaint."""
+    if isinstance(found, Complaint):
+        raise ValueError(f"{found.key}: {found.text}")
+    return found
+
+
 def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     """The limits in the order of their names, or an error that says what is wrong with them."""
     if not isinstance(given, Mapping | None):
@@ -116,10 +124,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     for name, allowed in (given or {}).items():
         several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
         for place, one in enumerate(several):
-            said = limited_quantity(name, one, kind)
-            if isinstance(said, Complaint):
-                raise ValueError(f"{said.key}: {said.text}")
-            quantity, *ends, places = said
+            quantity, *ends, places = unless_refused(limited_quantity(name, one, kind))
             sides = dict(zip(("lowest", "highest"), ends, strict=True))
             for side, value in sides.items():
                 if value is not None:
@@ -155,9 +160,7 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
             raise ValueError(f"{key}: {text}, not {given!r}") from None
-    found = placed_quantity(key, name, places, kind)
-    if isinstance(found, Complaint):
-        raise ValueError(f"{found.key}: {found.text}")
+    found = unless_refused(placed_quantity(key, name, places, kind))
     _check_places(f"{key}: {{}}", places)
     return found, places
 
@@ -251,18 +254,20 @@ def read_from_runs(question: Question) -> bool:
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------
 
 
-def _path(name: str) -> str:
+def _path_of(name: str) -> str:
     return f"material.{name}" if name in ("k", "E0", "z0", "nu") else name
 
 
-def leaf_of(contact: Any, name: str) -> Any:
+def variable_of(contact: Any, name: str) -> Any:
     """The number of a contact that a variable of this name is."""
-    return leaves.leaf_of(contact, _path(name))
+    return leaves.leaf_of(contact, _path_of(name))
 
 
-def with_leaf(contact: Any, name: str, value: Any) -> Any:
-    """The contact with another number in this place."""
-    return leaves.with_leaf(contact, _path(name), value)
+def with_variables(contact: Any, values: Mapping[str, Any]) -> Any:
+    """The contact with other numbers in these places."""
+    for name, value in values.items():
+        contact = leaves.with_leaf(contact, _path_of(name), value)
+    return contact
 
 
 # --- from the arguments of `design` -----------------------------------------------------------------------------------
@@ -285,28 +290,25 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     weighted = weighted_load(contact, load, weight, level, question.horizon is None)
     question = dataclasses.replace(question, load=weighted)
     own = None if question.scenarios is None else question.scenarios.tangential_force
-    if own is not None:
-        if load.amplitude is None:
-            raise ValueError("scenarios: tangential_force: belongs to an amplitude, not to blocks")
-        if np.size(weighted.weight) > 1:
-            raise ValueError("scenarios: tangential_force: is a single amplitude, and the load has several")
+    if own is not None and (not load.holds_force or np.size(weighted.weight) > 1):
+        raise ValueError("scenarios: tangential_force: takes the place of a single amplitude of the force")
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        _refuse_gross_slip(question, weighted.amplitudes[0] if own is None else own)
+        _refuse_lowest_bounds(question, weighted.amplitudes[0] if own is None else own)
     return question
 
 
-def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
+def _refuse_lowest_bounds(question: Question, force: ArrayLike) -> None:
     """Refuse bounds of the friction and the normal force between which the whole contact slips."""
     varied = [name for name in ("friction", "normal_force") if name in question.bounds]
     if varied:
-        lowest = question.contact if question.scenarios is None else question.scenarios.contact
+        contact = question.contact if question.scenarios is None else question.scenarios.contact
+        least = np.asarray(contact.friction) * np.asarray(contact.normal_force)
         for name in varied:
-            own = leaf_of(lowest, name) / leaf_of(question.contact, name)
-            lowest = with_leaf(lowest, name, question.bounds[name][0] * own)
-        phi = force / (np.asarray(lowest.friction) * np.asarray(lowest.normal_force))
-        check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", phi, PARTIAL_SLIP)
+            least = least * question.bounds[name][0] / variable_of(question.contact, name)
+        said = f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}"
+        check(said, force / least, PARTIAL_SLIP)
 
 
 def checked_kind_of(contact: Any) -> Kind:
@@ -316,21 +318,24 @@ def checked_kind_of(contact: Any) -> Kind:
     return kind_of(contact)
 
 
+def is_held(hold: Hold | None) -> bool:
+    """Whether the contact radius is held, or a ValueError."""
+    if hold not in (None, *HOLDS):
+        raise ValueError(f'hold = {hold!r}: must be "contact_radius", or None')
+    return hold is not None
+
+
 def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> tuple[Question, Load | None]:
     """The question without its load and scenarios, and the load, or a ValueError; it may be one for a batch."""
     for name in keywords.keys() - Keywords.__annotations__.keys():
         raise TypeError(f"a design takes no {name}{near_or_all(name, [*Keywords.__annotations__])}")
-    kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), keywords.get("hold")
+    kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), is_held(keywords.get("hold"))
     objective, places = objective_of(OBJECTIVE[kind] if minimise is None else minimise, kind)
     limits = limits_of(keywords.get("limits"), kind)
-    if hold not in (None, True, False, *HOLDS):
-        raise ValueError(f'hold = {hold!r}: must be True or "contact_radius", or False')
     bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
     k = contact.material.k if power else np.nan
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
-    wrong = complaint(bounds, bool(hold), objective, {one.quantity for one in limits}, kind=kind, flat=flat)
-    if wrong is not None:
-        raise ValueError(f"{wrong.key}: {wrong.text}")
+    unless_refused(complaint(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat))
     if hold and not power:
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
     load = None if load is None else load_of(load)
@@ -340,7 +345,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
     names = [one.quantity for one in limits]
     horizon = _horizon_of(objective, names, keywords.get("cycles"), keywords.get("law"), load)
-    return Question(contact, None, bounds, limits, places, horizon, None, objective, bool(hold)), load
+    return Question(contact, None, bounds, limits, places, horizon, None, objective, hold), load
 
 
 def _horizon_of(objective: str, limits: list[str], cycles: Any, law: Any, load: Load | None) -> WearHorizon | None:
@@ -399,7 +404,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]
         if not lowest < highest:
             raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")
         for end in (lowest, highest):
-            with_leaf(contact, name, end)  # whose fields say what they cannot be
+            with_variables(contact, {name: end})  # whose fields say what they cannot be
         if name in pairs:
             raise ValueError(f"vary: {name} is given twice")
         pairs[name] = (lowest, highest)
@@ -411,7 +416,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]
 def _check_leaf(contact: Any, name: str) -> None:
     """Refuse a variable that is no number of the contact."""
     try:
-        leaf = leaf_of(contact, name)
+        leaf = variable_of(contact, name)
     except (AttributeError, IndexError, TypeError):
         leaf = None
     if isinstance(leaf, str):

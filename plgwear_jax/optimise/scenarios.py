@@ -16,7 +16,7 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.loads import PARTIAL_SLIP, Load
 from plgwear_jax.optimise.search import namespace
-from plgwear_jax.wear_laws import Archard, WearLaw
+from plgwear_jax.wear_laws import law_of
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
 WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
@@ -182,10 +182,10 @@ class Scenarios:
         contact: Contacts of the same bodies as the reference. Each of their numbers is the same in all scenarios, or
             has a leading axis of shape (n,).
         weight: Probabilities of the scenarios, shape (n,), >= 0 and not all zero; by default all equal.
-        wear_coefficient: Archard's K in 1/Pa in each of them, shape (n,), or a law whose numbers may have that axis;
-            by default that of the design.
-        tangential_force: Force amplitude F_x in N in each of them, shape (n,); by default that of the design. Under a
-            `Displacement` of the design NaN holds the displacement.
+        law: Archard's K in 1/Pa in each of them, shape (n,), or a law whose numbers may have that axis; by default that
+            of the design.
+        tangential_force: Force amplitude F_x in N in each of them, shape (n,), in place of the single one of the
+            design.
 
     Examples:
         >>> import jax.numpy as jnp
@@ -201,7 +201,7 @@ class Scenarios:
 
     contact: Any
     weight: Any = None
-    wear_coefficient: Any = None
+    law: Any = None
     tangential_force: Any = None
 
 
@@ -213,7 +213,7 @@ class ScenarioBatch:
         contact: The contacts; each of their numbers has a leading axis of shape (n,).
         law: The wear laws in the same form; None for those of the design.
         weight: The probabilities, shape (n,), with the sum 1.
-        tangential_force: Force amplitudes in N of their own, shape (n,), NaN where a displacement is held; or None.
+        tangential_force: Force amplitudes in N of their own, shape (n,); or None.
         level: 0 takes the mean over scenarios and amplitudes, 1 the worst of them, between them the CVaR.
     """
 
@@ -246,23 +246,19 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     check("level", level, LEVEL)
     if jax.tree.structure(given.contact) != jax.tree.structure(contact):
         raise ValueError("scenarios: takes contacts of the same bodies and shape as the contact of the design")
-    own_law = given.wear_coefficient
-    if own_law is not None:
-        own_law = own_law if isinstance(own_law, WearLaw) else Archard(np.asarray(own_law, float))
-        if jax.tree.structure(own_law) != jax.tree.structure(law):
-            raise ValueError("scenarios: wear_coefficient takes the law of the design, for a number of cycles")
-    names = [*paths_of(given.contact), *(f"wear_coefficient {name}" for name in paths_of(own_law))]
+    own_law = None if given.law is None else law_of(given.law)
+    if own_law is not None and jax.tree.structure(own_law) != jax.tree.structure(law):
+        raise ValueError("scenarios: law takes the kind of law of the design, for a number of cycles")
+    names = [*paths_of(given.contact), *(f"law {name}" for name in paths_of(own_law))]
     leaves, rebuild = jax.tree.flatten((given.contact, own_law))
     leaves = [np.asarray(leaf, float) for leaf in leaves]
     own = own_axes(contact, len(leaves))
     shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
-    force = None if given.tangential_force is None else np.asarray(given.tangential_force, float)
-    if force is not None:
-        check("scenarios: tangential_force", np.nan_to_num(force), FORCE)
-        shapes["tangential_force"] = force.shape
-    if given.weight is not None:
-        check("scenarios: weight", given.weight, WEIGHT)
-        shapes["weight"] = np.shape(given.weight)
+    others = {"tangential_force": FORCE, "weight": WEIGHT}
+    for name, domain in others.items():
+        if getattr(given, name) is not None:
+            check(f"scenarios: {name}", getattr(given, name), domain)
+            shapes[name] = np.shape(getattr(given, name))
     try:
         (count,) = np.broadcast_shapes((1,), *shapes.values())
         alike = all(shape in ((), (count,)) for shape in shapes.values())
@@ -271,10 +267,11 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     if not alike:
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")
-    weight = np.ones(count) if given.weight is None else np.broadcast_to(np.asarray(given.weight, float), (count,))
+    force, weight = given.tangential_force, 1.0 if given.weight is None else given.weight
+    force = None if force is None else np.broadcast_to(np.asarray(force, float), (count,))
+    weight = np.broadcast_to(np.asarray(weight, float), (count,))
     if not np.any(weight > 0.0):
         raise ValueError("scenarios: weight: all weights are zero")
     each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
     batch, laws = jax.tree.unflatten(rebuild, each)
-    forces = None if force is None else np.broadcast_to(force, (count,))
-    return ScenarioBatch(batch, laws, shares(weight), forces, level)
+    return ScenarioBatch(batch, laws, shares(weight), force, level)

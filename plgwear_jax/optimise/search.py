@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 SCAN, DESCENT, POLISH, DONE = range(4)  # the phases
 
 
-class Plan(NamedTuple):
+class SearchPlan(NamedTuple):
     """The parameters of a search; they determine its program.
 
     Attributes:
@@ -51,7 +51,6 @@ class Plan(NamedTuple):
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
         dtype: The dtype of all numbers.
-        solver: An optax transformation; None for L-BFGS with a backtracking line search.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
     """
@@ -63,7 +62,6 @@ class Plan(NamedTuple):
     max_steps: int
     noise: float
     dtype: DTypeLike
-    solver: "optax.GradientTransformation | None" = None
     axis: str | None = None
 
     @property
@@ -101,13 +99,6 @@ class Plan(NamedTuple):
         points = np.stack([axis.ravel() for axis in axes], axis=-1)
         filled = np.pad(points, ((0, self.passes * self.lanes - len(points)), (0, 0)), mode="edge")
         return filled.reshape(self.passes, self.lanes, self.variables)
-
-
-class Scanned(NamedTuple):
-    """The results of the scan; slopes are kept only for one variable, where the proof needs them."""
-
-    values: Any  # (passes, lanes, 1 + m)
-    slopes: Any  # (passes, lanes, 1 + m), or empty for several variables
 
 
 class Descent(NamedTuple):
@@ -156,13 +147,13 @@ class Kept(NamedTuple):
     slopes: Any  # (1 + m, n)
 
 
-class State(NamedTuple):
+class SearchState(NamedTuple):
     """A search under way."""
 
     phase: Any
     passes: Any  # evaluations so far
     points: Any  # whose values the search needs next, (lanes, n)
-    scanned: Scanned
+    scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
     kept: Kept | None  # None without limits
     scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
     valleys: Any  # the number of valleys that the scan found
@@ -170,7 +161,7 @@ class State(NamedTuple):
     polish: Polish
 
 
-class Solution(NamedTuple):
+class SearchResult(NamedTuple):
     """The best minimum and its rival, and how the search ended."""
 
     u: Any  # (2, n), the same point twice if there is no rival
@@ -192,21 +183,15 @@ def tolerance(dtype: DTypeLike) -> float:
     return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
 
 
-def with_row(scanned: Scanned, row: Any, scanning: Any, values: Any, slopes: Any) -> Scanned:
-    """The scan with one more row."""
-
-    def written(rows: Any, new: Any) -> Any:
-        if rows.size == 0:
-            return rows
-        if isinstance(rows, np.ndarray) and isinstance(new, np.ndarray):
-            return np.where((scanning & (np.arange(len(rows)) == row))[:, None, None], new, rows)
-        old = jax.lax.dynamic_index_in_dim(rows, row, keepdims=False)
-        return jax.lax.dynamic_update_index_in_dim(rows, jnp.where(scanning, new, old), row, 0)
-
-    return Scanned(written(scanned.values, values), written(scanned.slopes, slopes))
+def with_row(scanned: Any, row: Any, scanning: Any, new: Any) -> Any:
+    """The scan with one more row, while it goes on."""
+    if isinstance(new, np.ndarray):
+        return np.where((scanning & (np.arange(len(scanned)) == row))[:, None, None], new, scanned)
+    old = jax.lax.dynamic_index_in_dim(scanned, row, keepdims=False)
+    return jax.lax.dynamic_update_index_in_dim(scanned, jnp.where(scanning, new, old), row, 0)
 
 
-def all_done(plan: Plan, done: Any) -> Any:
+def all_done(plan: SearchPlan, done: Any) -> Any:
     """Whether all starts are done, in all problems of the batch."""
     everybody = done.all()
     return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
@@ -217,7 +202,7 @@ def in_lanes(points: Any) -> Any:
     return points.reshape(-1, points.shape[-1])
 
 
-def of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, Any]:
+def of_starts(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> tuple[Any, Any]:
     """The values and slopes for each start and its trials, divided by the scale of each function."""
     values, slopes = values / state.scale, slopes / state.scale[:, None]
     return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
@@ -297,7 +282,7 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
 
 
-def solved(matrix: Any, right: Any) -> Any:
+def solved_by_elimination(matrix: Any, right: Any) -> Any:
     """The solution of a small linear system; not finite where it is singular."""
     xp = namespace(matrix, right)
     if right.shape[-1] == 1:
@@ -324,7 +309,7 @@ def solved(matrix: Any, right: Any) -> Any:
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def with_slopes(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
+def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
     """Values and Jacobian, and what the function tells besides its values if it does."""
 
     def first(u: Array) -> Any:
@@ -340,23 +325,9 @@ def with_slopes(function: Callable[[Array], Any], has_more: bool = False) -> Cal
     return first
 
 
-def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
-    """Values, Jacobian and second derivatives."""
-
-    def second(u: Array) -> tuple[Array, Array, Array]:
-        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
-            values, slopes = with_slopes(function)(u)
-            return slopes, (values, slopes)
-
-        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
-        return values, slopes, materialised(curvatures, u[0])
-
-    return second
-
-
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
     """Values and Jacobians at the best minimum and at its rival."""
-    return jax.vmap(with_slopes(lambda u: function(u, params)))(u)
+    return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -375,15 +346,18 @@ def _tied_jvp(function, primals, tangents):
     def scaled(u: Array, params: Any) -> Array:
         return function(u, params) / scale
 
+    def known(u: Array, params: Any) -> tuple[Array, Array]:
+        return values_and_jacobian(lambda u: scaled(u, params))(u)
+
     def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
-        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
+        slopes, curvatures, values = values_and_jacobian(lambda u: known(u, params)[::-1], True)(u)
+        state = conditions(values, slopes, curvatures, u, multipliers)
 
         def left(params: Any) -> Array:
-            values, slopes = with_slopes(lambda u: scaled(u, params))(u)
-            return _residual(values, slopes, u, multipliers, state.side, state.active)
+            return _residual(*known(u, params), u, multipliers, state.side, state.active)
 
         _, by_params = jax.jvp(left, (params,), (dparams,))
-        step = -solved(state.matrix, by_params)
+        step = -solved_by_elimination(state.matrix, by_params)
         return step[: u.size], step[u.size :]
 
     du, dmultipliers = jax.vmap(change)(*minima[:2])
@@ -403,15 +377,13 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(plan: Plan) -> "optax.GradientTransformationExtraArgs":
+def _solver(plan: SearchPlan) -> "optax.GradientTransformation":
     import optax  # a tenth of a second, which a process that loads its programs does without
 
-    memory = min(10, 2 * plan.variables - 1)
-    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
-    return optax.with_extra_args_support(plan.solver or default)
+    return optax.scale_by_lbfgs(memory_size=min(10, 2 * plan.variables - 1))
 
 
-def _empty(plan: Plan) -> tuple[Any, ...]:
+def _empty(plan: SearchPlan) -> tuple[Any, ...]:
     """The memory of the solver without its structure, which is made of classes of optax."""
     start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
     shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
@@ -422,13 +394,13 @@ _kept_empty = Program(_empty, static=1)
 
 
 @functools.lru_cache(maxsize=32)
-def _memory(plan: Plan) -> tuple[np.ndarray, ...]:
+def _memory(plan: SearchPlan) -> tuple[np.ndarray, ...]:
     """The memory of the solver, in the right shape, before its first step."""
     leaves = jax.eval_shape(lambda: _empty(plan)) if traced(()) else _kept_empty(plan)
     return tuple(np.zeros(leaf.shape, leaf.dtype) for leaf in leaves)
 
 
-def at_start(plan: Plan, start: Any, unused: Any) -> Descent:
+def at_start(plan: SearchPlan, start: Any, unused: Any) -> Descent:
     """Descents at their starting points; those that are unused are done."""
     xp, m = namespace(start, unused), plan.limits
     one = np.ones(plan.starts, plan.dtype)
@@ -453,12 +425,12 @@ def at_start(plan: Plan, start: Any, unused: Any) -> Descent:
     return jax.tree.map(xp.asarray, descent)
 
 
-def _lengths(plan: Plan) -> np.ndarray:
-    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
-    return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
+def _lengths(plan: SearchPlan) -> np.ndarray:
+    """The lengths of the trial steps, in units of the longest."""
+    return (0.25 ** np.arange(plan.trials)).astype(plan.dtype)
 
 
-def trial_points(plan: Plan, at: Descent) -> Any:
+def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths."""
     steps = (at.length[:, None] * _lengths(plan))[..., None] * at.direction[:, None]
     return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0)
@@ -478,7 +450,7 @@ def _merit_slope(at: Descent) -> Any:
     return inclination(at.slopes, _pushed(at.values, at.multipliers, at.penalty))
 
 
-def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Callable[[Array], Array] | None) -> State:
+def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
     trials = state.points.reshape(plan.starts, plan.trials, -1)
@@ -488,8 +460,7 @@ def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Cal
     before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
     after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
     wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
-    falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
-    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
+    falls = (after <= before[:, None] + wanted + plan.noise * xp.abs(after)) & ~at.done[:, None]
     taken = falls.any(1)
     first = falls & (xp.cumsum(falls, axis=1) == 1)
     u, found, inclined = (
@@ -518,7 +489,7 @@ def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Cal
         stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
         lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
         done = settled & ((violation < enough) | lost)
-    at = _turned(plan, at, taken | settled, state.scale, objective)
+    at = _turned(plan, at, taken | settled)
     at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
 
     finished, polish = all_done(plan, at.done), at_end(at)
@@ -538,23 +509,20 @@ def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
     return select(taken, picked, those)
 
 
-def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable[[Array], Array] | None) -> Descent:
+def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
     # The memory is reset when other variables are on their bounds.
     fresh = at.fresh | (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
+    direction, memory = solver_step(plan, at.u, gradient, at.memory, fresh)
     if xp is np:
-        direction, memory = jax.device_get(solver_step(plan, at.u, gradient, at.memory, fresh))
-    else:
-        known = None if objective is None or plan.solver is None else (objective, scale, at)
-        direction, memory = _directions(plan, at.u, gradient, at.memory, fresh, known)
-    if plan.solver is None:
-        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
-        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
-        direction = direction * xp.minimum(1.0, 0.4 / longest)
+        direction, memory = jax.device_get((direction, memory))
+    direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+    # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+    longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+    direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
         free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
@@ -564,31 +532,20 @@ def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable
     )
 
 
-def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, known: Any = None) -> tuple[Any, Any]:
+def _next_directions(plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, Any]:
     """The directions and the memory that the solver of optax gives for the gradients."""
     solver = _solver(plan)
 
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array, *state: Array) -> tuple[Array, Any]:
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, Any]:
         at_first, tree = jax.tree.flatten(solver.init(u))
         memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        more: dict[str, Any] = {}
-        if known is not None:
-            objective, scale, _ = known
-            values, multipliers, penalty = state
+        uphill, memory = solver.update(gradient, memory, u)
+        return -uphill, tuple(jax.tree.leaves(memory))
 
-            def merit(u: Array) -> Array:
-                found = objective(u)
-                return _merit(found / scale, multipliers, penalty)
-
-            more = {"value": _merit(values, multipliers, penalty), "grad": gradient, "value_fn": merit}
-        direction, memory = solver.update(gradient, memory, u, **more)
-        return direction, tuple(jax.tree.leaves(memory))
-
-    state = () if known is None else (known[2].values, known[2].multipliers, known[2].penalty)
-    return jax.vmap(one)(u, gradient, memory, fresh, *state)
+    return jax.vmap(one)(u, gradient, memory, fresh)
 
 
-solver_step = Program(_directions, static=1)
+solver_step = Program(_next_directions, static=1)
 
 
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
@@ -606,7 +563,7 @@ def at_end(at: Descent) -> Polish:
     return Polish(at.u, at.multipliers, unknown, xp.zeros_like(at.steps))
 
 
-def _stencil(plan: Plan, u: Any) -> Any:
+def _stencil(plan: SearchPlan, u: Any) -> Any:
     """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
     xp, n = namespace(u), plan.variables
     steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
@@ -615,7 +572,7 @@ def _stencil(plan: Plan, u: Any) -> Any:
     return (centre + steps).astype(plan.dtype)
 
 
-def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
+def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
     xp, at, n = namespace(values), state.polish, plan.variables
     values, slopes = of_starts(plan, state, values, slopes)
@@ -627,7 +584,7 @@ def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
         left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1))
     side = xp.where(xp.abs(at.u) == 1.0, here.side, 0.0)
     point = Point(at.u, at.multipliers, side, values, slopes, left)
-    change = -solved(here.matrix, here.residual)
+    change = -solved_by_elimination(here.matrix, here.residual)
     usable = xp.isfinite(change).all(1)
     moved = xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0)
     raised = xp.maximum(at.multipliers + change[:, n:], 0.0)
@@ -644,7 +601,7 @@ def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
     )
 
 
-def _finished(plan: Plan, at: Polish) -> Any:
+def _finished(plan: SearchPlan, at: Polish) -> Any:
     left = at.best.residual
     converging = (left < _NEAR) & (left >= tolerance(plan.dtype))
     return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
@@ -653,20 +610,17 @@ def _finished(plan: Plan, at: Polish) -> Any:
 # --- from the scan to the answer --------------------------------------------------------------------------------------
 
 
-def begin(plan: Plan) -> State:
+def begin(plan: SearchPlan) -> SearchState:
     """The first state of a search, which asks for the first points of its scan."""
     n, m, mesh = plan.variables, plan.limits, plan.mesh()
-    cells = np.zeros((plan.passes, plan.lanes, 1 + m), plan.dtype)
-    scanned = Scanned(cells, cells if n == 1 else np.zeros(0, plan.dtype))
+    scanned = np.zeros((plan.passes, plan.lanes, (1 + m) * (2 if n == 1 else 1)), plan.dtype)
     functions, count = np.ones(1 + m, plan.dtype), np.zeros((), np.int32)
     kept = Kept(np.zeros(n, plan.dtype), np.inf * functions, np.zeros((1 + m, n), plan.dtype)) if m else None
     descent = at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
-    return State(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
+    return SearchState(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
 
 
-def tell(
-    plan: Plan, state: State, values: Any, slopes: Any, objective: Callable[[Array], Array] | None = None
-) -> State:
+def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """The state after the values and slopes at `state.points` are known.
 
     Args:
@@ -674,18 +628,18 @@ def tell(
         state: Where it stands.
         values: At the points, (lanes, 1 + m).
         slopes: By u, (lanes, 1 + m, n).
-        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
     """
     xp = namespace(values)
     scanning = state.phase == SCAN
-    scanned = with_row(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, values, slopes[:, :, 0])
+    new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
+    scanned = with_row(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, new)
     # The scan is kept out of the branches, which would copy it.
     state = state._replace(passes=state.passes + np.int32(1), scanned=scanned, kept=_kept(state, values, slopes))
     rest = state._replace(scanned=None)
-    steps: tuple[Callable[[State], State], ...] = (
+    steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: _scan_on(plan, rest),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes, objective),
+        lambda rest: descended(plan, rest, values, slopes),
         lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )
@@ -695,7 +649,7 @@ def tell(
     return rest._replace(scanned=scanned)
 
 
-def _kept(state: State, values: Any, slopes: Any) -> Kept | None:
+def _kept(state: SearchState, values: Any, slopes: Any) -> Kept | None:
     """The lowest point that keeps the limits, with those at which the search has asked last."""
     if state.kept is None:
         return None
@@ -710,12 +664,10 @@ def _kept(state: State, values: Any, slopes: Any) -> Kept | None:
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------
 
 
-def _scan_on(plan: Plan, state: State) -> State:
+def _scan_on(plan: SearchPlan, state: SearchState) -> SearchState:
     """The search, asking for the next points of its scan."""
     xp = namespace(state.points)
-    mesh, row = plan.mesh(), xp.minimum(state.passes, plan.passes - 1)
-    points = mesh[row] if xp is np else jax.lax.dynamic_index_in_dim(jnp.asarray(mesh), row, keepdims=False)
-    return state._replace(points=points)
+    return state._replace(points=xp.asarray(plan.mesh())[xp.minimum(state.passes, plan.passes - 1)])
 
 
 class _Scan(NamedTuple):
@@ -728,10 +680,10 @@ class _Scan(NamedTuple):
     scale: Any  # of the objective and of the limits, (1 + m,)
 
 
-def _overview(plan: Plan, scanned: Scanned) -> _Scan:
+def _overview(plan: SearchPlan, scanned: Any) -> _Scan:
     """The scan as a whole."""
-    xp, points = namespace(scanned.values), plan.samples**plan.variables
-    values = scanned.values.reshape(-1, 1 + plan.limits)[:points]
+    xp, points = namespace(scanned), plan.samples**plan.variables
+    values = scanned.reshape(-1, scanned.shape[-1])[:points, : 1 + plan.limits]
     known = xp.isfinite(values).all(1)
     lowest, highest = (
         end(xp.where(known[:, None], values, far), axis=0) for end, far in ((xp.min, np.inf), (xp.max, -np.inf))
@@ -748,9 +700,9 @@ def _overview(plan: Plan, scanned: Scanned) -> _Scan:
     return _Scan(values[:, 0], excess, known, lowest[0].astype(plan.dtype), scale)
 
 
-def _descents_from_valleys(plan: Plan, state: State, scanned: Scanned) -> State:
+def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
     """The search with its descents begun in the deepest valleys of the scan."""
-    xp, seen = namespace(scanned.values), _overview(plan, scanned)
+    xp, seen = namespace(scanned), _overview(plan, scanned)
     grid = plan.variables * (plan.samples,)
     height = (seen.values - seen.lowest) / seen.scale[0]
     merit = xp.where(seen.known, height + 10.0 * seen.excess, np.inf)
@@ -761,7 +713,7 @@ def _descents_from_valleys(plan: Plan, state: State, scanned: Scanned) -> State:
         valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
         valley = valley | _valleys(xp.where(seen.known, seen.excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
         merit = xp.where(keeps, height, 2.0 + merit)
-    valleys, count = _deepest(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
+    valleys, count = _lowest_of(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
     axis = xp.asarray(plan.axis_points())
     start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
     descent = at_start(plan, start, np.arange(plan.starts) >= count)
@@ -788,7 +740,7 @@ def _valleys(scanned: Any) -> Any:
     return valley
 
 
-def _deepest(depths: Any, count: int) -> Any:
+def _lowest_of(depths: Any, count: int) -> Any:
     """The indices of the lowest numbers."""
     if namespace(depths) is np:
         return np.argsort(depths, kind="stable")[:count]
@@ -804,7 +756,7 @@ def _deepest(depths: Any, count: int) -> Any:
 # --- what was found -------------------------------------------------------------------------------------------------
 
 
-def conclude(plan: Plan, state: State) -> Solution:
+def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     """The best minimum of a finished search, its rival, and whether it is certain."""
     xp, seen, points, scale = namespace(state.scale), _overview(plan, state.scanned), state.polish.best, state.scale
     used = np.arange(plan.starts) < state.valleys
@@ -832,15 +784,15 @@ def conclude(plan: Plan, state: State) -> Solution:
     certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
     scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
-        scanned, inclined = (x.reshape(-1, 1 + plan.limits)[: plan.samples] / scale for x in state.scanned)
+        rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
         u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
         with np.errstate(all="ignore"):
             scan_found_nothing_better = certified & _nothing_hides(
-                xp.asarray(plan.axis_points()), scanned, inclined, u, values, multipliers, slack
+                xp.asarray(plan.axis_points()), rows[:, 0], rows[:, 1], u, values, multipliers, slack
             )
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
-    return Solution(
+    return SearchResult(
         u=points.u[pair],
         multipliers=points.multipliers[pair],
         values=points.values[pair] * scale,
@@ -856,7 +808,7 @@ def conclude(plan: Plan, state: State) -> Solution:
     )
 
 
-def _as_point(plan: Plan, kept: Kept, scale: Any) -> Point:
+def _as_point(plan: SearchPlan, kept: Kept, scale: Any) -> Point:
     """The lowest point that keeps the limits, in the form of the end of a descent."""
     xp, slopes = namespace(scale), kept.slopes / scale[:, None]
     side = xp.where(xp.abs(kept.u) == 1.0, kept.u, 0.0)
@@ -931,7 +883,7 @@ class Interval:
     def __post_init__(self) -> None:
         if self.scale not in ("linear", "logarithmic"):
             raise ValueError(f'scale = {self.scale!r} is neither "linear" nor "logarithmic"')
-        for name in ("lower", "upper"):
+        for name in _BOUNDS:
             check_real(name, getattr(self, name))
         if isinstance(self.lower, Tracer) or isinstance(self.upper, Tracer):
             return
@@ -987,7 +939,6 @@ def minimise(
     space: Mapping[str, Interval],
     *,
     limits: Callable[[Variables], Array] | None = None,
-    solver: "optax.GradientTransformation | None" = None,
     samples: int | None = None,
     starts: int | None = None,
     max_steps: int = 200,
@@ -1005,8 +956,6 @@ def minimise(
         space: The interval of each variable.
         limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0. They should
             be of the order of one, such as logarithms of ratios.
-        solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
-            to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
         samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
             each for two, 17 for three.
         starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
@@ -1035,98 +984,42 @@ def minimise(
     for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
         if number is not None and number < least:
             raise ValueError(f"{name} = {number} is below {least}")
-    posed = _posed(objective, space, limits)
-    plan = plan_of(len(space), posed.limits, posed.dtype, samples, starts, max_steps, noise)
-    plan = plan._replace(solver=solver, axis=axis_name)
-    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
-    fixed = jax.lax.stop_gradient(posed.params)
-    found = _searched(lambda u: posed.function(u, fixed), plan)
-    return _with_derivatives(posed, found)
-
-
-def differentiable(
-    found: Minimum,
-    objective: Callable[[Variables], Array],
-    space: Mapping[str, Interval],
-    *,
-    limits: Callable[[Variables], Array] | None = None,
-) -> Minimum:
-    """A known minimum with its derivatives, as `minimise` gives them: nothing is searched.
-
-    Args:
-        found: The result of `minimise` for the same objective, space and limits.
-        objective: See `minimise`.
-        space: See `minimise`.
-        limits: See `minimise`.
-
-    Returns:
-        The same minimum, differentiable in the bounds and in whatever the functions close over.
-
-    Raises:
-        ValueError: See `minimise`.
-
-    Examples:
-        >>> import jax
-        >>> from plgwear_jax.optimise import Interval, differentiable, minimise
-        >>> space = {"x": Interval(0.0, 1.0)}
-        >>> best = jax.jit(lambda a: minimise(lambda v: (v["x"] - a) ** 2, space))(0.5)
-        >>> again = lambda a: differentiable(best, lambda v: (v["x"] - a) ** 2, space)
-        >>> print(f"{jax.grad(lambda a: again(a).variables['x'])(0.5):.3f}")
-        1.000
-    """
-    posed = _posed(objective, space, limits)
-    return _with_derivatives(posed, _given(found, posed))
-
-
-class _Posed(NamedTuple):
-    """Objective and limits as one function on the scale of the search, and what it depends on."""
-
-    function: Callable[[Array, Any], Array]  # of u in [-1, 1]
-    params: Any  # the lower and upper bounds, and what the functions close over
-    limits: int
-    names: tuple[str, ...]
-    logarithmic: np.ndarray
-    dtype: Any
-
-
-def _posed(
-    objective: Callable[[Variables], Array],
-    space: Mapping[str, Interval],
-    limits: Callable[[Variables], Array] | None,
-) -> _Posed:
     if not space:
         raise ValueError("space is empty: name at least one variable")
+    names, logarithmic = tuple(space), _logarithmic(space)
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
-    lower = jnp.stack([jnp.asarray(interval.lower, dtype) for interval in space.values()])
-    upper = jnp.stack([jnp.asarray(interval.upper, dtype) for interval in space.values()])
-    logarithmic = _logarithmic(space)
+    lower, upper = (jnp.stack([jnp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
 
     def everything(variables: Variables) -> Array:
         value = jnp.asarray(objective(variables))[None]
         return value if limits is None else jnp.concatenate([value, jnp.asarray(limits(variables))])
 
-    names = tuple(space)  # without the bounds: rules of JAX, which live longer than traced values, keep the function
-
-    # Values that the functions close over become arguments, so that a rule can differentiate with respect to them.
-    converted, closed_over = jax.closure_convert(everything, _named(names, lower))
+    # Values that the functions close over become arguments, so that a rule can differentiate with respect to them. It
+    # lives longer than traced values: the bounds are arguments as well.
+    converted, closed_over = jax.closure_convert(everything, by_name(names, lower))
 
     def function(u: Array, params: Any) -> Array:
         lower, upper, closed_over = params
-        return converted(_named(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
+        return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
-    defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
-    params = (lower * defined, upper, closed_over)
+    params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
-    return _Posed(function, params, count, names, logarithmic, dtype)
-
-
-def _with_derivatives(posed: _Posed, found: Solution) -> Minimum:
+    plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
+    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
+    fixed = jax.lax.stop_gradient(params)
+    evaluate = jax.vmap(values_and_jacobian(lambda u: function(u, fixed)))
+    first = jax.tree.map(jnp.asarray, begin(plan))
+    found = conclude(
+        plan,
+        jax.lax.while_loop(  # whose program contains the objective once
+            lambda state: state.phase != DONE, lambda state: tell(plan, state, *evaluate(state.points)), first
+        ),
+    )
     minima = (found.u, found.multipliers, found.values, found.slopes)
-    u, multipliers, values, slopes = tied(posed.function, found.scale, minima, posed.params)
+    u, multipliers, values, slopes = tied(function, found.scale, minima, params)
     found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
-    lower, upper, _ = posed.params
-    return _minimum_of(found, posed.names, lower, upper, posed.logarithmic)
+    return _minimum_of(found, names, params[0], upper, logarithmic)
 
 
 def plan_of(
@@ -1137,27 +1030,31 @@ def plan_of(
     starts: int | None = None,
     max_steps: int = 200,
     noise: float | None = None,
-) -> Plan:
+) -> SearchPlan:
     """The plan of the search for so many variables and limits."""
     dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
     along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
     begun = min(along**n, starts or (3 if n == 1 else 24))
     noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
-    return Plan(n, limits, along, begun, max_steps, noise, dtype)
+    return SearchPlan(n, limits, along, begun, max_steps, noise, dtype)
 
 
 _ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what is said of a minimum
+_BOUNDS = "lower", "upper"
 
 
 def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
     return np.array([interval.scale == "logarithmic" for interval in space.values()])
 
 
-def _named(names: Iterable[str], values: Any) -> dict[str, Any]:
+def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
+    """The values by the names."""
     return dict(zip(names, values, strict=True))
 
 
-def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
+def _minimum_of(
+    found: SearchResult, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray
+) -> Minimum:
     """A solution in terms of the named variables."""
     values, slopes = found.values, found.slopes
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
@@ -1169,14 +1066,14 @@ def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any,
     first, last = _ends(lower, upper, logarithmic)
     outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
     return Minimum(
-        variables=_named(names, at_best),
+        variables=by_name(names, at_best),
         value=values[0, 0],
-        side=_named(names, found.side.astype(int)),
-        bound_multipliers=_named(names, xp.where(found.side == 0.0, 0.0, outward)),
+        side=by_name(names, found.side.astype(int)),
+        bound_multipliers=by_name(names, xp.where(found.side == 0.0, 0.0, outward)),
         limits=values[0, 1:],
         multipliers=multipliers,
         projected_gradient=found.residual,
-        rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
+        rival=by_name(names, xp.where(found.has_rival, at_rival, np.nan)),
         rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
         **{name: getattr(found, name) for name in _ENDED},
     )
@@ -1203,24 +1100,10 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
 
 
-# --- one loop or many calls -------------------------------------------------------------------------------------------
-
-
-def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
-    """The search as one loop, whose program contains the objective once."""
-    evaluate = jax.vmap(with_slopes(function))
-
-    def step(state: State) -> State:
-        return tell(plan, state, *evaluate(state.points), objective=function)
-
-    first = jax.tree.map(jnp.asarray, begin(plan))
-    return conclude(plan, jax.lax.while_loop(lambda state: state.phase != DONE, step, first))
-
-
 def found_by(
     evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
     space: Mapping[str, Interval],
-    plan: Plan,
+    plan: SearchPlan,
 ) -> Minimum:
     """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
 
@@ -1236,45 +1119,12 @@ def found_by(
     Returns:
         The best minimum, of NumPy arrays.
     """
-    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
+    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in _BOUNDS)
     logarithmic = _logarithmic(space)
     first, last = _ends(lower, upper, logarithmic)
     state = begin(plan)
     while state.phase != DONE:
         at = _decoded(state.points, lower, upper, logarithmic)
-        values, slopes = evaluate(_named(space, at.T))
+        values, slopes = evaluate(by_name(space, at.T))
         state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
     return _minimum_of(conclude(plan, state), tuple(space), lower, upper, logarithmic)
-
-
-# --- a known minimum -----------------------------------------------------------------------------------------
-
-
-def _given(at: Minimum, posed: _Posed) -> Solution:
-    """A minimum in the form of a result of the search."""
-    params, logarithmic = jax.lax.stop_gradient(posed.params), posed.logarithmic
-    lower, upper, _ = params
-    first, last = _ends(lower, upper, logarithmic)
-    dtype = first.dtype
-
-    def encoded(variables: Variables) -> Array:
-        value = jnp.stack([jnp.asarray(x, dtype) for x in variables.values()])
-        along = jnp.where(logarithmic, jnp.log(jnp.where(logarithmic, value, 1.0)), value)
-        return jnp.clip((2.0 * along - first - last) / (last - first), -1.0, 1.0)
-
-    side = jnp.stack([jnp.asarray(side, dtype) for side in at.side.values()])
-    best = jnp.where(side == 0.0, encoded(at.variables), side)
-    has_rival = jnp.isfinite(at.rival_value)
-    u = jnp.stack([best, jnp.where(has_rival, encoded(at.rival), best)])
-    values, slopes = slopes_at(posed.function, u, params)
-    return Solution(
-        u=u,
-        multipliers=jnp.stack(2 * [jnp.asarray(at.multipliers, dtype)]),
-        values=values,
-        slopes=slopes,
-        side=side,
-        scale=jnp.ones(values.shape[1], dtype),
-        residual=jnp.asarray(at.projected_gradient),
-        has_rival=has_rival,
-        **{name: jnp.asarray(getattr(at, name)) for name in _ENDED},
-    )

@@ -1,7 +1,6 @@
 """Pictures of the wear over cycles: under one amplitude, over blocks of amplitudes, and fitted to measured volumes."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,24 +19,25 @@ from plgwear_jax.plots.style import (
     ORANGE,
     REFERENCE,
     UNWORN,
+    Style,
+    label,
     legend_above,
     letters,
     mark,
     mark_roughness,
     page,
     picture,
-    show_units,
 )
 from plgwear_jax.shapes.of_contact import unworn_of
-from plgwear_jax.wear.run import Final, Run
+from plgwear_jax.wear.run import Run
 
 # From light to dark, for grey prints too.
-_SHADES: tuple[dict[str, Any], ...] = (
+_SHADES: tuple[Style, ...] = (
     {"color": "#56B4E9", "linestyle": (0, (1, 1))},
     {"color": BLUE, "linestyle": DASHED},
     {"color": "#08306b", "linestyle": "-"},
 )
-_END: dict[str, Any] = {"color": ORANGE, "linestyle": "-", "label": "steady state"}
+_END: Style = {"color": ORANGE, "linestyle": "-", "label": "steady state"}
 
 
 @picture
@@ -56,33 +56,28 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         A figure 18 cm wide; `save` writes it.
     """
     figure = page(18.0, 8.5)
-    panels = figure.subplot_mosaic([["a", "b", "d"], ["a", "c", "d"]])
-    at, final = np.asarray(shown, float), run.final
-    _draw_volume(panels["a"], run, np.asarray(cycles, float), at, life)
-    inner, outer = float(np.min(run.stick_radius(at))), float(np.max(run.contact_radius(at)))
-    styles: list[dict[str, Any]] = [
-        style | {"label": f"{plain_number(number)} cycles{_share(run, final, number)}"}
-        for number, style in zip(at, _SHADES, strict=False)
-    ]
+    panels = figure.subplot_mosaic("abd;acd")
+    states, styles, final = [*shown], [*_SHADES[: len(shown)]], run.final
+    volumes, end = np.asarray(run.volume(shown)), np.inf if final is None else float(final.volume)
+    _draw_volume(panels["a"], run, np.asarray(cycles, float), end, life)
+    for i, (number, volume) in enumerate(zip(shown, volumes, strict=True)):
+        panels["a"].plot(number, volume, "o", color=styles[i]["color"], **DOT)
+        share = "" if final is None else f" ({100.0 * volume / end:.0f} %)"
+        styles[i] = styles[i] | {"label": f"{plain_number(number)} cycles{share}"}
     if final is not None:
-        inner, outer = (float(final.stick_radius) if run.load.holds_force else inner), float(final.worn_radius)
+        states.append(float(run.lasting_cycles))
         styles.append(_END)
+    inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
     first, last = max(inner - (outer - inner), 0.0), outer + 0.15 * (outer - inner)
     # Radii crowd at the stick edge, where all quantities may have infinite slopes.
     crowded = np.linspace(0.0, 1.0, 121) ** 2
     r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
-    states = at if final is None or run.load.holds_force else np.append(at, np.asarray(run.lasting_cycles))
-    depths, pressures = (list(np.asarray(field(r, states[:, None]))) for field in (run.depth, run.pressure))
-    steady = run.steady if run.load.holds_force else None
-    if steady is not None:
-        depths.append(np.asarray(steady.wear_depth(r)))
-        pressures.append(np.asarray(steady.pressure(r)))
+    depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
     shape, before = np.asarray(unworn_of(run.contact)(r)), np.asarray(run.contact.steady(0.0).initial_pressure(r))
-    deepest = float(max(map(np.max, depths)))
-    highest = (2.5 if inner > 0.0 else 1.1) * before.max()
+    deepest, highest = float(np.max(depths)), (2.5 if inner > 0.0 else 1.1) * before.max()
     for key, name, words, unworn, rows, limits in (
-        ("b", "profile", f"{entry('profile').name} $f$", shape, [shape + depth for depth in depths], (None, None)),
-        ("c", "wear_depth", entry("wear_depth").name, np.zeros_like(r), depths, (0.0, None)),
+        ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths, (None, None)),
+        ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths, (0.0, None)),
         ("d", "pressure", "pressure", before, pressures, (0.0, highest)),
     ):
         axes = panels[key]
@@ -92,8 +87,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.set(xlim=(first, last), ylim=limits)
         if key == "c":
             mark_roughness(axes, deepest)
-        show_units(axes.xaxis, "r")
-        show_units(axes.yaxis, name, words)
+        label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
     deep = written(deepest, entry("wear_depth").unit)
@@ -109,24 +103,16 @@ def plain_number(number: float) -> str:
     return rf"${mantissa}\times 10^{{{int(exponent)}}}$" if not 1.0 <= number < 1e3 else f"{number:.0f}"
 
 
-def _share(run: Run, final: Final | None, number: float) -> str:
-    return "" if final is None else f" ({100.0 * float(run.volume(number)) / float(final.volume):.0f} %)"
-
-
-def _draw_volume(axes: Axes, run: Run, cycles: np.ndarray, shown: np.ndarray, life: float | None) -> None:
-    volume, final = np.asarray(run.volume(cycles)), run.final
-    largest = float(volume.max() if final is None else final.volume)
-    axes.loglog(cycles, volume[0] / cycles[0] * cycles, **FORBIDDEN | {"label": "wear of the first cycles"})
+def _draw_volume(axes: Axes, run: Run, cycles: np.ndarray, end: float, life: float | None) -> None:
+    volume = np.asarray(run.volume(cycles))
+    axes.loglog(cycles, volume[0] / cycles[0] * cycles, label="wear of the first cycles", **FORBIDDEN)
     axes.loglog(cycles, volume, color="k", label=entry("volume").name)
-    if final is not None:
-        axes.axhline(largest, color=ORANGE)
-    for number, worn, style in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
-        axes.plot(number, worn, "o", color=style["color"], **DOT)
+    if end < np.inf:
+        axes.axhline(end, color=ORANGE)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0], 3.0 * largest))
-    show_units(axes.xaxis, "cycles")
-    show_units(axes.yaxis, "volume")
+    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0], 3.0 * (end if end < np.inf else volume.max())))
+    label(axes, "cycles", "volume")
 
 
 @picture
@@ -144,21 +130,18 @@ def blocks_picture(run: Run) -> Figure:
     figure = page(16.0, 6.5)
     panels = figure.subplots(1, 3)
     ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
-    cycles = np.append(0.0, ends)
+    cycles, steps = np.append(0.0, ends), {"drawstyle": "steps-pre"}
     for axes, name, read, style in (
         (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0}),
-        (panels[1], "tangential_force", run.force_amplitude, BEST),
-        (panels[2], "r", run.stick_radius, REFERENCE | {"label": "stick"}),
-        (panels[2], "r", run.contact_radius, BEST | {"label": "contact"}),
+        (panels[1], "tangential_force", run.force_amplitude, BEST | steps),
+        (panels[2], "r", run.stick_radius, REFERENCE | steps | {"label": "stick"}),
+        (panels[2], "r", run.contact_radius, BEST | steps | {"label": "contact"}),
     ):
         values = np.asarray(read(ends))
         # the volume grows from nothing, all others are those at the end of each block
-        first = 0.0 if name == "volume" else values[0]
-        axes.plot(cycles, np.append(first, values), drawstyle="default" if name == "volume" else "steps-pre", **style)
-        axes.set_xlim(0.0, 1.02 * cycles[-1] or None)
-        axes.set_ylim(bottom=0.0)
-        show_units(axes.xaxis, "cycles")
-        show_units(axes.yaxis, name, entry(name).name)
+        axes.plot(cycles, np.append(0.0 if name == "volume" else values[0], values), **style)
+        axes.set(xlim=(0.0, 1.02 * cycles[-1] or None), ylim=(0.0, None))
+        label(axes, "cycles", name, entry(name).name)
     panels[2].legend(loc="lower right")
     letters(panels)
     return figure
@@ -179,22 +162,20 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     """
     figure = page(14.0, 7.0)
     left, right = panels = figure.subplots(1, 2)
-    dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
-    bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
+    dots: Style = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
+    bars = np.nan_to_num(fit.deviation, posinf=0.0)
     best, low, high = fit.curve
     if np.all(np.isfinite(low)):
         left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 %")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
     if fit.steady_volume is not None:
         left.axhline(fit.steady_volume, **_END)
-    left.errorbar(fit.cycles, fit.volume, bars, label=points, **dots)
     right.axhline(0.0, **BEST)
-    right.errorbar(fit.cycles, fit.volume - fit.fitted, bars, **dots)
-    left.set_ylim(0.0, 1.3 * max(float(fit.volume.max()), float(fit.fitted.max())))
-    for axes, words in ((left, None), (right, f"{points} less fitted")):
+    left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))
+    for axes, known, words in ((left, 0.0, None), (right, fit.fitted, f"{points} less fitted")):
+        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, **dots)
         axes.set_xlim(0.0, 1.1 * fit.cycles.max())
-        show_units(axes.xaxis, "cycles")
-        show_units(axes.yaxis, "volume", words)
+        label(axes, "cycles", "volume", words)
     letters(panels)
     legend_above(figure, left, 4)
     return figure

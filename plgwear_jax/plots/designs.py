@@ -22,6 +22,8 @@ from plgwear_jax.plots.style import (
     OTHER,
     REFERENCE,
     ROUGHNESS,
+    Style,
+    label,
     legend_above,
     letters,
     mark,
@@ -36,11 +38,12 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.optimise import FreeDesign
 
+_FELT: Style = {"zorder": -1, "color": "0.9", "linewidth": 0.0}
 _POINTS = 61  # of a curve, which is one batch of contacts
 _SYMBOLS = "$a_0$: contact radius before wear"
 _RING = rf"{_SYMBOLS}; $c$, $a_\infty$: stick radius and outer radius of the worn ring, dotted"
 
-_Worn = Sequence[tuple[Any, ...]]  # radii, wear depths, both edges of the ring, all in m, and a style
+_Worn = Sequence[Sequence[Any]]  # radii, wear depths, both edges of the ring, all in m
 
 
 @picture
@@ -61,80 +64,76 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    comparison = compared(design) if comparison is None else comparison
+    comparison = comparison or compared(design)
     found = comparison.quantities
     radius = float(found["contact_radius"][1] if "contact_radius" in found else np.asarray(design.reference.radius))
     best = "best" if design.keeps_limits else "closest design, limits violated"
-    contacts = (best, design.contact), ("reference", design.reference)
     labels = [
-        f"{words}, $k = {float(np.asarray(its.material.k)):.3g}$" if hasattr(its.material, "k") else words  # pyright: ignore[reportAttributeAccessIssue]
-        for words, its in contacts
+        f"{words}, $k = {float(its.material.k):.3g}$" if hasattr(its.material, "k") else words  # pyright: ignore
+        for words, its in ((best, design.contact), ("reference", design.reference))
     ]
     figure, panels = _three_panels(comparison.depths, comparison.modulus, labels, radius, design.windows)
     _draw_objective(panels[1], design)
-    rings = zip(comparison.radii, comparison.depth, (BEST, REFERENCE), strict=True)
-    worn = [(r, depth, r[0], r[-1], style) for r, depth, style in rings]
-    if design.load is None:
-        draw_depths(panels[2], worn, "$a$", r"worn off the face, $d - w_\infty$")
-    else:
-        draw_depths(panels[2], worn, r"$a_\infty$" if "worn_radius" in found else "$a$")
-    symbols = _RING if "worn_radius" in found else rf"{_SYMBOLS}; $a$: contact radius when worn, dotted"
+    worn = [(r, depth, r[0], r[-1]) for r, depth in zip(comparison.radii, comparison.depth, strict=True)]
+    end, symbols = r"$a_\infty$", _RING
+    if "worn_radius" not in found:
+        end, symbols = "$a$", f"{_SYMBOLS}; $a$: contact radius when worn, dotted"
+    words = r"worn off the face, $d - w_\infty$" if design.load is None else None
+    _draw_depths(panels[2], worn, (BEST, REFERENCE), end, words)
     saved = f"{best}: {_less(design.saving)} {entry(design.objective).name} than the reference"
     breaks = ", which breaks a limit" if _reference_breaks(design) else ""
-    _explain(figure, panels, f"{saved}{breaks}{_limits(design)}\n{_conditions(design)}\n{symbols}")
-    return figure
+    return _explained(figure, panels, f"{saved}{breaks}{_limits_told(design)}\n{_conditions(design)}\n{symbols}")
 
 
 def _less(saving: float) -> str:
     return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 
-def _limits(design: Design) -> str:
+def _limits_told(design: Design) -> str:
     """The limits with their values, but for those of the modulus, which are drawn as bars."""
     told = [
-        f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} "
-        f"{written(float(np.asarray(one.allowed)), entry(one.quantity).unit)}"
+        f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {_measured(one.quantity, one.allowed)}"
         for one in design.limits.values()
         if one.quantity not in ("modulus_at", design.hold)
     ]
     return f"\nlimits: {', '.join(told)}" if told else ""
 
 
+def _measured(name: str, value: Any) -> str:
+    """A number with its unit; of several the range."""
+    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
+    return " to ".join(ends)
+
+
 def _conditions(design: Design) -> str:
     """The load and the contact, which both designs have in common, in words."""
     contact, load = design.reference, design.load
     if load is None:
-        return f"flat punch of radius {_written(contact, 'radius')}, pressed {_written(contact, 'depth')} deep"
-    amplitudes = load.amplitudes
-    if amplitudes is None:
-        told = "blocks of amplitudes"
-    else:
+        radius, depth = (_measured(name, getattr(contact, name)) for name in ("radius", "depth"))
+        return f"flat punch of radius {radius}, pressed {depth} deep"
+    told = "blocks of amplitudes"
+    if load.amplitudes is not None:
         name = "tangential_force" if load.load.holds_force else "displacement"
         several = "up to " if np.count_nonzero(load.weight) > 1 else ""
-        told = f"amplitude ${entry(name).symbol}$ = {several}{written(float(np.max(amplitudes)), entry(name).unit)}"
+        told = f"amplitude ${entry(name).symbol}$ = {several}{_measured(name, np.max(load.amplitudes))}"
         if load.load.holds_force:
             told += rf" ({100.0 * float(np.max(design.question.phi)):.2g} % of $\mu F_N$)"
-    words = [f"${entry(name).symbol}$ = {_written(contact, name)}" for name in ("normal_force", "friction", "radius")]
+    given = {name: getattr(contact, name) for name in ("normal_force", "friction", "radius")}
+    words = [f"${entry(name).symbol}$ = {_measured(name, value)}" for name, value in given.items()]
     indenter = getattr(contact, "indenter", None)
-    return ", ".join([told, *words, "rigid indenter" if indenter is None else f"indenter of {_written(indenter, 'E')}"])
-
-
-def _written(owner: Any, name: str) -> str:
-    """A number of a contact with its unit; of several the range."""
-    values, unit = np.asarray(getattr(owner, name)), entry(f"indenter.{name}" if name == "E" else name).unit
-    ends = {written(float(value), unit): None for value in (values.min(), values.max())}
-    return " to ".join(ends)
+    body = "rigid indenter" if indenter is None else f"indenter of {_measured('indenter.E', indenter.E)}"
+    return ", ".join([told, *words, body])
 
 
 def _reference_breaks(design: Design) -> bool:
     """Whether the reference breaks a limit; it may be outside of the bounds."""
-    there = design.reference_variables
-    bounds = {name: (min(low, there[name]), max(high, there[name])) for name, (low, high) in design.bounds.items()}
-    return not keeps(evaluate(dataclasses.replace(design.question, bounds=bounds), there).values[0, 1:])
+    there, question = design.reference_variables, design.question
+    bounds = {name: tuple(sorted((*ends, there[name]))[::2]) for name, ends in design.bounds.items()}
+    return not keeps(evaluate(dataclasses.replace(question, bounds=bounds), there).values[0, 1:])
 
 
 def _three_panels(
-    depths: Any, moduli: Any, labels: Sequence[str], radius: float, windows: Sequence[tuple[float, float, float]] = ()
+    depths: Any, moduli: Any, labels: Sequence[str], radius: float, windows: Any = ()
 ) -> tuple[Figure, Any]:
     """A page whose first panel has moduli over the depth, with bars between the lowest and the highest one allowed."""
     figure = page(18.0, 8.4)
@@ -142,7 +141,7 @@ def _three_panels(
     axes = panels[0]
     for modulus, words, style in zip(moduli, labels, (BEST, REFERENCE, OTHER), strict=False):
         axes.loglog(depths, modulus, label=words, **style)
-    if windows:
+    if len(windows):
         z, *ends = np.asarray(windows).T
         told = {
             f"{a:.4g} to {b:.4g}" if a < b else f"at most {b:.4g}" if np.isnan(a) else f"at least {a:.4g}"
@@ -159,35 +158,36 @@ def _three_panels(
     return figure, panels
 
 
-def _explain(figure: Figure, panels: Any, words: str) -> None:
+def _explained(figure: Figure, panels: Any, words: str) -> Figure:
     """Letters, the legend above all panels, and below them what they have in common."""
     letters(panels)
     legend_above(figure, panels, 3)
     figure.supxlabel(words, fontsize=7, color="0.3")
+    return figure
 
 
-def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = entry("wear_depth").name) -> None:
+def _draw_depths(
+    axes: Axes, worn: _Worn, styles: Sequence[Style], end: str = r"$a_\infty$", words: str | None = None
+) -> None:
     """Draw wear depths over the radius, and the roughness of a ground surface; outside of the ring nothing is worn."""
-    for r, depth, c, a, style in worn:
+    for (r, depth, *edges), style in zip(worn, styles, strict=True):
         axes.plot(r, depth, **style)
-        for edge in (c, a):
-            axes.axvline(float(edge), **GUIDE | {"color": style["color"]})
-    for edge, symbol in ((worn[-1][2], "$c$"), (worn[-1][3], end)):
+        for edge in edges:
+            axes.axvline(edge, **GUIDE | {"color": style["color"]})
+    for edge, symbol in zip(worn[-1][2:], ("$c$", end), strict=True):
         if edge > 0.0:
-            mark(axes, float(edge), symbol)
-    if not mark_roughness(axes, max(float(np.max(row[1])) for row in worn)):
+            mark(axes, edge, symbol)
+    if not mark_roughness(axes, max(float(np.max(depth)) for _, depth, *_ in worn)):
         axes.set_title(f"below the roughness, {ROUGHNESS}", loc="right")
-    show_units(axes.xaxis, "r")
-    show_units(axes.yaxis, "wear_depth", words)
+    label(axes, "r", "wear_depth", words or entry("wear_depth").name)
 
 
 def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
-    here, there = design.variables[name], design.reference_variables[name]
-    ends = bounds[name]
-    values = (np.linspace if is_linear(name) else np.geomspace)(*ends, _POINTS)
-    values = np.unique([*values, here, *([there] if ends[0] <= there <= ends[1] else [])])
+    (low, high), here, there = bounds[name], design.variables[name], design.reference_variables[name]
+    values = np.append((np.linspace if is_linear(name) else np.geomspace)(low, high, _POINTS), here)
+    values = np.unique(np.append(values, there) if low <= there <= high else values)
     course = along(design, name, values)
     curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
     kept, change = np.asarray(course.keeps_limits), -100.0 * design.saving
@@ -199,20 +199,25 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.axhline(0.0, **GUIDE)
     axes.set_title(_less(design.saving), loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
-    seen = np.array([*curve[kept], 0.0, change])
-    low, high = np.array([seen.min(), seen.max()]) + 0.2 * np.ptp(seen) * np.array([-1.0, 1.0])
+    seen = [*curve[kept], 0.0, change]
+    low, high = _widened(seen, 0.2 * np.ptp(seen))
     shown = values[(low < curve) & (curve < high)]
     axes.set_ylim(low, high)
     if is_linear(name):
-        axes.set_xlim(np.array([min(there, *shown), max(there, *shown)]) + 0.05 * np.ptp(shown) * np.array([-1.0, 1.0]))
+        axes.set_xlim(*_widened([there, *shown], 0.05 * np.ptp(shown)))
     else:
         axes.set_xscale("log")
+    others = "\nall else as in the best design" if len(bounds) > 1 else ""
     show_units(axes.xaxis, name, leaf(name).label)
-    if len(bounds) > 1:
-        axes.set_xlabel(f"{axes.get_xlabel()}\nall else as in the best design")
+    axes.set_xlabel(axes.get_xlabel() + others)
     minimised = entry(design.objective)
     several = design.load is not None and np.count_nonzero(design.load.weight) > 1
     axes.set_ylabel(f"change of {f'mean {minimised.name}' if several else minimised.label} (%)")
+
+
+def _widened(values: Sequence[float], margin: float) -> tuple[float, float]:
+    """The least and the largest of some values, with a margin on both sides."""
+    return min(values) - margin, max(values) + margin
 
 
 @picture
@@ -230,12 +235,12 @@ def front_picture(front: Front) -> Figure:
     Returns:
         A figure 7 cm wide and 7 cm more for each variable; `save` writes it.
     """
-    count = 1 + len(front.variables)
-    figure = page(7.0 * count, 7.0)
-    panels = figure.subplots(1, count, sharex=True, squeeze=False)[0]
+    columns = {front.y_name: front.y, **front.variables}
+    figure = page(7.0 * len(columns), 7.0)
+    panels = figure.subplots(1, len(columns), sharex=True, squeeze=False)[0]
     x, y = np.asarray(front.x), np.asarray(front.y)
-    inside = [BLUE if certain else "w" for certain in np.asarray(front.certified)]
-    for axes, (name, values) in zip(panels, {front.y_name: y, **front.variables}.items(), strict=True):
+    inside = np.where(front.certified, BLUE, "w")
+    for axes, (name, values) in zip(panels, columns.items(), strict=True):
         values = np.asarray(values)
         axes.plot(x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
         axes.scatter(x, values, s=12.0, color=inside, edgecolors=BLUE)
@@ -244,16 +249,18 @@ def front_picture(front: Front) -> Figure:
         show_units(axes.yaxis, name, leaf(name).label, size=np.max(values))
     letters(panels)
     axes = panels[0]
-    axes.plot(
-        float(front.reference_x), float(front.reference_y), "s", color=REFERENCE["color"], label="reference", **DOT
-    )
+    axes.plot(front.reference_x, front.reference_y, "s", color=REFERENCE["color"], label="reference", **DOT)
     for end, words in zip((0, -1), front.ends, strict=True):
         above = (y[0] >= y[-1]) == (end == 0)  # the higher end has room above, the lower one below
         axes.annotate(
-            words.replace(", ", "\n"), (x[end], y[end]), (0.0, 8.0 if above else -8.0),
-            textcoords="offset points", ha="left" if (x[0] <= x[-1]) == (end == 0) else "right",
-            va="bottom" if above else "top", color="0.3",
-        )  # fmt: skip
+            words.replace(", ", "\n"),
+            (x[end], y[end]),
+            (0.0, 8.0 if above else -8.0),
+            textcoords="offset points",
+            ha="left" if (x[0] <= x[-1]) == (end == 0) else "right",
+            va="bottom" if above else "top",
+            color="0.3",
+        )
     axes.set_ylim(0.0, 1.4 * axes.dataLim.y1)
     axes.legend()
     for side, name, places in ((axes.yaxis, front.y_name, front.y_places), (axes.xaxis, front.x_name, front.x_places)):
@@ -285,22 +292,19 @@ def coating_picture(
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    law, found = fit.material, idealisation.quantities
-    E0, z0, k = (float(np.asarray(value)) for value in (law.E0, law.z0, law.k))
-    moduli, radii = (curve[1], E0 * (curve[0] / z0) ** k), found["contact_radius"]
+    E0, z0, k, radii = fit.material.E0, fit.material.z0, fit.material.k, idealisation.quantities["contact_radius"]
     labels = "$E(z)$ as given", f"power law, $k = {k:.3g}$"
-    figure, panels = _three_panels(curve[0], moduli, labels, float(radii[0]))
+    figure, panels = _three_panels(curve[0], (curve[1], E0 * (curve[0] / z0) ** k), labels, radii[0])
     panels[0].plot(fit.depth, fit.modulus, "o", color=BLUE, markersize=3.0)
-    _draw_influence(panels, counts, float(radii[0]))
-    for axes, label in zip(panels, ("0.1 to 3 contact radii", None), strict=False):
-        axes.axvspan(*fit.felt, zorder=-1, color="0.9", linewidth=0.0, label=label)
-    edges = found["stick_radius"], found["worn_radius"]
-    draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)])
-    unit = entry("contact_radius").unit
-    told = " and ".join(written(float(radius), unit) for radius in radii)
-    measured = "" if measured_radius is None else f"; measured: {written(measured_radius, unit)}"
-    _explain(figure, panels, f"contact radius on $E(z)$ and on the power law: {told}{measured}\n{_RING}")
-    return figure
+    _draw_influence(panels, counts, radii[0])
+    panels[0].axvspan(*fit.felt, label="0.1 to 3 contact radii", **_FELT)
+    panels[1].axvspan(*fit.felt, **_FELT)
+    edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
+    _draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, strict=True)], (BEST, REFERENCE))
+    told = " and ".join(_measured("contact_radius", radius) for radius in radii)
+    measured = "" if measured_radius is None else f"; measured: {_measured('contact_radius', measured_radius)}"
+    words = f"contact radius on $E(z)$ and on the power law: {told}{measured}"
+    return _explained(figure, panels, f"{words}\n{_RING}")
 
 
 def _draw_influence(panels: Any, counts: Any, radius: float) -> None:
@@ -335,12 +339,10 @@ def free_picture(
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
     bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    radius = float(found.contact_radii[0])
-    figure, panels = _three_panels(depths, (best, reference, law), labels, radius, [*zip(*bounds, strict=True)])
+    bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
+    figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
-    rows = zip(worn, (BEST, OTHER, REFERENCE), strict=True)
-    draw_depths(panels[2], [(*row, style) for row, style in rows])
+    _draw_depths(panels[2], worn, (BEST, OTHER, REFERENCE))
     name = entry(found.objective).name
     told = f"{_less(found.saving)} {name} than the reference, {_less(found.freedom)} than the best power law"
-    _explain(figure, panels, f"best free gradient: {told}\n{_RING}")
-    return figure
+    return _explained(figure, panels, f"best free gradient: {told}\n{_RING}")

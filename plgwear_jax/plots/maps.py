@@ -34,6 +34,7 @@ from plgwear_jax.plots.style import (
     DOTTED,
     GREEN,
     ORANGE,
+    Style,
     page,
     picture,
     show_units,
@@ -45,7 +46,7 @@ _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
 _ALMOST = 1.0 - 1e-15
 _BLANK = "0.86"
-_CURVES: dict[str, Any] = {
+_CURVES: Style = {
     "color": [BLUE, ORANGE, GREEN, "#AA4499", "k", "#E69F00"],
     "linestyle": ["-", DASHED, DASH_DOT, DOTTED, (0, (9, 2)), (0, (3, 1.2, 1, 1.2, 1, 1.2))],
 }
@@ -55,8 +56,8 @@ _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_
 _MOST = 3.0  # as much more or less wear than without a gradient has a colour of its own
 _MORE = 0.05  # as much more wear as the plateau has at its edge
 _EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
-_LEAST: dict[str, Any] = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
-_STAR: dict[str, Any] = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
+_LEAST: Style = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
+_STAR: Style = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
 
 
 class MapError(ValueError):
@@ -91,13 +92,10 @@ def map_picture(
     variable, told = _cut(_asked(ds, quantity), dict(at or {}))
     across, *others = _arranged(variable)
     is_map = bool(others) and variable.sizes[others[0]] > _FEW
-    for dim in variable.dims:
-        row = variable[dim]
-        index = np.argsort(row.to_numpy()) if _is_number(row) else np.arange(row.size)
-        most = _SEEN if is_map else _SEEN_OF_CURVE
-        seen = np.linspace(0, row.size - 1, min(most, row.size)).round().astype(int)
-        variable = variable.isel({dim: index[seen]})
-    variable = variable.transpose(*others, across).compute()
+    numbers = [dim for dim in variable.dims if _is_number(variable[dim])]
+    most = _SEEN if is_map else _SEEN_OF_CURVE
+    seen = {dim: np.linspace(0, n - 1, min(most, n)).round().astype(int) for dim, n in variable.sizes.items()}
+    variable = variable.sortby(numbers).isel(seen).transpose(*others, across).compute()
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
     draw = _draw_map if is_map else _draw_curves
@@ -146,17 +144,13 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     for axis in at:
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
-    for dim in dims:
-        values = variable[dim].to_numpy()
-        if dim in at:
-            variable = variable.isel({dim: _nearest(variable[dim], at[dim])})
-        elif np.all(values == values[0]):
-            variable = variable.isel({dim: 0})
+    variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
+    variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
     left = [str(dim) for dim in variable.dims]
     if not left:
         raise MapError(f"{name}: every axis has a single value; there is nothing to draw")
     if len(left) > 2:
-        spans = "; ".join(_span(variable[dim]) for dim in left)
+        spans = "; ".join(_axis_told(variable[dim]) for dim in left)
         raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
     told = []
     for dim, row in variable.coords.items():
@@ -183,11 +177,11 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
     ordered = np.sort(values)
     before, behind = (float(np.ptp(ends)) for ends in (ordered[:2], ordered[-2:]))
     if not ordered[0] - before <= number <= ordered[-1] + behind:
-        raise MapError(f"{said} outside of the sweep: {_span(row)}")
+        raise MapError(f"{said} outside of the sweep: {_axis_told(row)}")
     return int(np.argmin(np.abs(values - number)))
 
 
-def _span(row: xr.DataArray) -> str:
+def _axis_told(row: xr.DataArray) -> str:
     if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
     unit = row.attrs.get("units", "1")
@@ -209,7 +203,7 @@ def _arranged(variable: xr.DataArray) -> list[str]:
 
 def _label(array: xr.DataArray) -> str:
     """What a quantity or an axis is called, with its symbol: stores of before have its meaning alone."""
-    return str(array.attrs.get("label") or _plain(str(array.attrs.get("long_name", array.name))))
+    return str(array.attrs.get("label") or _no_formula(str(array.attrs.get("long_name", array.name))))
 
 
 def _symbol(row: xr.DataArray) -> str:
@@ -220,11 +214,11 @@ def _symbol(row: xr.DataArray) -> str:
 def _value(row: xr.DataArray, value: Any) -> str:
     unit = row.attrs.get("units", "1")
     if isinstance(value, str):
-        return _plain(value)
+        return _no_formula(value)
     return written(value, _printed(unit))
 
 
-def _plain(text: str) -> str:
+def _no_formula(text: str) -> str:
     """One line in which nothing is a formula."""
     return one_line(text).replace("$", r"\$")
 
@@ -248,13 +242,13 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     """Stretch an axis as the sweep has spaced its values; these values in the unit of the axis."""
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
     if not _is_number(row):
-        axis.set_ticks(np.arange(values.size), [_plain(str(value)) for value in values])
+        axis.set_ticks(np.arange(values.size), [_no_formula(str(value)) for value in values])
         axes.set(**{f"{side}label": _label(row)})
         return np.arange(values.size)
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
     axes.set(**{f"{side}lim": values[[0, -1]]})
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
-    scale: dict[str, Any] = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
+    scale: Style = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
     getattr(axes, f"set_{side}scale")("function" if bounded else spacing, **(scale if bounded else {}))
     if spacing != "logit":
         _show(axis, row)
@@ -265,12 +259,11 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     return values
 
 
-def _edges(axis: Any, values: np.ndarray) -> np.ndarray:
+def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
     """Where the cells around the values end: halfway on the scale of the axis; the outer ones with the values."""
     scale = axis.get_transform()
     u = scale.transform(values)
-    middle = scale.inverted().transform(0.5 * (u[1:] + u[:-1]))
-    return np.concatenate([values[:1], middle, values[-1:]])
+    return np.concatenate([values[:1], scale.inverted().transform(0.5 * (u[1:] + u[:-1])), values[-1:]])
 
 
 def _norm(variable: xr.DataArray) -> Normalize:
@@ -317,7 +310,7 @@ def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, co
 
 def _entry(row: xr.DataArray) -> str:
     value = row.item()
-    return _plain(value) if isinstance(value, str) else f"{_symbol(row)} = {_value(row, value)}"
+    return _no_formula(value) if isinstance(value, str) else f"{_symbol(row)} = {_value(row, value)}"
 
 
 def _relative(variable: xr.DataArray, other: str) -> xr.DataArray:
@@ -338,13 +331,12 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     values, yes_or_no = values.astype(float), variable.dtype.kind == "b"
     signed = variable is not given or norm.vmin == -(norm.vmax or 0.0)
     # matplotlib leaves out infinite values; here they get the colours of those beyond the scale, and zero the lowest
-    shown = np.where(np.isinf(values), np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
-    if isinstance(norm, LogNorm):
-        shown = np.maximum(shown, norm.vmin or 0.0)
+    most = 10.0 * np.abs(norm.vmax or 1.0)
+    shown = np.clip(values, norm.vmin if isinstance(norm, LogNorm) else -most, most)
     beyond = "both" if variable is not given or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
-    edges = _edges(axes.xaxis, x), _edges(axes.yaxis, y)
+    edges = _cell_edges(axes.xaxis, x), _cell_edges(axes.yaxis, y)
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
     if not isinstance(norm, LogNorm | AsinhNorm):

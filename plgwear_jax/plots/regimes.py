@@ -1,7 +1,5 @@
 """The picture of partial and gross slip over displacement amplitude and normal force."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -15,6 +13,7 @@ from plgwear_jax.plots.style import (
     GUIDE,
     PURPLE,
     REFERENCE,
+    Style,
     legend_above,
     letters,
     mark,
@@ -24,7 +23,7 @@ from plgwear_jax.plots.style import (
 )
 
 _LEVELS = (0.01, 0.02, 0.05, 0.1, 0.4, 0.6, 0.8, 0.9, 0.95)
-_OWN: dict[str, Any] = DOT | {"color": GREEN, "marker": "D", "linestyle": "", "zorder": 5}
+_OWN: Style = DOT | {"color": GREEN, "marker": "D", "linestyle": "", "zorder": 5}
 
 
 @picture
@@ -53,35 +52,34 @@ def regimes_picture(
     left.fill_betweenx(y, x[0], np.clip(onset, x[0], x[-1]), color="#E6F4FB", linewidth=0.0, zorder=-1)
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6), fontsize=6.5)
-    left.plot(
-        onset, y, color="k", label=f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
-    )
-    place = found.displacement_where("energy_ratio", criterion)
-    left.plot(place, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
+    criterion_at = found.displacement_where("energy_ratio", criterion)
+    at_onset = f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
+    left.plot(onset, y, color="k", label=at_onset)
+    left.plot(criterion_at, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")
     if own.size:
         left.plot(own, np.full(own.size, force), label="load of the input file", **_OWN)
     left.axhline(force, **GUIDE)
-    for seen, name, place, side in (
-        (~found.gross_slip[-1, 0], "partial slip", (0.03, 0.93), "left"),
-        (found.gross_slip[0, -1], "gross slip", (0.97, 0.04), "right"),
-    ):
-        if seen:
-            left.text(*place, name, transform=left.transAxes, ha=side, fontstyle="italic", color="0.25",
-                      bbox={"facecolor": "w", "edgecolor": "none", "pad": 1.0})  # fmt: skip
-    show_units(left.yaxis, "normal_force")
+    box = {"facecolor": "w", "edgecolor": "none", "pad": 1.0}
+    place: Style = {"transform": left.transAxes, "fontstyle": "italic", "color": "0.25", "bbox": box}
+    if not found.gross_slip[-1, 0]:
+        left.text(0.03, 0.93, "partial slip", **place)
+    if found.gross_slip[0, -1]:
+        left.text(0.97, 0.04, "gross slip", ha="right", **place)
 
     moves = cut.displacement_amplitude
     for (name, level), style in zip(CRITERIA.items(), (BEST, REFERENCE | {"color": PURPLE}), strict=True):
+        colour: Style = {"color": style["color"]}
         right.plot(moves, getattr(cut, name)[0], label=entry(name).name, **style)
-        right.axhline(level, **GUIDE | {"color": style["color"]})
-        right.plot(float(cut.displacement_where(name, level)[0]), level, "o", color=style["color"], **DOT)
-        right.text(0.015, level, f"{level:g}", transform=right.get_yaxis_transform(), va="bottom", color=style["color"])
-    mark(right, float(cut.gross_slip_displacement[0]), "onset")
+        right.axhline(level, **GUIDE | colour)
+        right.plot(cut.displacement_where(name, level), level, "o", **DOT | colour)
+        right.text(0.015, level, f"{level:g}", transform=right.get_yaxis_transform(), va="bottom", **colour)
+    mark(right, cut.gross_slip_displacement[0], "onset")
     within = own[own <= moves[-1]]
     right.plot(within, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
     right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, loop aperture")
     right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
+    show_units(left.yaxis, "normal_force")
     for axes in panels:
         show_units(axes.xaxis, "displacement_amplitude", words)
     letters(panels)

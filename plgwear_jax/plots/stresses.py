@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from plgwear_jax._core.units import written
+from plgwear_jax.catalogue import entry
 from plgwear_jax.plots.style import BEST, DOT, GREEN, GUIDE, page, picture, show_units
 from plgwear_jax.steady.solution import Steady
 
@@ -62,11 +63,11 @@ def stress_picture(steady: Steady) -> Figure:
         peak, place = float(getattr(steady, name)), [float(at) for at in getattr(steady, f"{name}_at")]
         own = DOT | {"marker": marker, "linestyle": "", "zorder": 5, "clip_on": False}
         axes.plot(*([at] for at in place), label=f"largest {words}", **(BEST | own))
-        told.append(f"largest {words} {written(peak, 'Pa')}")
+        told.append(f"largest {words} {written(peak, entry(name).unit)}")
     axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told))
     axes.set_aspect("equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
-        show_units(axis, words=words, unit="m", size=a)
+        show_units(axis, words=words, unit=entry("r").unit, size=a)
     axes.legend(loc="lower right")
     return figure
 

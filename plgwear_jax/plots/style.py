@@ -18,20 +18,18 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.units import readable, written
 from plgwear_jax.catalogue import entry
 
+Style = dict[str, Any]  # keywords of matplotlib
+
 # Colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
 COLOURS = BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 DASHED, DOTTED, DASH_DOT = (0, (4, 1.5)), (0, (1, 1.2)), (0, (7, 1.5, 1.2, 1.5))
-BEST: dict[str, Any] = {"color": BLUE, "linestyle": "-"}
-REFERENCE: dict[str, Any] = {"color": ORANGE, "linestyle": DASHED}
-OTHER: dict[str, Any] = {"color": GREEN, "linestyle": DASH_DOT}
-UNWORN: dict[str, Any] = {
-    "color": "k",
-    "linewidth": 0.5,
-    "zorder": 3,
-}  # above the others, which mostly coincide with it
-FORBIDDEN: dict[str, Any] = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9, "zorder": 1}
-GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
-DOT: dict[str, Any] = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
+BEST: Style = {"color": BLUE, "linestyle": "-"}
+REFERENCE: Style = {"color": ORANGE, "linestyle": DASHED}
+OTHER: Style = {"color": GREEN, "linestyle": DASH_DOT}
+UNWORN: Style = {"color": "k", "linewidth": 0.5, "zorder": 3}  # above the others, which mostly coincide with it
+FORBIDDEN: Style = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9, "zorder": 1}
+GUIDE: Style = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
+DOT: Style = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
 ROUGHNESS = written(SMOOTH, entry("wear_depth").unit)  # of a ground surface: shallower wear cannot be told from it
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
@@ -98,11 +96,10 @@ def mark(axes: Axes, place: float, words: str) -> None:
 def mark_roughness(axes: Axes, deepest: float) -> bool:
     """Draw the roughness of a ground surface beside depths of wear, unless all are far below it, and set the limits."""
     seen = deepest > 0.2 * SMOOTH
-    axes.set_ylim(0.0, 1.15 * max(deepest, SMOOTH if seen else 0.0))
+    axes.set_ylim(0.0, 1.15 * max(deepest, SMOOTH * seen))
     if seen:
-        axes.axhline(
-            SMOOTH, color="0.4", linewidth=0.8, linestyle=DASH_DOT, zorder=1, label=f"roughness of {ROUGHNESS}"
-        )
+        own = {"color": "0.4", "linewidth": 0.8, "linestyle": DASH_DOT, "zorder": 1}
+        axes.axhline(SMOOTH, label=f"roughness of {ROUGHNESS}", **own)
     return seen
 
 
@@ -152,3 +149,9 @@ def show_units(
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
     axis.set_major_formatter(lambda x, _: f"{x / factor:g}" if short else rf"$10^{{{np.log10(x / factor):.0f}}}$")
     axis.set_minor_formatter(NullFormatter())
+
+
+def label(axes: Axes, x: str, y: str, words: str | None = None) -> None:
+    """Label both axes of a panel by `show_units`, the vertical one with other words if there are any."""
+    show_units(axes.xaxis, x)
+    show_units(axes.yaxis, y, words)

@@ -1,101 +1,117 @@
-"""Errors in a scene file, each in one line: section, key, value, and what is allowed."""
+"""Errors in an input file, each in one line: section, key, value, and what is allowed; the first one is told."""
 
-import json
 import math
 import re
-from typing import Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Self
 
-from pydantic_core import ErrorDetails
-
-from plgwear_jax._core.words import bare, near, near_or_all, shown
-from plgwear_jax.scene.design_section import ELEMENTS, Design, Vary
-from plgwear_jax.scene.fields import bounds_form
-from plgwear_jax.scene.material_section import MATERIALS
-from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Output, Wear
-
-
-def complaint(name: str, detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
-    """The place of an error in the file `name`, for sorting, and the line that reports it."""
-    if detail["type"] == "table":  # the error is in another file
-        return _find(document, str(detail["loc"][0]))[0], detail["ctx"]["line"]  # pyright: ignore[reportTypedDictNotRequiredAccess]
-    place, line = _about(detail, document)
-    return place, f"{name}: {line}"
-
-
-def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
-    """The place of an error, and the text that reports it."""
-    kind, context = detail["type"], detail.get("ctx", {})
-    section, *parts = (part for part in detail["loc"] if isinstance(part, str))
-    if section not in _SECTIONS:
-        return _stray(section, document)
-    members = _SECTIONS[section] if isinstance(_SECTIONS[section], dict) else {}
-    model = members[parts.pop(0)] if members and parts else _SECTIONS[section]
-    if "key" in context:
-        key = context["key"]
-        parts += re.findall(r"material\.\w+\[\d+\]|[^.]+", key) if isinstance(key, str) else key
-    elif kind.startswith("union_tag"):
-        parts = ["kind"]
-    keys = parts[:1]  # what follows a key is the member of a union, unless the key holds a section itself
-    for part in parts[1:]:
-        if section != "design" or keys[-1] not in INNER:
-            break
-        model = INNER[keys[-1]]
-        keys.append(part)
-    place, value = _find(document, section, *keys)
-    if not keys:
-        return place, _about_section(section, value, context.get("allowed"))
-
-    key = f"[{section}] {'.'.join(bare(key) for key in keys)}"
-    given = f"{key} = {shown(value)}"
-    if kind == "scene":
-        allowed = context["allowed"]
-    elif keys == ["kind"]:
-        allowed = f"must be {' or '.join(json.dumps(name) for name in _KINDS)}{near(value, _KINDS)}"
-    elif kind == "extra_forbidden" and keys[-1] not in model.model_fields:
-        if section == "material" and any(keys[-1] in other.model_fields for other in MATERIALS.values()):
-            beside = next(name for name in MATERIALS if MATERIALS[name] is model)
-            return place, f"{given}: cannot be combined with {beside}; the modulus is a power law, a table or layers"
-        known = [*model.model_fields, *(map(json.dumps, ELEMENTS) if model is Vary else ())]
-        return place, f"{given}: there is no such key{near_or_all(keys[-1], known)}"
-    else:
-        field = model.model_fields.get(keys[-1])
-        allowed = bounds_form(keys[-1]) if field is None else field.description
-    return place, f"{key}: missing; it {allowed}" if value is _ABSENT else f"{given}: {allowed}"
-
+from plgwear_jax._core.words import bare, near_or_all, shown
+from plgwear_jax.scene.keys import SECTIONS, values_of
 
 _ABSENT = object()
-_KINDS: dict[str, Any] = {"fretting": Fretting, "gross-slip": GrossSlip}
-_SECTIONS: dict[str, Any] = {  # of some there are several kinds, by what stands there
-    "material": MATERIALS,
-    "contact": _KINDS,
-    "load": Load,
-    "wear": Wear,
-    "design": Design,
-    "output": Output,
-}
+_NAMES = "material", "contact", "load", "wear", "design", "output"
 
 
-def _stray(key: str, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
-    place, value = _find(document, key)
-    if isinstance(value, dict):
-        return place, f"[{bare(key)}]: there is no such section{near_or_all(key, _SECTIONS)}"
-    return place, f"{bare(key)} = {shown(value)}: stands outside the sections; allowed are {', '.join(_SECTIONS)}"
+class SceneError(ValueError):
+    """An error in a scene, in one line: file, section, key, value, and what is allowed."""
 
 
-def _about_section(section: str, value: Any, said: str | None) -> str:
-    if said is not None:
-        return f"[{section}]: {said}"
-    if value is _ABSENT:
-        return f"[{section}]: missing; every input file needs this section"
-    return f"{section} = {shown(value)}: must be a section, written as [{section}]"
+class OtherFileError(SceneError):
+    """An error in the file of a scene, or in another one that it names; its line begins with that file."""
 
 
-def _find(document: dict[str, Any], *keys: str) -> tuple[tuple[float, ...], Any]:
-    """The place of a key in the file, section by section, and its value; an absent key comes last."""
-    place: list[float] = []
-    node: Any = document
-    for key in keys:
-        present = isinstance(node, dict) and key in node
-        place.append(list(node).index(key) if present else math.inf)
-        node = node[key] if present else _ABSENT
-    return tuple(place), node
+class WrongKeyError(ValueError):
+    """A key of a section, by its path there, or the section itself, whose value does not go with others."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(text)
+        self.path = tuple(re.findall(r"material\.\w+\[\d+\]|[^.]+", key))
+
+
+class Reading:
+    """An input file while it is read: its sections as far as they are known, and what is wrong.
+
+    Args:
+        file: The name of the file, for messages.
+        document: What it holds.
+        folder: Where names of other files begin.
+
+    Attributes:
+        wrong: The sections in which something is wrong.
+        material, contact, wear, load, design, output: What the sections hold; None where they are absent or wrong.
+    """
+
+    material: Any = None
+    contact: Any = None
+    wear: Any = None
+    load: Any = None
+    design: Any = None
+    output: Any = None
+
+    def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
+        self.file, self.document, self.folder, self.wrong = file, document, folder, set[str]()
+        self._lines: list[tuple[list[float], str]] = []
+        for name in document:
+            if name not in _NAMES:
+                self.refuse((name,), "")
+
+    def end(self) -> None:
+        """Raise the first error in the order of the file, if there is any; what is absent comes last."""
+        if self._lines:
+            raise OtherFileError(min(self._lines, key=lambda found: found[0])[1])
+
+    def refuse(self, path: tuple[str, ...], text: str) -> None:
+        """Keep an error in the key of this path, or in a section: what it must be."""
+        place, value = self._find(path)
+        section, *keys = map(bare, path)
+        given, told = shown(value), f"[{section}] {'.'.join(keys)}".rstrip()
+        if path[0] not in _NAMES and not isinstance(value, dict):
+            line = f"{section} = {given}: stands outside the sections; allowed are {', '.join(_NAMES)}"
+        elif path[0] not in _NAMES:
+            line = f"{told}: there is no such section{near_or_all(path[0], _NAMES)}"
+        elif value is _ABSENT:
+            line = f"{told}: missing; it {text}" if keys else f"{told}: {text}"
+        elif keys:
+            line = f"{told} = {given}: {text}"
+        else:
+            line = f"{told}: {text}" if isinstance(value, dict) else f"{section} = {given}: {text}"
+        self._keep(path[0], place, f"{self.file}: {line}")
+
+    def read(
+        self, section: str, build: Callable[[Self, str, dict[str, Any]], Any], kind: Callable[[Any], str] | None = None
+    ) -> None:
+        """Read a section.
+
+        Args:
+            section: Its name.
+            build: Makes it from what is read so far, its name in `SECTIONS`, and the values of all its keys.
+            kind: Tells this name by its keys, if there are several.
+        """
+        given = self.document.get(section)
+        try:
+            if given is None:
+                return
+            if not isinstance(given, dict):
+                raise WrongKeyError("", f"must be a section, written as [{section}]")
+            name = section.capitalize() if kind is None else kind(given)
+            values = values_of(name, given, self.refuse, (section,))
+            if section not in self.wrong:
+                setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name].keys) | values))
+        except WrongKeyError as error:
+            self.refuse((section, *error.path), str(error))
+        except OtherFileError as error:
+            self._keep(section, self._find((section,))[0], str(error))
+
+    def _keep(self, section: str, place: list[float], line: str) -> None:
+        self.wrong.add(section)
+        self._lines.append((place, line))
+
+    def _find(self, path: tuple[str, ...]) -> tuple[list[float], Any]:
+        """The place of a key in the file, section by section, and its value."""
+        place, node = list[float](), self.document
+        for key in path:
+            there = isinstance(node, dict) and key in node
+            place.append(list(node).index(key) if there else math.inf)
+            node: Any = node[key] if there else _ABSENT
+        return place, node

@@ -1,18 +1,17 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
-import contextlib
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.question import with_leaf
-from plgwear_jax.rules import complaint, exponents
+from plgwear_jax.optimise.question import with_variables
+from plgwear_jax.rules import complaint, exponents_between
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.fields import OtherFileError, SceneError
+from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -27,24 +26,23 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
     return arguments
 
 
-def design(given: "Scene") -> optimise.Design:
+def best_design(given: "Scene") -> optimise.Design:
     """See `Scene.design`."""
     arguments = arguments_of(given)
-    with _refusing_extremes():
-        return _finite(optimise.design(**arguments))
+    return _answer(lambda: optimise.design(**arguments))
 
 
-def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
+def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
     """See `Scene.free_design`."""
-    window = given.asked().free
-    if window is None:
+    space = given.asked()
+    if not space.free:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
-    with _refusing_extremes():
-        return _finite(optimise.free_design(modulus=profile, starts=starts, **_question(given)))
+    profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=space.steepness)
+    question = _question(given)
+    return _answer(lambda: optimise.free_design(modulus=profile, starts=starts, **question))
 
 
-def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
+def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
     arguments, ((name, places),) = _arguments(given), x.items()
     if "scenarios" in arguments:
@@ -60,8 +58,7 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
-    with _refusing_extremes():
-        return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
+    return _answer(lambda: optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
 
 def _question(given: "Scene") -> dict[str, Any]:
@@ -75,18 +72,18 @@ def _question(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _limits(space.allowed or {}),
+        "limits": _limits_of(space.allowed or {}),
         **({} if given.life is None else {"cycles": given.life, "law": given.law}),
     }
 
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space = given.asked()
-    if space.free is not None:
+    if space.free:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     asked, window = _question(given), space.variables.get("modulus")
     if window is not None:
-        asked["limits"] = _limits((space.allowed or {}) | {"modulus": window})
+        asked["limits"] = _limits_of((space.allowed or {}) | {"modulus": window})
     return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
@@ -116,9 +113,9 @@ def _in_scenarios(given: "Scene") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
     contact, scatter = given.build_contact(), given.asked().scatter
     assert scatter is not None
-    for name, values in scatter.columns.items():
-        contact = contact if name in ("wear_coefficient", "weight") else with_leaf(contact, name, values)
-    return contact
+    return with_variables(
+        contact, {name: x for name, x in scatter.columns.items() if name not in ("wear_coefficient", "weight")}
+    )
 
 
 def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
@@ -129,12 +126,12 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     space, load = given.design_space, given.load
     if space is None or space.scatter is None or load is None or load.displacement is None:
         return None
-    found = solving.moved(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
+    found = solving.displacement_effect(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
     force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
     return np.broadcast_to(force, space.scatter.row.shape)
 
 
-def _limits(allowed: dict[str, Any]) -> dict[str, Any]:
+def _limits_of(allowed: dict[str, Any]) -> dict[str, Any]:
     """The limits as Python takes them: a window is one of the modulus at two depths."""
     window = allowed.get("modulus")
     if window is None:
@@ -149,12 +146,11 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     window = variables.get("modulus")
     if window is None:
         return variables
-    (first, second), *moduli = (np.log(window[name]) for name in ("at", "lower", "upper"))
-    part = (np.log(contact.material.z0) - first) / (second - first)
-    reached = [(1.0 - part) * one + part * other for one in np.stack(moduli)[:, 0] for other in np.stack(moduli)[:, 1]]
-    k = exponents(window["at"], window["lower"], window["upper"])
+    (first, second), *moduli = np.log([*window.values()])
+    part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
+    reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
     others = {name: x for name, x in variables.items() if name != "modulus"}
-    return {"k": k, "E0": (float(np.exp(min(reached))), float(np.exp(max(reached)))), **others}
+    return {"k": exponents_between(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
 def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:
@@ -163,24 +159,18 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         return
     assert given.load is not None
     contact = solving.homogeneous(given.build_contact())
-    found = solving.evaluate(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
-    widest = float(found.values["stick_radius"])
+    found = solving.scene_values(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
+    widest = float(found["stick_radius"])
     if distance >= widest:
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
-@contextlib.contextmanager
-def _refusing_extremes() -> Iterator[None]:
-    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
+def _answer(ask: Callable[[], _Found], name: str = "value") -> _Found:
+    """The answer; refused are numbers that the library refuses, such as a modulus beyond the range of numbers."""
     try:
-        yield
-    except SceneError:
-        raise
+        found = ask()
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
-
-
-def _finite(found: _Found, name: str = "value") -> _Found:
     values = np.asarray(getattr(found, name))
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")

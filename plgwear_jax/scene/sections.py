@@ -1,96 +1,157 @@
-"""The sections of a scene file and what each may contain, except the quantities; `scene` puts them together.
+"""The sections of an input file, whose keys `keys` has checked: what does not go together is refused here."""
 
-The description of a field is used in messages, after the value that is not allowed.
-"""
-
+import importlib
+import json
 import math
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
-
-from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax._core.words import one_line
-from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
-from plgwear_jax.scene.fields import (
-    Described,
-    OtherFileError,
-    SceneError,
-    Section,
-    from_table,
-    in_other_file,
-    number,
-    positive,
-    wrong,
+from plgwear_jax._core.words import near, one_line
+from plgwear_jax.catalogue import Law, element, laws_of
+from plgwear_jax.rules import (
+    BY_THEN,
+    OF_POWER_LAW,
+    Complaint,
+    Kind,
+    complaint,
+    domain_of,
+    free_complaint,
+    limited_quantity,
+    placed_quantity,
+    window_complaint,
 )
-from plgwear_jax.scene.material_section import SHAPES, HalfSpace, Indenter, Shape
+from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError, WrongKeyError
+from plgwear_jax.scene.keys import ELEMENTS, MATERIALS, SECTIONS
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.scene.solving import Moved
+    from plgwear_jax.scene.solving import DisplacementEffect
     from plgwear_jax.tables import Table
 
-LOADS = ("tangential_force", "displacement", "table", "history")
-COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
-PRESSED = ("friction", "normal_force")
+LOADS = "tangential_force", "displacement", "table", "history"
+COEFFICIENTS = "coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J"
+PRESSED = "friction", "normal_force"
+_CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
+_FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
-class Fretting(Described):
-    """The section [contact] with kind = "fretting": an indenter, by default a rigid parabola, that wears.
+def _from_table(form: Callable[[Any], Any], name: str, reading: Reading) -> "Table":
+    """The content of a CSV file that a scene names; `form` takes the module `tables` and gives its form."""
+    from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
+
+    try:
+        return tables.read(reading.folder / name, form(tables))
+    except tables.TableError as error:
+        raise OtherFileError(str(error)) from None
+
+
+# --- what touches ---------------------------------------------------------------------------------------------------
+
+
+class Body(SimpleNamespace):
+    """A half-space, an indenter, a shape or a contact, with the fields of its record as attributes.
 
     Attributes:
-        kind: Which contact this is.
-        radius: Radius of curvature of the indenter in m.
-        normal_force: Normal force in N.
-        friction: Coefficient of friction.
-        indenter: The body that wears: rigid, or elastic with its own modulus and Poisson's ratio.
-        shape: Shape of the indenter; left out, it is the parabola r^2/(2 R).
+        record_name: The record of the library, with its module.
+        kind: Of a half-space "power law", "table" or "layers", else the key of this name.
+        fields: The fields of the record by name.
+        file: The table that has them; None without one.
     """
 
-    record_name = "contact.FrettingContact"
-
-    kind: Literal["fretting"]
-    radius: float = positive("the radius of curvature of the indenter in m")
-    normal_force: float = positive("the normal force in N")
-    friction: float = positive("the coefficient of friction")
-    indenter: Literal["rigid"] | Indenter = Field(
-        "rigid", description='must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
-    )
-
-    shape: Shape | None = Field(None, description=f"must be {SHAPES}, or left out")
-
-    @model_validator(mode="after")
-    def _finite_limit(self) -> Self:
-        if math.isinf(self.friction * self.normal_force):
-            raise wrong("friction", "times normal_force exceeds the range of numbers")
-        return self
+    def __init__(self, record_name: str, kind: str, fields: Mapping[str, Any], file: "Table | None" = None) -> None:
+        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file)
 
     @property
-    def known(self) -> dict[str, Any]:
-        """The fields of the record; a rigid indenter is none."""
-        return {name: None if value == "rigid" else value for name, value in super().known.items()}
+    def words(self) -> str:
+        """What messages call a half-space."""
+        return self.kind if self.kind == "layers" else f"a {self.kind}"
+
+    @property
+    def rows(self) -> dict[str, Any]:
+        """The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law."""
+        return {name: value for name, value in self.fields.items() if not isinstance(value, float | str)}
+
+    def numbers(self) -> Iterator[str]:
+        """The names of its single numbers, also of those of an elastic indenter or a shape."""
+        for name, value in self.fields.items():
+            if isinstance(value, Body):
+                yield from (f"{name}.{inner}" for inner in value.numbers())
+            elif isinstance(value, float):
+                yield name
+
+    def record(self, **others: Any) -> Any:
+        """The record, with those fields that are told elsewhere. Imports JAX."""
+        inner = {name: value.record() if isinstance(value, Body) else value for name, value in self.fields.items()}
+        module, _, name = self.record_name.rpartition(".")
+        return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
 
 
-class GrossSlip(Described):
-    """The section [contact] with kind = "gross-slip": a flat-ended punch at a constant depth.
+def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+    """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
+    fields, file = dict(values), None
+    kind = fields.pop("kind", MATERIALS.get(section, ""))
+    if "table" in fields:
+        form, name = "HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table")
+        file = _from_table(lambda tables: getattr(tables, form), name, reading)
+        fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
+    for name in ("indenter", "shape"):
+        if name in fields:
+            given = fields[name]
+            fields[name] = _body_of(reading, *given) if isinstance(given, tuple) else None
+    return Body(_FLAT.get(kind, SECTIONS[section].record), kind, fields, file)
 
-    Attributes:
-        kind: Which contact this is.
-        radius: Radius of the punch in m.
-        depth: Indentation depth in m, which is kept.
-    """
 
-    record_name = "contact.GrossSlipContact"
-
-    kind: Literal["gross-slip"]
-    radius: float = positive("the radius of the punch in m")
-    depth: float = positive("the indentation depth in m")
+def kind_of_material(given: Mapping[str, Any]) -> str:
+    """Which of the materials a section means."""
+    keys = {"table": "Tabulated", "thickness": "Layers", "modulus": "Layers"}
+    return next((kind for key, kind in keys.items() if key in given), "Material")
 
 
-class Load(Section):
-    """The section [load] of a fretting contact: one amplitude, or a file of many, which the scene reads.
+def material_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+    """The section [material]."""
+    if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
+        layers, moduli = len(values["thickness"]), len(values["modulus"])
+        text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
+        raise WrongKeyError("modulus", f"{text}, not {moduli}")
+    return _body_of(reading, section, values)
+
+
+def kind_of_contact(given: Mapping[str, Any]) -> str:
+    """Which contact a section means."""
+    kind = given.get("kind")
+    if not isinstance(kind, str) or kind not in _CONTACTS:
+        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, _CONTACTS)}')
+    return _CONTACTS[kind]
+
+
+def contact_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+    """The section [contact]."""
+    material = reading.material
+    if section == "GrossSlip" and material is not None and material.kind != "power law":
+        raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
+    if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
+        raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
+    return _body_of(reading, section, values)
+
+
+# --- loads and wear -------------------------------------------------------------------------------------------------
+
+
+def _one_of(values: Mapping[str, Any], names: tuple[str, ...], what: str) -> str:
+    """The one of some keys that is there."""
+    there = [name for name in names if values[name] is not None]
+    if not there:
+        raise WrongKeyError("", f"needs one of its keys {', '.join(names)}")
+    if len(there) > 1:
+        raise WrongKeyError(there[-1], f"cannot be combined with {there[0]}; only one of them can be the {what}")
+    return there[0]
+
+
+class LoadSection(SimpleNamespace):
+    """The section [load] of a fretting contact: one amplitude, or a file of many.
 
     Attributes:
         tangential_force: Amplitude of the force in N.
@@ -100,69 +161,46 @@ class Load(Section):
         table: CSV file of amplitudes with weights, for an uncertain load or many contacts.
         history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
         rig_stiffness: Stiffness in N/m of the rig, if displacements are measured at its actuator.
+        file: What the file has.
+        material: The half-space.
+        contact: The contact.
+        wear: How it wears; None if nothing says so.
     """
 
-    tangential_force: float | None = number(NUMBER, "the amplitude of the force in N", None)
-    displacement: float | None = number(NUMBER, "the amplitude of the displacement in m", None)
-    table: str | None = Field(
-        None,
-        min_length=1,
-        description="must be the name of a CSV file with the columns tangential_force (or displacement) and weight",
-    )
-    history: str | None = Field(
-        None,
-        min_length=1,
-        description="must be the name of a CSV file with the column tangential_force (or displacement), and if wanted "
-        "cycles, normal_force and friction",
-    )
-    rig_stiffness: float | None = positive(
-        "the rig stiffness in N/m, if displacements are measured at the actuator", None
-    )
-    _read: "Table | None" = PrivateAttr(None)
-    _contact: "tuple[HalfSpace, Fretting, Wear | None] | None" = PrivateAttr(None)
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        kinds = [name for name in LOADS if getattr(self, name) is not None]
-        if not kinds:
-            raise wrong("", f"needs one of its keys {', '.join(LOADS)}")
-        if len(kinds) > 1:
-            raise wrong(kinds[-1], f"cannot be combined with {kinds[0]}; only one of them can be the load")
-        return self
-
-    def read(self, folder: Path, contact: Fretting) -> None:
-        """Read the file that is named, if any, and refuse force amplitudes from mu F_N on, where the slip is gross.
-
-        Args:
-            folder: Where names of files begin.
-            contact: What has mu and F_N, unless a history has its own.
-        """
+    @classmethod
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self | None:
+        """The load of the contact, if that is known; force amplitudes of gross slip are refused."""
+        kind, contact = _one_of(values, LOADS, "load"), reading.contact
+        if contact is None:
+            return None
+        if contact.kind != "fretting":
+            raise WrongKeyError("", 'only a contact with kind = "fretting" has a tangential force')
         limit: Any = contact.friction * contact.normal_force
-        if self.tangential_force is not None and not self.tangential_force < limit:
-            text = f"this is gross slip, F_x = {self.tangential_force:g} N is not below mu F_N = {limit:g} N"
-            raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
-        named = self.table or self.history
-        if named is None:
-            return
-        self._read = read = from_table(lambda tables: tables.LOADS if self.table else tables.HISTORY, named, folder)
-        if not self.of_displacement:
-            force = read["tangential_force"]
-            own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * force for name in PRESSED} | self.pressed
+        force, named = values["tangential_force"], values["table"] or values["history"]
+        if force is not None and not force < limit:
+            text = f"this is gross slip, F_x = {force:g} N is not below mu F_N = {limit:g} N"
+            raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
+        file = None
+        if named is not None:
+            file = _from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, reading)
+        found = cls(**values, file=file, material=reading.material, contact=contact, wear=reading.wear)
+        if file is not None and not found.of_displacement:
+            forces = file["tangential_force"]
+            own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * forces for name in PRESSED} | found.pressed
             limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
             try:
-                read.refuse(~(force < limit), lambda i: f"tangential_force = {float(force[i])}: {text} {limit[i]:g} N")
+                file.refuse(
+                    ~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N"
+                )
             except ValueError as error:
-                raise in_other_file(error) from None
-
-    def belongs_to(self, material: HalfSpace, contact: Fretting, wear: "Wear | None") -> None:
-        """Say which contact a displacement moves; the force is computed when it is asked for."""
-        self._contact = material, contact, wear
+                raise OtherFileError(str(error)) from None
+        return found
 
     @cached_property
     def rows(self) -> "Table":
         """The content of the file, or the one amplitude as a table of one row."""
-        if self._read is not None:
-            return self._read
+        if self.file is not None:
+            return self.file
         import numpy as np
 
         from plgwear_jax.tables import Table
@@ -173,58 +211,51 @@ class Load(Section):
     @property
     def of_displacement(self) -> bool:
         """The amplitudes are those of the displacement."""
-        return self.displacement is not None or (self._read is not None and self._read.amplitude == "displacement")
+        return self.displacement is not None or (self.file is not None and "displacement" in self.file.columns)
 
     @property
     def given(self) -> "np.ndarray":
         """The amplitudes as they were given, in N or m, shape (n,): the one, or all of a history or a table."""
-        return self.rows[self.rows.amplitude]
+        return self.rows["displacement" if self.of_displacement else "tangential_force"]
 
     @property
     def cycles(self) -> "np.ndarray | None":
         """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
-        return None if self._read is None else self._read.columns.get("cycles")
+        return None if self.file is None else self.file.columns.get("cycles")
 
     @property
     def pressed(self) -> "dict[str, np.ndarray]":
         """The normal forces in N and the coefficients of friction that a history has of its own, each of shape (n,)."""
-        own = {} if self._read is None else self._read.columns
+        own = {} if self.file is None else self.file.columns
         return {name: own[name] for name in reversed(PRESSED) if name in own}
 
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
-        if self._read is None:
+        if self.file is None:
             return not (self.tangential_force or self.displacement)
-        return not (self.given * self._read.columns.get("weight", 1.0)).any()
-
-    @property
-    def loads(self) -> list[Any]:
-        """The amplitudes as loads of the library, each a `Force` or a `Displacement`."""
-        from plgwear_jax import loads
-
-        kind = loads.Displacement if self.of_displacement else loads.Force
-        return [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
+        return not (self.given * self.file.columns.get("weight", 1.0)).any()
 
     def record(self) -> Any:
         """The load of a test over cycles: an amplitude, or the blocks of a history."""
-        from plgwear_jax.loads import Block
+        from plgwear_jax import loads
 
+        kind = loads.Displacement if self.of_displacement else loads.Force
+        every = [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
         if self.cycles is None:
-            return self.loads[0]
+            return every[0]
         names, columns = [*self.pressed], [self.cycles, *self.pressed.values()]
-        rows = zip(self.loads, *(column.tolist() for column in columns), strict=True)
-        return [Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
+        rows = zip(every, *(column.tolist() for column in columns), strict=True)
+        return [loads.Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
 
     @cached_property
-    def moved(self) -> "Moved":
+    def moved(self) -> "DisplacementEffect":
         """What the displacements of `given` do to the unworn contact."""
-        assert self._contact is not None
         from plgwear_jax.scene import solving
 
-        material, contact, _ = self._contact
-        pressed = solving.homogeneous(contact.record(material=material.record(), **self.pressed))
-        return solving.moved(pressed, self.given, self.rig_stiffness)
+        assert self.material is not None
+        pressed = solving.homogeneous(self.contact.record(material=self.material.record(), **self.pressed))
+        return solving.displacement_effect(pressed, self.given, self.rig_stiffness)
 
     @property
     def in_gross_slip(self) -> "np.ndarray":
@@ -241,25 +272,22 @@ class Load(Section):
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
         if not self.of_displacement:
             return self.given
-        assert self._contact is not None
         import numpy as np
 
-        _, contact, wear = self._contact
         (beyond,) = np.nonzero(self.in_gross_slip)
         if not beyond.size:
             return np.asarray(self.moved.force)
-        first, rows = beyond[0], self.rows
-        begins = f"from {float(self.moved.gross_slip):.4g} m on the"
-        begins = f"{begins} {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
-        work = contact.normal_force * float(np.asarray(self.moved.path)[first])
+        first, rows, wear = beyond[0], self.rows, self.wear
+        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
         worn = f"{work:.4g} N m times the wear coefficient"
         if wear is not None and wear.exponent is None:
-            worn = f"{wear.archard(contact.friction) * work:.4g} m^3"
-        sliding = (
-            f"by Archard's law such sliding wears {worn} a cycle at first; plgwear wear follows it over the cycles"
+            worn = f"{wear.archard(self.contact.friction) * work:.4g} m^3"
+        said = (
+            f"displacement = {self.given[first]:g}: this is gross slip, from {float(self.moved.gross_slip):.4g} m on "
+            f"the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole; by Archard's law such sliding "
+            f"wears {worn} a cycle at first; plgwear wear follows it over the cycles"
         )
-        said = f"displacement = {self.given[first]:g}: this is gross slip, {begins}; {sliding}"
-        if self._read is None:
+        if self.file is None:
             raise SceneError(f"[load] {said}")
         raise OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
 
@@ -282,7 +310,7 @@ class Load(Section):
     @property
     def largest(self) -> float:
         """The largest amplitude in N: it determines the worn state of a history, and the worst case of a table."""
-        return float(self.amplitudes.max() if self.tangential_force is None else self.tangential_force)
+        return float(self.amplitudes.max())
 
     @property
     def force(self) -> "float | np.ndarray":
@@ -292,26 +320,20 @@ class Load(Section):
     @property
     def remark(self) -> str | None:
         """The line that says which amplitude of a history counts, and which force goes with a displacement, or None."""
-        if self.pressed:
+        if self.pressed or (self.displacement is None and self.history is None):
             return None
-        if self.displacement is not None:
-            whose = "" if self.rig_stiffness is None else " of the rig"
-            told = (
-                f"a force amplitude of {self.largest:.4g} N before wear"
-                if not self.in_gross_slip.any()
-                else (f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on")
-            )
-            return f"displacement {self.displacement:g} m{whose}: {told}"
-        if self.history is None:
-            return None
-        number = "1 amplitude" if self.forces.size == 1 else f"{self.forces.size} amplitudes"
-        deciding = (
-            f"the largest, {self.largest:g} N (row {self.rows.row[self.forces.argmax()]}), decides the worn state"
-        )
-        return f"history {one_line(self.history)}: {number}; {deciding}"
+        if self.history is not None:
+            number = f"{self.forces.size} amplitude{'s' if self.forces.size > 1 else ''}"
+            row = self.rows.row[self.forces.argmax()]
+            deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
+            return f"history {one_line(self.history)}: {number}; {deciding}"
+        told = f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on"
+        if not self.in_gross_slip.any():
+            told = f"a force amplitude of {self.largest:.4g} N before wear"
+        return f"displacement {self.displacement:g} m{'' if self.rig_stiffness is None else ' of the rig'}: {told}"
 
 
-class Wear(Section):
+class WearSection(SimpleNamespace):
     """The section [wear]: how fast the contact wears, by default by Archard's law, and for how long.
 
     Attributes:
@@ -325,24 +347,16 @@ class Wear(Section):
         cycles: Number of cycles of the life.
     """
 
-    coefficient: float | None = positive("the wear coefficient in 1/Pa = m^3/(N m)", None)
-    coefficient_mm3_per_N_m: float | None = positive("the wear coefficient in mm^3/(N m)", None)  # noqa: N815
-    energy_coefficient_mm3_per_J: float | None = positive("the wear per energy of friction in mm^3/J", None)  # noqa: N815
-    exponent: float | None = positive("the exponent of the pressure in the wear law", None)
-    half_space_coefficient: float | None = positive("the wear coefficient of the half-space in 1/Pa", None)
-    cycles: float | None = positive("the life in cycles", None)
-
-    @model_validator(mode="after")
-    def _one_coefficient(self) -> Self:
-        there = [name for name in COEFFICIENTS if getattr(self, name) is not None]
-        if not there:
-            raise wrong("", f"needs one of its keys {', '.join(COEFFICIENTS)}")
-        if len(there) > 1:
-            raise wrong(there[-1], f"cannot be combined with {there[0]}; only one of them can be the wear coefficient")
-        for name in self.others:
-            if self.coefficient is None:
-                raise wrong(name, f"cannot be combined with {there[0]}; give coefficient, in 1/Pa or 1/Pa^exponent")
-        return self
+    @classmethod
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """The wear of the contact, if that is known."""
+        kind, found, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), cls(**values), reading.contact
+        for name in found.others:
+            if kind != "coefficient":
+                raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
+        if contact is not None and contact.kind != "fretting":
+            raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
+        return found
 
     @property
     def others(self) -> list[str]:
@@ -365,15 +379,13 @@ class Wear(Section):
     def _indenter(self, friction: float) -> float:
         if self.coefficient is not None:
             return self.coefficient
-        if self.coefficient_mm3_per_N_m is not None:
-            return self.coefficient_mm3_per_N_m / 1e9
-        return friction * (self.energy_coefficient_mm3_per_J or 0.0) / 1e9
+        return (self.coefficient_mm3_per_N_m or friction * (self.energy_coefficient_mm3_per_J or 0.0)) / 1e9
 
     @property
     def half_space_share(self) -> float:
         """The share of the half-space in all wear."""
-        own = self.half_space_coefficient
-        return 0.0 if own is None or self.coefficient is None else own / (self.coefficient + own)
+        own = self.half_space_coefficient or 0.0
+        return own and own / (self._indenter(0.0) + own)
 
     def record(self, friction: float) -> Any:
         """The wear law; its coefficient is the sum over both bodies."""
@@ -382,36 +394,190 @@ class Wear(Section):
         return law_of(self._indenter(friction) + (self.half_space_coefficient or 0.0), self.exponent)
 
 
-class Output(Section):
-    """The section [output]: the quantities asked for.
+# --- designs --------------------------------------------------------------------------------------------------------
+
+
+def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The lowest and highest modulus that can be made, at two depths or more: at, lower, upper."""
+    at, between = values["at"], values["between"]
+    if len(at) != len(between):
+        text = f"must hold a pair [lower, upper] for each of the {len(at)} depths of at"
+        raise WrongKeyError(f"{key}.between", text)
+    if "steepness" in values and len(at) == 2:
+        text = "only for a free gradient, with three to eight depths; at two it is |k|"
+        raise WrongKeyError(f"{key}.steepness", text)
+    return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
+
+
+class DesignSpace(SimpleNamespace):
+    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits.
 
     Attributes:
-        quantities: Names of quantities; without this section plgwear solve gives all single numbers.
-        distance: Distance inside the edge, in m, at which pressures and tractions are given that are infinite at the
-            edge.
-        points: Number of radii at which a function of the radius is given.
+        variables: What may vary: bounds by name, such as k and indenter.E; for "modulus" the depths at, and the lower
+            and upper moduli there: at two depths of a power law, at three to eight a free gradient.
+        steepness: The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit.
+        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0.
+        minimise: The quantity that is minimised, with its place if it has one.
+        level: The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case.
+        scenarios: A CSV file of what the contact may turn out to be.
+        scatter: The scenarios; None without.
+        allowed: The limits by name: above, below or between with the place, or the window; None without any.
     """
 
-    quantities: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = Field(
-        description="must be a list of one or more names of quantities"
-    )
-    distance: float | None = positive("the distance inside the edge at which pressures are given, in m", None)
-    points: int = Field(201, ge=2, le=100_000, description="must be a whole number from 2 to 100000")
-
-    @field_validator("quantities")
     @classmethod
-    def _each_once(cls, quantities: tuple[str, ...]) -> tuple[str, ...]:
-        for name in quantities:
-            if quantities.count(name) > 1:
-                raise wrong("quantities", f'"{name}" is asked for more than once')
-        return quantities
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """The design space of the contact, as far as that is known."""
+        material, contact, load, wear = reading.material, reading.contact, reading.load, reading.wear
+        variables, allowed = {}, dict(values["limits"] or {})
+        for name, given in values["vary"].items():
+            if name == "modulus":
+                variables[name] = _window_of("vary.modulus", given)
+                if len(given["at"]) == 2 and (said := window_complaint(**variables[name])) is not None:
+                    raise WrongKeyError("vary.modulus.between", said)
+            else:
+                inner = (
+                    {f"{name}.{one}": ends for one, ends in given.items()} if isinstance(given, dict) else {name: given}
+                )
+                variables |= inner
+        if "modulus" in allowed:
+            allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
+            if len(allowed["modulus"]["at"]) > 2:
+                text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
+                raise WrongKeyError("limits.modulus.at", text)
+        over = values["over"]
+        found = cls(
+            variables=variables,
+            steepness=values["vary"].get("modulus", {}).get("steepness"),
+            allowed=allowed or None,
+            level=over[1]["cvar"] if isinstance(over, tuple) else float(over == "worst"),
+            **{name: values[name] for name in ("hold", "minimise", "scenarios")},
+            scatter=None,
+        )
+        lasts = wear is not None and found.objective in BY_THEN
+        if load is not None and load.pressed and not (lasts and load.cycles is not None):
+            text = "a design cannot be combined with a history that changes the normal force or the friction"
+            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
+        found._refuse(getattr(contact, "kind", None), getattr(material, "k", None) == 0.0)
+        if material is None or contact is None:
+            return found
+        found._refuse_to_vary(material, contact, load)
+        known = "load" not in reading.wrong
+        if over is not None and found.scenarios is None and known and (load is None or load.table is None):
+            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+            raise WrongKeyError("over", text)
+        if found.scenarios is not None:
+            names = [*material.numbers(), *contact.numbers()]
+            names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
+            names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
+            columns = {name: domain_of(name) for name in names}
+            found.scatter = _from_table(lambda tables: tables.scenarios(columns), found.scenarios, reading)
+        return found
+
+    @property
+    def edge_distance(self) -> float | None:
+        """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
+        allowed = self.allowed or {}
+        return next((allowed[name].get("distance") for name in ("edge_pressure", "pressure") if name in allowed), None)
+
+    @property
+    def free(self) -> bool:
+        """The modulus is free at three depths or more: no power law is asked for."""
+        return "modulus" in self.variables and len(self.variables["modulus"]["at"]) > 2
+
+    @property
+    def objective(self) -> str:
+        """The quantity that is minimised."""
+        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
+
+    def _refuse(self, kind: Kind | None, flat: bool) -> None:
+        """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
+        places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
+        if not isinstance(self.minimise, str) and len(self.minimise) != 1:
+            raise WrongKeyError("minimise", "must name one quantity")
+        allowed = self.allowed or {}
+        found = placed_quantity("minimise", self.objective, places, kind)
+        for name, given in allowed.items():
+            one = None if name == "modulus" else limited_quantity(name, given, kind)
+            found = one if isinstance(found, str) and isinstance(one, Complaint) else found
+        if isinstance(found, str) and not self.free:
+            found = complaint(self.variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
+        elif isinstance(found, str):
+            found = free_complaint(self.variables, bool(self.hold), [*allowed], kind=kind)
+            if found is None and self.scenarios is not None:
+                found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
+        if found is not None:
+            # the places of what is minimised have no keys of their own
+            raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
+
+    def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
+        """Refuse what needs a power law, bounds of what this contact does not have, and of what slips as a whole."""
+        if not self.free and material.kind != "power law":
+            asked = [f"vary.{name}" for name in self.variables if name in (*OF_POWER_LAW, "modulus")]
+            asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
+            if asked:
+                raise WrongKeyError(asked[0], f"needs a power law under [material], not {material.words}; {_INSTEAD}")
+        for name in self.variables:
+            first = name.partition(".")[0]
+            missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
+            if missing is not None and getattr(contact, first, None) is None:
+                raise WrongKeyError(f"vary.{first}", f"the contact has a {missing}")
+            if first == "material":
+                table, place = element(name.removeprefix("material."))
+                found = len(material.rows.get(table, ()))
+                if place is None or place >= found:
+                    has = f"has {found} of {table}" if found else f"has no {table}"
+                    text = f"there is no such number: [material], {material.words}, {has}"
+                    raise WrongKeyError(f"vary.{name}", text)
+            elif first not in (*OF_POWER_LAW, "nu", "modulus", *contact.fields):
+                raise WrongKeyError(f"vary.{name}", f"is no number of a {contact.kind} contact")
+        if "nu" in self.variables and isinstance(material.nu, str):
+            raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
+        varied = [name for name in PRESSED if name in self.variables]
+        if varied and load is not None and not (load.of_displacement or load.pressed):
+            lowest = (self.variables[name][0] if name in varied else getattr(contact, name) for name in PRESSED)
+            if not load.largest < math.prod(lowest):
+                text = f"at the lowest {' and '.join(varied)} the whole contact slips"
+                raise WrongKeyError(f"vary.{varied[0]}", text)
 
 
-INNER: dict[str, Any] = {
-    "vary": Vary,
-    "modulus": Window,
-    "limits": Limits,
-    "indenter": VaryIndenter,
-    "shape": VaryShape,
-    **{name: Allowed for name in Limits.model_fields if name != "modulus"},
-}
+_INSTEAD = (
+    f"vary {' and '.join(map(json.dumps, ELEMENTS))} and so on, "
+    "or give three depths or more in vary.modulus for a free gradient"
+)
+
+
+# --- what is asked for ------------------------------------------------------------------------------------------------
+
+
+def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
+    """The section [output]: names of quantities of the contact, if that is known."""
+    output, contact = SimpleNamespace(**values), reading.contact
+    for name in output.quantities:
+        if output.quantities.count(name) > 1:
+            raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
+    if contact is None:
+        return output
+    laws = laws_of_scene(contact, reading.load, reading.wear)
+    for name in output.quantities:
+        if name not in laws:
+            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
+            raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
+        nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
+        if "distance" in laws[name].arguments and nowhere:
+            text = f'"{name}" needs a distance from the stick edge'
+            raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
+    return output
+
+
+def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
+    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
+    lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
+    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
+    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
+
+
+def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
+    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
+    if output is not None and output.distance is not None:
+        return output.distance
+    return None if design is None else design.edge_distance

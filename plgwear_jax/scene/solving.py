@@ -16,38 +16,8 @@ from plgwear_jax.material import PowerLawGraded
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
 
-class Edge(NamedTuple):
-    """What lies beside the edge where quantities are unbounded.
-
-    Attributes:
-        radius: Of the edge in m: the stick radius at the largest amplitude, or the radius of the punch.
-        distance: The distance inside it in m.
-        values: The unbounded functions of the radius at this distance, by name.
-    """
-
-    radius: Array
-    distance: Array
-    values: dict[str, Array]
-
-
-class Solved(NamedTuple):
-    """The result of `evaluate`.
-
-    Attributes:
-        radii: In m, if any quantity needs them.
-        values: The quantities by name; weighted sums where the load has weights.
-        edge: What is known of the edge, if any quantity needs it.
-        where: Of stresses x and z of the largest value in m, without weights.
-    """
-
-    radii: Array | None
-    values: dict[str, Array]
-    edge: Edge | None
-    where: dict[str, tuple[Array, Array]]
-
-
 @program(static=3)
-def evaluate(
+def scene_values(
     names: tuple[str, ...],
     points: int,
     digits: int | None,
@@ -56,43 +26,45 @@ def evaluate(
     weights: np.ndarray | None,
     distance: float | None = None,
     life: tuple[float, float] | None = None,
-) -> Solved:
-    """The named quantities; without a distance from the edge it is a hundredth of the contact radius.
+) -> dict[str, Array]:
+    """The named quantities; weighted sums where the load has weights.
+
+    With them come the "radii" in m, if any quantity needs them, and of the edge where any quantity is unbounded, which
+    is the stick radius at the largest amplitude or that of the punch, its "edge radius" and the "edge distance" inside
+    it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
+    there, as "profile beside". Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
 
     The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
     """
-    frets, laws = isinstance(contact, FrettingContact), laws_of(contact)
-    solved: dict[Any, Any] = {}
+    frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
     given: dict[str, Any] = {"distance": distance}
     if life is not None:
         given["cycles"], given["wear_coefficient"] = life
-    edge, unbounded = None, [name for name in names if laws[name].unbounded_at]
-    if unbounded:
-        radius = inside = jnp.asarray(contact.radius)
-        if frets:
-            radius = jnp.min(read(contact, "stick_radius", load, given, digits=digits, solved=solved))
-            inside = read(contact, "contact_radius", load, given, digits=digits, solved=solved)
-        edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
-    radii = None
+
+    def value_of(name: str) -> Any:
+        return read(contact, name, load, given, digits=digits, solved=solved)
+
+    found, beside, punch = dict[str, Array](), None, jnp.asarray(contact.radius)
+    if any(laws[name].unbounded_at for name in names):
+        found["edge radius"] = jnp.min(value_of("stick_radius")) if frets else punch
+        relative = _RELATIVE * (value_of("contact_radius") if frets else punch)
+        found["edge distance"] = relative if distance is None else jnp.asarray(distance)
+        beside = jnp.maximum(found["edge radius"] - found["edge distance"], 0.0)
     if any("r" in laws[name].arguments for name in names):
-        widest = 2.0 * jnp.asarray(contact.radius)
-        if frets:
-            widest = 1.25 * jnp.max(read(contact, "worn_radius", load, given, digits=digits, solved=solved))
-        radii = widest * jnp.linspace(0.0, 1.0, points)
-    values = {}
+        widest = 1.25 * jnp.max(value_of("worn_radius")) if frets else 2.0 * punch
+        found["radii"] = widest * jnp.linspace(0.0, 1.0, points)
     for name in names:
-        beside = edge if name in unbounded and "r" in laws[name].arguments else None
-        at = radii
-        if beside is not None:
-            assert radii is not None
-            at = jnp.append(radii, jnp.maximum(beside.radius - beside.distance, 0.0))
-        found = read(contact, name, load, given | {"r": at}, digits=digits, solved=solved)
-        if beside is not None:
-            beside.values[name], found = found[-1], found[:-1]
-        values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
-    alone = [name for name in names if name in STRESSES and weights is None]
-    where = {name: read_from(solved[False, True], f"{name}_at", ()) for name in alone}
-    return Solved(radii, values, edge, where)
+        law, given["r"] = laws[name], found.get("radii")
+        at_edge = beside is not None and law.unbounded_at and "r" in law.arguments
+        if at_edge:
+            given["r"] = jnp.append(found["radii"], beside)
+        value = value_of(name)
+        if at_edge:
+            found[f"{name} beside"], value = value[-1], value[:-1]
+        found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
+        if name in STRESSES and weights is None:
+            found[f"{name} at"] = jnp.stack(read_from(solved[False, True], f"{name}_at", ()))
+    return found
 
 
 def homogeneous(contact: Any) -> Any:
@@ -107,7 +79,7 @@ def homogeneous(contact: Any) -> Any:
     return dataclasses.replace(contact, material=Elastic(material.E0, material.nu))
 
 
-class Moved(NamedTuple):
+class DisplacementEffect(NamedTuple):
     """What a displacement amplitude does to the unworn contact.
 
     Attributes:
@@ -122,11 +94,13 @@ class Moved(NamedTuple):
 
 
 @program()
-def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> Moved:
+def displacement_effect(
+    contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None
+) -> DisplacementEffect:
     """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
     force = jnp.asarray(contact.steady(Displacement(displacement, rig_stiffness)).tangential_force)
     limit = contact.steady(Force(0.0, rig_stiffness)).gross_slip_displacement
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
     at_rest = contact.steady(0.0)
     last = 4.0 * at_rest.gross_slip_energy_ratio * at_rest.gross_slip_displacement
-    return Moved(force, limit, last + 4.0 * (displacement - limit))
+    return DisplacementEffect(force, limit, last + 4.0 * (displacement - limit))

@@ -121,7 +121,7 @@ class Shape:
     def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
         """The moments of f and of r f'(r) with `count` pressures, for the contact radius c in m, each (count,)."""
         outline = Outline(self, radius)
-        x, weights = _places(self.kinks, c, s, bent(6 * count, -0.88))
+        x, weights = _places_below(self.kinks, c, s, bent(6 * count, -0.88))
         r, one = c * x, jnp.ones_like(s)
         scale = 2.0 * x * weights * (radius / (c * c))
         values = jnp.stack([outline.height(r), r * outline.slope(r)], -1) * scale[:, None]
@@ -209,7 +209,7 @@ def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
     return (kinks - c) * (kinks + c) / (c * c)
 
 
-def _places(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
+def _places_below(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
     """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
     parts = pieces(stacked(kinks, power.dtype) / end, power, rule)
     weights, last = parts.singular(power)
@@ -245,7 +245,7 @@ _RULE = logistic(80, 26.0)
 
 def _image_at(outline: Outline, c: Array, a: Array, T: Array) -> Array:
     def at(end: Array) -> Array:
-        x, weights = _places(outline.kinks, end, a, _RULE)
+        x, weights = _places_below(outline.kinks, end, a, _RULE)
         return end * jnp.sum(weights * outline.slope(end * x))
 
     return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(T))

@@ -267,7 +267,7 @@ class Profile(_Splined):
         for name in self.tables:
             given = getattr(self, name)
             if not isinstance(given, Tracer) and on_host(given):
-                _refuse(name, np.asarray(given))
+                _refuse_column(name, np.asarray(given))
 
     def guarded(self) -> "Profile":
         """The shape, with NaN for traced tables that do not increase."""
@@ -326,7 +326,7 @@ def _right(name: str, x: Any) -> Any:
     return (x[..., 0] == 0.0) & ((steps > 0.0) | flat).all(-1) & (x[..., -1] > 0.0)
 
 
-def _refuse(name: str, x: np.ndarray) -> None:
+def _refuse_column(name: str, x: np.ndarray) -> None:
     wrong = ~_right(name, x)
     if np.any(wrong):
         row = x[tuple(np.argwhere(wrong)[0])]

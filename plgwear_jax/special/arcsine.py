@@ -45,7 +45,7 @@ def over_abscissa(value: Array, y: Fold) -> Array:
     return jnp.where(y.inner, value / jnp.where(y.inner, y.x, 1.0), value * y.x)
 
 
-class _Terms(NamedTuple):
+class _FoldedTerms(NamedTuple):
     """The terms common to all functions of y. The power is x^q for y up to the fold, and x^s for larger y."""
 
     n: Array  # denominator N of the fraction U
@@ -58,14 +58,14 @@ class _Terms(NamedTuple):
     deficit: Array  # (1 - q omega)/s for y > the fold, (1 - s omega)/q for y <= the fold
 
 
-def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
+def _folded_terms(y: Fold, s: Array, q: Array, digits: int | None) -> _FoldedTerms:
     p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
     m, n = lerch_tail(y.x, p, digits)
     t = (1.0 + p) * n + y.x * m
     excess = sine_excess(s, q, digits)
     power, less_one = exponentials(p * y.log_x, digits)
     omega = 1.0 + s * q * excess
-    return _Terms(n, m, t, t + p * (y.x * n), power, less_one, omega, 1.0 - other * other * excess)
+    return _FoldedTerms(n, m, t, t + p * (y.x * n), power, less_one, omega, 1.0 - other * other * excess)
 
 
 # --- the tail and the moment of a displacement ----------------------------------------------------------------------
@@ -80,7 +80,7 @@ def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tupl
     """
     x, log_x, inner = y
     p, other = jnp.where(inner, q, s), jnp.where(inner, s, q)
-    n, _, t, d, power, less_one, omega, deficit = _terms(y, s, q, digits)
+    n, _, t, d, power, less_one, omega, deficit = _folded_terms(y, s, q, digits)
     # Q(y; s) = 1 - Q(1/y; 1-s): for y up to the fold Q is small, for larger y 1 - Q is small.
     near = other * omega * power * quotient(t, d)
     rest = quotient(n, d)
@@ -117,7 +117,7 @@ def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     """The arc from 0 to y > 0."""
     folded = fold(y, digits)
     x, _, inner = folded
-    n, m, t, d, power, less_one, omega, deficit = _terms(folded, s, q, digits)
+    n, m, t, d, power, less_one, omega, deficit = _folded_terms(folded, s, q, digits)
     density = omega * jnp.where(inner, power, y * power)
     over_d, over_q = reciprocal(d), reciprocal(1.0 + q)
 

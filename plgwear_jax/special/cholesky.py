@@ -46,15 +46,15 @@ def _cholesky_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array,
 
 def forward(factor: Array, right: Array) -> Array:
     """L^-1 times right sides of shape (n,) or (n, m)."""
-    return _substituted(factor, right, False)
+    return _solved_by_factor(factor, right, False)
 
 
 def backward(factor: Array, right: Array) -> Array:
     """L^-T times right sides of shape (n,) or (n, m)."""
-    return _substituted(factor, right, True)
+    return _solved_by_factor(factor, right, True)
 
 
-def _substituted(factor: Array, right: Array, transposed: bool) -> Array:
+def _solved_by_factor(factor: Array, right: Array, transposed: bool) -> Array:
     columns = right[:, None] if right.ndim == 1 else right
     fixed = jax.lax.stop_gradient(factor)
     found = jax.lax.custom_linear_solve(

@@ -43,7 +43,7 @@ _MEET = Fraction(1, 2)
 
 
 @functools.cache
-def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
+def _moment_weights(reach: Fraction, digits: int) -> tuple[float, ...]:
     """Weights w_n for which the finite sum of w_n x^n equals 1/(1-x) to so many digits, for x from 0 to `reach` < 1.
 
     Whenever c_n is the n-th moment of a measure on [0, 1], the finite sum of w_n c_n x^n then equals the infinite sum
@@ -105,7 +105,7 @@ def _away(digits: int | None) -> Callable[..., Array]:
 
 def _alternating(x: Array, square: Array, outside: Array, digits: int | None) -> Array:
     # One digit more, since the derivatives lose one.
-    weights = _weights(-_MEET / (1 - _MEET), working_digits(digits, x.dtype) + 1)
+    weights = _moment_weights(-_MEET / (1 - _MEET), working_digits(digits, x.dtype) + 1)
     qx = square * x
     total = jnp.zeros_like(qx)
     for n in range(len(weights), 0, -1):
@@ -124,7 +124,7 @@ def _sums(digits: int | None) -> Callable[..., tuple[tuple[Array, Array], ...]]:
 
 def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Array], ...]:
     # Two digits less are enough, since both sums are multiplied by s q y/4 or less.
-    weights = _weights(((1 - _MEET) / (1 + _MEET)) ** 2, working_digits(digits, y.dtype) - 2)
+    weights = _moment_weights(((1 - _MEET) / (1 + _MEET)) ** 2, working_digits(digits, y.dtype) - 2)
     cross = square * y
     ky = 0.0625 * y - 0.25 * cross
     d_even, d_odd = jnp.ones_like(square), jnp.zeros_like(square)

@@ -105,7 +105,7 @@ def _over_jvp(primals, tangents):
 # near -0.41; neither becomes faster with fewer digits. The functions here take 1.5 ns or less, to an ulp or two.
 
 
-def _split(x: Any) -> tuple[Any, Any]:
+def _exponent_and_mantissa(x: Any) -> tuple[Any, Any]:
     """(e, m) with x = 2^e m and m in [sqrt(1/2), sqrt(2)), for normal x > 0."""
     bits, mantissa = _layout(x.dtype)
     lowest = np.asarray(math.sqrt(0.5), x.dtype).view(bits)
@@ -128,7 +128,7 @@ _SQUARE = (math.sqrt(2.0) - 1.0) ** 4  # square of the largest argument z of art
 _ARTANH_TAIL = tuple(c * _SQUARE**n for n, c in enumerate(_ARTANH[1:]))
 
 
-def _log(e: Array, excess: Array, digits: int | None) -> Array:
+def _log_of_parts(e: Array, excess: Array, digits: int | None) -> Array:
     """log(2^e (1 + excess)) by 2 artanh(z), z = excess/(2 + excess)."""
     head, rest = _LOG_2_HEAD[e.dtype], _LOG_2_REST[e.dtype]
     z = excess * reciprocal(2.0 + excess)
@@ -140,8 +140,8 @@ def _log(e: Array, excess: Array, digits: int | None) -> Array:
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def log(x: Array, digits: int | None = None) -> Array:
     """The natural logarithm of normal numbers x > 0."""
-    e, m = _split(x)
-    return _log(e, m - 1.0, digits)
+    e, m = _exponent_and_mantissa(x)
+    return _log_of_parts(e, m - 1.0, digits)
 
 
 @log.defjvp
@@ -153,8 +153,8 @@ def _log_jvp(digits: int | None, primals, tangents):
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def log_complement(phi: Array, digits: int | None = None) -> Array:
     """log(1 - phi) for phi < 1, to full relative accuracy for small phi of either sign."""
-    e, m = _split(1.0 - phi)
-    return _log(e, jnp.where(abs(e) < 0.5, -phi, m - 1.0), digits)
+    e, m = _exponent_and_mantissa(1.0 - phi)
+    return _log_of_parts(e, jnp.where(abs(e) < 0.5, -phi, m - 1.0), digits)
 
 
 @log_complement.defjvp

@@ -69,15 +69,15 @@ def pchip(x: Array, y: Array) -> Piecewise:
     nearer, nearer_slope = jnp.concatenate([none, h[:-1]]), jnp.concatenate([none, chord[:-1]])
     begin = jnp.where(before[:-1] > 0.0, mean[:-1], _end(h, further, chord, further_slope))
     end = jnp.where(after[1:] > 0.0, mean[1:], _end(h, nearer, chord, nearer_slope))
-    return _cubics(x, y, begin, end)
+    return _cubics_between(x, y, begin, end)
 
 
 def hermite(x: Array, y: Array, slope: Array) -> Piecewise:
     """The cubics with these values and slopes at x, all of shape (n,)."""
-    return _cubics(x, y, slope[:-1], slope[1:])
+    return _cubics_between(x, y, slope[:-1], slope[1:])
 
 
-def _cubics(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
+def _cubics_between(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
     h, none = jnp.diff(x), jnp.zeros((1,), x.dtype)
     chord = _ratio(jnp.diff(y), h)
     bend, third = _ratio(3.0 * chord - 2.0 * begin - end, h), _ratio(begin + end - 2.0 * chord, h * h)

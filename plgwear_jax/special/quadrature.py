@@ -14,23 +14,25 @@ from jax import Array
 Rule = tuple[np.ndarray, np.ndarray, np.ndarray]  # x, 1 - x, weights of an integral over x from 0 to 1
 
 
-@functools.cache
-def logistic(count: int, most: float = 17.0) -> Rule:
-    """In equal steps of log(x/(1-x))."""
-    v, step = np.linspace(-most, most, count, retstep=True)
+def _by_logits(v: np.ndarray, step: np.ndarray | float) -> Rule:
+    """At these places of log(x/(1-x)), with the steps between them."""
     inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
     return inside, outside, step * inside * outside
 
 
 @functools.cache
+def logistic(count: int, most: float = 17.0) -> Rule:
+    """In equal steps of log(x/(1-x))."""
+    return _by_logits(*np.linspace(-most, most, count, retstep=True))
+
+
+@functools.cache
 def bent(count: int, begin: float = -0.75) -> Rule:
     """In steps of log(x/(1-x)) that grow towards both ends and go further towards 1, for functions that oscillate."""
-    w = np.linspace(begin, 1.0, count)
+    w, step = np.linspace(begin, 1.0, count, retstep=True)
     bend = 2.4
     scale = 36.0 / np.sinh(bend)
-    v, slope = scale * np.sinh(bend * w), scale * bend * np.cosh(bend * w)
-    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
-    return inside, outside, (w[1] - w[0]) * slope * inside * outside
+    return _by_logits(scale * np.sinh(bend * w), step * scale * bend * np.cosh(bend * w))
 
 
 class Pieces(NamedTuple):

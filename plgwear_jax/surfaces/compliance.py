@@ -178,6 +178,16 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     return _Inside(density[:, None] * factors * table.T, first, front)
 
 
+class Law(NamedTuple):
+    """The indenter that touches up to c and no further, on the law of `punch.apart` alone."""
+
+    flat: Array  # y_0 of a flat punch pressed by 1
+    own: Array  # y of the indenter, as far as they resolve it
+    # T of the radii of the flat punches that it consists of, 1 - T, and by how much each is pressed; None where `own`
+    # says all.
+    punches: tuple[Array, Array, Array] | None
+
+
 class Graded(NamedTuple):
     """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^4)."""
 
@@ -227,15 +237,50 @@ class Graded(NamedTuple):
 
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
+        factors = jnp.tensordot(jnp.asarray(foundation(effort).beside, c.dtype), coefficients, 1)
+        return self._beside(self.excess(c, effort)[0], y, factors, effort)
+
+    def _beside(self, excess: Array, y: Array, factors: Array, effort: Effort) -> tuple[Array, Array]:
         constants = foundation(effort)
-        springs = constants.terms.of(self.excess(c, effort)[0])
-        factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
-        apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
+        springs = constants.terms.of(excess)
+        apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
         sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
         fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
         change = (fallen * springs) @ factors[0] + (jnp.exp(-apart) * sine * springs) @ factors[1]
         front = self.front * self.strength
         return front * (springs @ factors[0]), front * change
+
+    def beside_edge(self, c: Array, y: Array, both: Array, law: Law, effort: Effort) -> tuple[Array, Array]:
+        """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
+
+        A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure
+        is that on a half-plane: its Laplace transform is that on a homogeneous body over X(p),
+
+            log(X(p)) = integral over u of p/(pi (u^2 + p^2)) log(1 + m(u)).
+
+        (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
+        """
+        constants, excess = foundation(effort), self.excess(c, effort)[0]
+        table = jnp.asarray(constants.beside, c.dtype)
+        found, own = jnp.tensordot(table, both, 1), table @ law.own
+        h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
+        if law.punches is not None:
+            T, left, pressed = law.punches
+
+            def waves(distance: Array) -> Array:
+                x = h[:, None] * distance
+                return jnp.exp(-x) * jnp.stack([jnp.cos(x), -jnp.sin(x)])
+
+            inner = left / (1.0 + jnp.sqrt(T))
+            exact = (waves(inner) - waves(2.0 - inner)) @ (0.5 * math.sqrt(0.5 * math.pi) * law.flat * pressed)
+            found, own = found.at[:, :, 1].add(exact - own), exact
+        alone = jnp.stack([jnp.stack([jnp.ones_like(h), jnp.zeros_like(h)]), own], -1)
+        edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(jnp.maximum(excess, -0.999))
+        last = int(np.sum(constants.x < 0.5 * effort.modes**2))
+        real, imaginary = (jnp.exp(-edge[0]) * jnp.stack([jnp.cos(edge[1]), -jnp.sin(edge[1])]))[:, :, None]
+        near = jnp.stack([real * alone[0] - imaginary * alone[1], real * alone[1] + imaginary * alone[0]])
+        size = jnp.sqrt(jnp.sum(found[:, last] ** 2, 0) / jnp.sum(near[:, last] ** 2, 0))
+        return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
 
 
 Compliance = OnePower | PowerLaw | Graded

@@ -79,10 +79,10 @@ def cells_of(
     )
     sunk = jnp.maximum(depth - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
-    return RingCells(whole, gap, steady, _first(whole, steady, from_1), swept, from_c)
+    return RingCells(whole, gap, steady, _first_pressure(whole, steady, from_1), swept, from_c)
 
 
-def _first(whole: Array, steady: Array, from_1: Array) -> Array:
+def _first_pressure(whole: Array, steady: Array, from_1: Array) -> Array:
     """The pressure of the ring before any wear. That of the contact in modes is not known next to a kink."""
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
@@ -103,7 +103,7 @@ def _at_held_depth(
 _DISC = {2: 32, 3: 32, 4: 48, 5: 64}  # cells inside c for so many digits
 
 
-def _disc(from_c: Array, effort: Effort) -> Array:
+def _cells_that_stick(from_c: Array, effort: Effort) -> Array:
     """Edges of cells inside c, T - 1, and the same in r inside.
 
     Towards c they become far finer than the first cell of the ring, or what they do to it would be too small.
@@ -116,7 +116,7 @@ def _towards_c(finest: Array, count: int) -> Array:
     return -apart * (2.0 - apart)
 
 
-class _Terms(NamedTuple):
+class _PowerTerms(NamedTuple):
     """Of each term, along a first axis."""
 
     images: Images  # of the cells beside c
@@ -125,14 +125,14 @@ class _Terms(NamedTuple):
     mixed: Array  # what cells beside c do to those inside by their images there
 
 
-def _terms(
+def _power_terms(
     compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
-) -> _Terms:
+) -> _PowerTerms:
     edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
     cells = inner.size - 1
     count = cells * NODES
 
-    def one(k: Array, s: Array, log_g: Array) -> _Terms:
+    def one(k: Array, s: Array, log_g: Array) -> _PowerTerms:
         q = 1.0 - s
         t, share, weight = images_of(*edges, width, s, q)
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
@@ -140,7 +140,7 @@ def _terms(
         images = Images(t[count:], share[cells:, count:], weight[count:])
         of_ring = strength * products_of(images.share, images.weight)
         inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
-        return _Terms(images, of_ring, inside[:cells], inside[cells:].T)
+        return _PowerTerms(images, of_ring, inside[:cells], inside[cells:].T)
 
     k, log_g = compliance.terms
     return jax.vmap(one)(k, 0.5 * (1.0 + k), log_g)
@@ -154,7 +154,7 @@ def _powers(
     Alone each term would have these take off exactly what the images inside c add. With two terms they have no closed
     form, but of cells inside c only the difference counts.
     """
-    images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1, _disc(from_c, effort))
+    images, of_ring, disc, mixed = _power_terms(compliance, c, width, from_c, from_1, _cells_that_stick(from_c, effort))
     if isinstance(compliance, OnePower):
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
@@ -200,7 +200,7 @@ def _places_of(u: Array) -> _Places:
     return _Places(before, at - before, jnp.where(at == place - 1.0, 1.0 / (_TABLE * u), 0.0))
 
 
-def _cubics(table: Array) -> tuple[Array, ...]:
+def _lagrange_cubics(table: Array) -> tuple[Array, ...]:
     """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
     before, one, two, three = table[:-3], table[1:-2], table[2:-1], table[3:]
     bend = 0.5 * (before - 2.0 * one + two)
@@ -228,7 +228,7 @@ def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
 
 
 def _of_table(table: Array, near: _Places, far: _Places, weighted: Array) -> Array:
-    cubics = _cubics(table)
+    cubics = _lagrange_cubics(table)
     return weighted @ (_values_at(cubics, near) + _values_at(cubics, far)) @ weighted.T
 
 
@@ -248,7 +248,7 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     # each direction.
     (table, t, weight, weighted), (dtable, dt, dweight, dweighted) = primals, tangents
     near, far = map(_places_of, _distances(t, weight))
-    cubics = _cubics(table)
+    cubics = _lagrange_cubics(table)
     kernel = _values_at(cubics, near) + _values_at(cubics, far)
     by_near, by_far = _slopes_at(cubics, near), _slopes_at(cubics, far)
     found = weighted @ kernel @ weighted.T
@@ -271,12 +271,12 @@ def _graded(
     weighted = share * weight
     of_ring = products_of(share, weight)
     direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
-    moved = _moved(compliance, c, images, effort)
+    moved = _displaced_cells(compliance, c, images, effort)
     through = (c * math.pi / 4.0) * moved @ solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
     return strength * (of_ring + 0.5 * direct) - through, images
 
 
-def _moved(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
+def _displaced_cells(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
     """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
     modes = jnp.eye(effort.modes, dtype=c.dtype)
     first, more = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
@@ -308,15 +308,15 @@ def inward(
     """
     c, power = jnp.exp(punch.log_c), not isinstance(compliance, Graded)
     # The sums of pressures do not know what is nearer to c than a thousandth of it.
-    edges = _disc(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
+    edges = _cells_that_stick(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
     places = -0.5 * (edges[1:] + edges[:-1])
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if not isinstance(compliance, Graded):
-        _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1, edges)
+        _, _, disc, mixed = _power_terms(compliance, c, width, from_c, from_1, edges)
         return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
-    moved = _moved(compliance, c, images, effort)
+    moved = _displaced_cells(compliance, c, images, effort)
     modes = -(c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
         jnp.asarray(punch.flat), sunk
     )

@@ -68,6 +68,7 @@ class Foundation(NamedTuple):
         np.ndarray
     )  # (2, n, modes), of the pressure's coefficients: m_k times both are the factors of the real and of
     # the negative imaginary part of exp(-p_k (t-1))
+    edge: np.ndarray  # (2, n, n), real and imaginary part of what log(1 + m) counts for at the edge of a half-plane
 
 
 @functools.cache
@@ -92,4 +93,6 @@ def foundation(effort: Effort) -> Foundation:
     weighted = (np.sqrt(2.0 * order[:, None] * 2.0 * order)[:, :, None] * matrix).reshape(-1, x.size)
     sizes, parts = np.linalg.eigh(weighted.T @ weighted)
     parts = parts[:, sizes > _FELT * sizes[-1]]
-    return Foundation(x, parts.T, matrix @ parts, terms, np.stack([beside.real, beside.imag]))
+    edge = effort.spacing / np.pi * pole * x / (x * x + pole * pole)
+    beside, edge = (np.stack([both.real, both.imag]) for both in (beside, edge))
+    return Foundation(x, parts.T, matrix @ parts, terms, beside, edge)

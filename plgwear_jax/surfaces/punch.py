@@ -9,12 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.shapes.powers import Power
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, OnePower
+from plgwear_jax.surfaces.compliance import Compliance, Law, OnePower
 from plgwear_jax.surfaces.effort import Effort
 
 
@@ -149,6 +150,20 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
     moments, _ = outline.moments(jnp.exp(punch.log_c), s, order.size)
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
+
+
+def law_of(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Law:
+    """The indenter on the law alone."""
+    assert punch.flat is not None and punch.bowl is not None
+    c, s = jnp.exp(punch.log_c), compliance.s
+    image, (stiffness, rest) = outline.image(c, s), apart(punch, s, outline)
+    assert rest is not None
+    flat = stiffness * punch.flat[0] / punch.stiffness
+    own = (rest - punch.bowl).at[0].add(image.first * flat)
+    if isinstance(image, Power) and image.power is None:
+        return Law(flat, own, None)
+    parts = pieces(1.0 + image.bends, s, logistic(3 * effort.nodes, 26.0))
+    return Law(flat, own, (parts.x, parts.left, parts.weight * image.rate(parts.x)))
 
 
 def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:

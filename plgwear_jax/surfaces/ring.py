@@ -19,11 +19,12 @@ from jax import Array
 from plgwear_jax.shapes.shape import Image, Outline
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
+from plgwear_jax.surfaces.compliance import Compliance, Graded, Law, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
+from plgwear_jax.surfaces.punch import Punch, law_of, pressed, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
+_FURTHER = 3  # nodes
 _TAPS = 10
 _MIDDLE = 0.5 * (_TAPS - 1)
 
@@ -108,20 +109,40 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     image, depth = outline.image(c, a), punch.depth
     if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
         return Beside(a, None, None, image, depth)
-    y, both = jnp.exp(jnp.asarray(_nodes(), c.dtype)), jnp.stack([punch.flat, punch.bowl], -1)
+    y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), law_of(compliance, punch, effort, outline)
+    both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(compliance, Graded):
-        first, v = compliance.beside(c, y, both, effort)
-        return Beside(a, first[0] + v[:, 0], depth * v[:, 0] - v[:, 1], image, depth)
-    # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane.
-    near = _nodes() < -2.0 * math.log(effort.modes)
-    count = int(np.sum(near))
+        first, v = compliance.beside_edge(c, y, both, law, effort)
+        return Beside(a, first[0] + v[:, 0], v[:, 1], image, depth)
+    # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
+    # indenter jumps its depth has fewer digits, which count less further out.
+    count = int(np.sum(_nodes() < -2.0 * math.log(effort.modes)))
+    begin = count if law.punches is None else count + _FURTHER
     v, fallen = compliance.beside(c, y[count:], both, effort), image.fallen(y)
-    flat, own = 1.0 - v[:, 0], fallen[count:] + depth * (v[:, 0] - 1.0) + image.first - v[:, 1]
-    edge, mean = compliance.edge(c, _nodes()[: count + 1])
-    mean = y[: count + 1] * mean
-    flat = jnp.append(flat[0] / edge[-1] * edge[:-1], flat)
+    flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
+    if law.punches is not None:
+        own = own + _not_summed(compliance, c, y, begin, law, effort)
+    edge, mean = compliance.edge(c, _nodes()[: begin + 1])
+    y = y[: begin + 1]
+    known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
+    mean = y * mean * (image.fallen(known) / known)
+    flat = jnp.append(flat[0] / edge[count] * edge[:count], flat)
     own = jnp.append(own[0] / mean[-1] * mean[:-1], own)
     return Beside(a, 1.0 - flat, own - fallen, image, depth)
+
+
+def _not_summed(compliance: PowerLaw, c: Array, y: Array, begin: int, law: Law, effort: Effort) -> Array:
+    """What the sum of pressures leaves out of v of the indenter on one law, at nodes from the first one on."""
+    assert law.punches is not None
+    one = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
+    flat, summed = compliance.beside(c, y, jnp.stack([law.flat * one, law.own], -1), effort).T
+    # Flat punches of all radii are alike, and far from each v falls with this power of the distance.
+    power, y = 0.5 * jnp.minimum(1.0, 1.0 + compliance.k), y[:, None]
+    T, left, pressed = law.punches
+    apart = ((y[begin:] + left) / T).ravel()
+    found = between(flat * jnp.exp(power * jnp.log1p(y[:, 0])), apart) * jnp.exp(-power * jnp.log1p(apart))
+    exact = found.reshape(-1, T.size) @ (pressed * jnp.exp((compliance.s - power) * jnp.log(T)))
+    return exact - summed[begin:]
 
 
 def _sine(a: Array) -> Array:

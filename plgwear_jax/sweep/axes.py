@@ -9,8 +9,7 @@ import numpy as np
 
 from plgwear_jax._core.words import cut, one_line, read_text
 from plgwear_jax.catalogue import AXES, leaf
-from plgwear_jax.tables import number as read_number
-from plgwear_jax.tables import numbered_lines
+from plgwear_jax.tables import number_in, numbered_lines
 
 
 class AxisError(ValueError):
@@ -74,22 +73,22 @@ def read_axis(name: str, text: str) -> np.ndarray:
         AxisError: The text is none of these, or a value is outside its range: in one line.
     """
     said = f"{name} = {cut(one_line(text))}"
-    number = read_number(text)
+    number = number_in(text)
     if number is not None:
         return check_axis(name, number)
     parts = text.split(":")
-    if read_number(parts[0]) is not None or (not Path(text).exists() and len(parts) > 2):
-        return check_axis(name, _range(name, said, parts))
+    if number_in(parts[0]) is not None or (not Path(text).exists() and len(parts) > 2):
+        return check_axis(name, _spaced(name, said, parts))
     if not os.path.lexists(text):
         raise AxisError(f"{said}: must be {_FORMS}; there is no such file")
     return _values_of_file(name, text)
 
 
-def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
+def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
     """The values of the range start:stop:count[:spacing], whose parts are given; `said` begins a complaint."""
     if len(parts) not in (3, 4):
         raise AxisError(f"{said}: must be {_FORMS}")
-    start, stop = (read_number(part) for part in parts[:2])
+    start, stop = (number_in(part) for part in parts[:2])
     if start is None or stop is None or not (math.isfinite(start) and math.isfinite(stop)):
         raise AxisError(f"{said}: start and stop must be finite numbers")
     if not (parts[2].strip().isdecimal() and 1 <= int(parts[2]) <= _MOST):
@@ -128,7 +127,7 @@ def _values_of_file(name: str, path: str) -> np.ndarray:
         raise AxisError(f"{one_line(path)}: holds no values of {name}; there must be at least one")
     values = np.empty(len(lines))
     for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
-        number = read_number(line)
+        number = number_in(line)
         if number is None or not leaf(name).domain.contains(number):
             given = cut(one_line(line.strip()))
             raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {leaf(name).domain.text}")

@@ -13,7 +13,7 @@ from distributed.comm.core import CommClosedError
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.plan import Plan
+from plgwear_jax.sweep.plan import SweepPlan
 from plgwear_jax.sweep.store import SweepError, SweepStore, arrays_of, holds, remove_partial, write_chunk
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
@@ -21,8 +21,12 @@ _PATIENCE = "10s"  # for the scheduler to answer
 _compiling = threading.Lock()
 
 
-def run(
-    plan: Plan, store: SweepStore, numbers: Sequence[int], scheduler: str, progress: Callable[[int, int], None] | None
+def run_on_cluster(
+    plan: SweepPlan,
+    store: SweepStore,
+    numbers: Sequence[int],
+    scheduler: str,
+    progress: Callable[[int, int], None] | None,
 ) -> None:
     """Have the chunks of these numbers computed by the workers of a Dask scheduler.
 
@@ -43,7 +47,9 @@ def run(
     with client:
         # As a task of its own the plan is sent once to each worker, and again if they all die.
         shared = client.submit(_itself, plan, pure=False)
-        tasks = client.map(_work, batches, plan=shared, path=str(store.path), version=__version__, pure=False)
+        tasks = client.map(
+            _compute_and_write, batches, plan=shared, path=str(store.path), version=__version__, pure=False
+        )
         try:
             for task in distributed.as_completed(tasks, loop=client.loop):
                 try:
@@ -70,11 +76,11 @@ class _UnfitError(ValueError):
     """Why a worker cannot take part."""
 
 
-def _itself(plan: Plan) -> Plan:
+def _itself(plan: SweepPlan) -> SweepPlan:
     return plan
 
 
-def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
+def _compute_and_write(numbers: Sequence[int], plan: SweepPlan, path: str, version: str) -> int:
     """Compute chunks and write them, on a worker; returns how many points they hold."""
     if version != __version__:
         raise _UnfitError(f"it has plgwear_jax {__version__}, not {version}")

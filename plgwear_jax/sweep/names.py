@@ -22,6 +22,7 @@ from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.catalogue import (
+    AMPLITUDES,
     AXES,
     FRETTING,
     GROSS_SLIP,
@@ -29,7 +30,6 @@ from plgwear_jax.catalogue import (
     TANGENTIAL,
     Law,
     derivative,
-    element,
     entry,
     kind_of,
     laws_of,
@@ -49,12 +49,62 @@ class QuantityError(ValueError):
     """Why a quantity cannot be computed, in one line that begins with its name."""
 
 
+class AxisNames:
+    """What a contact and its load have by the names of axes: `k` is `material.k`, `load[0].cycles` that of a block.
+
+    Args:
+        contact: The contact; None for the dimensionless functions.
+        load: A load that has numbers.
+
+    Attributes:
+        paths: The path in the contact of each of its numbers, by all names that it has.
+        own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
+            has them.
+        of_load: The numbers of the load.
+        allowed: All names; elements of an array are one.
+    """
+
+    def __init__(self, contact: Any, load: Load | None = None) -> None:
+        leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
+        leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
+        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
+        self.own, self._load = dict[str, Any](), load
+        for path, value in leaves.items():
+            points = [f"{path}[{place}]" for place in range(np.shape(value)[-1])] if np.ndim(value) else [path]
+            name = path.removeprefix("material.")
+            if path not in AXES:
+                self.paths = {one.removeprefix("material."): one for one in points} | self.paths
+            self.paths |= {one: one for one in points}
+            self.own[name if name in AXES and name not in leaves and path not in AXES else path] = value
+        self.of_load = {} if load is None else paths_of(load)
+        if load is not None and load.lasts:
+            self.of_load = {name.removesuffix("_amplitude"): value for name, value in self.of_load.items()}
+        else:
+            self.of_load = {f"load{path.removeprefix('of')}": value for path, value in self.of_load.items()}
+        self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
+        self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
+        if isinstance(contact, FrettingContact):
+            self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", "r", "distance", "z"]
+            self.allowed += ["cycles", "wear_coefficient", "share"]
+
+    def part_of_load(self, name: str) -> str | None:
+        """The path in the load of a number of a block, also of one that it has not; None of other names."""
+        path = f"of{name.removeprefix('load')}"
+        try:
+            return (
+                path if name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(self._load, path)) else None
+            )
+        except (AttributeError, LookupError, TypeError):
+            return None
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
-class Subject:
+class SweepTarget:
     """The contact and its loads.
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
+        names: The names of its numbers.
         load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         paths: The path in the contact of each axis and each single value that is a number of it.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
@@ -66,7 +116,8 @@ class Subject:
         digits: Correct digits wanted.
     """
 
-    contact: FrettingContact | GrossSlipContact | None = None
+    contact: FrettingContact | GrossSlipContact | None
+    names: AxisNames
     load: Any = None
     paths: Mapping[str, str] = dataclasses.field(default_factory=dict)
     inputs: tuple[str, ...] = ()
@@ -94,7 +145,7 @@ class Subject:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Asked:
+class SweepQuantity:
     """One quantity.
 
     Attributes:
@@ -124,7 +175,7 @@ def is_search(name: str) -> bool:
 _SEARCHES = ("optimal_exponent", "design", "transient")
 
 
-def digits_of(name: str, subject: Subject) -> str | None:
+def digits_of(name: str, subject: SweepTarget) -> str | None:
     """The correct digits of a quantity by default; None if they are all that the dtype holds."""
     head = name.split(".")[0]
     life = head == "design" and subject.design is not None and subject.design.get("cycles") is not None
@@ -138,7 +189,7 @@ def variable_name(quantity: str) -> str:
     return re.sub(r"\W+", "_", quantity).strip("_")
 
 
-def unit_of(axis: str, contact: object | None) -> str:
+def axis_unit(axis: str, contact: object | None) -> str:
     """The unit of an axis."""
     kind = leaf(axis)
     return kind.unit if contact is not None else kind.scale or kind.unit
@@ -163,7 +214,7 @@ def label_of(name: str) -> str:
 # --- names ----------------------------------------------------------------------------------------------------------
 
 
-def resolve(name: str, subject: Subject) -> Asked:
+def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
     """The quantity of this name.
 
     Raises:
@@ -176,23 +227,23 @@ def resolve(name: str, subject: Subject) -> Asked:
     return dataclasses.replace(asked, name=name)
 
 
-def _find(name: str, stem: str, subject: Subject) -> Asked:
+def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     head, _, tail = stem.partition(".")
     if head == "optimal_exponent" and subject.contact is None:
 
-        def optimum(values: Values, memo: dict[Any, Any], get: Callable[[Any], Array]) -> Array:
-            if head not in memo:  # all fields of an optimum come from one search
-                memo[head] = optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
-            return get(memo[head])
+        def optimum(values: Values) -> Any:
+            return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
 
         return _of_record(stem, _EXPONENT, ("phi",), optimum, subject)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
-        return _of_record(stem, _design_fields(subject), subject.inputs, functools.partial(_designs, subject), subject)
+        return _of_record(
+            stem, _design_fields(subject), subject.inputs, functools.partial(_best_designs, subject), subject
+        )
     if stem == SLIPS and "displacement" in subject.inputs:
-        return Asked(stem, subject.inputs, (), functools.partial(_slips, subject), "1", _SLIPS, "")
-    known = _known(subject)
+        return SweepQuantity(stem, subject.inputs, (), functools.partial(_slips, subject), "1", _SLIPS, "")
+    known = _quantities_of(subject)
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
@@ -204,36 +255,35 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
     return known[stem]
 
 
-def _known(subject: Subject) -> dict[str, Asked]:
+def _quantities_of(subject: SweepTarget) -> dict[str, SweepQuantity]:
     """All quantities except those of optima, by name."""
     if subject.contact is not None:
         return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
     rooms = [(fretting, FRETTING), (partial_slip, TANGENTIAL), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
-    found: dict[str, Asked] = {}
+    found: dict[str, SweepQuantity] = {}
     for module, laws in rooms:
         for name, law in laws.items():
             function = getattr(module, name, None) or getattr(module, f"steady_{name}", None)
             if function is not None:
-                asked = _of_function(function, law, subject)
-                found.setdefault(name, asked)
-                found[f"{module.__name__.rpartition('.')[2]}.{name}"] = asked
+                quantity = _of_function(function, law, subject)
+                found.setdefault(name, quantity)
+                found[f"{module.__name__.rpartition('.')[2]}.{name}"] = quantity
     return found
 
 
-def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> Asked:
+def _of_function(function: Callable[..., Array], law: Law, subject: SweepTarget) -> SweepQuantity:
     parameters = inspect.signature(function).parameters.values()
     needs = tuple(one.name for one in parameters if one.default is one.empty)
     slopes = tuple(name for name in needs if not (name == "nu" and subject.holl))
 
-    def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        del memo
+    def evaluate(values: Values, _: dict[Any, Any]) -> Array:
         return function(*(values[name] for name in needs), digits=subject.digits)
 
-    assert law.scale is not None
-    return Asked(function.__name__.lstrip("_"), needs, slopes, evaluate, law.scale, law.description, law.equation)
+    unit = law.scale or "1"
+    return SweepQuantity(function.__name__.lstrip("_"), needs, slopes, evaluate, unit, law.description, law.equation)
 
 
-def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
+def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     moved = "F_x" in law.arguments
     mean = moved and subject.forces is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
@@ -247,23 +297,22 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
 
-        load, weight = _load(subject, contact, values) if moved else (None, None)
+        load, weight = _load_at(subject, contact, values) if moved else (None, None)
         digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits
         found = read(contact, name, load, values, digits=digits, solved=solved)
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
-    return Asked(name, needs, _slopes(needs, subject), evaluate, law.unit, about, law.equation)
+    return SweepQuantity(name, needs, _differentiable(needs, subject), evaluate, law.unit, about, law.equation)
 
 
-def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
-    path = path_of(subject.contact, by)
+def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
+    path = subject.names.paths.get(by)
     if not (by in asked.slopes or (path is not None and asked.slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(asked.slopes)}" if asked.slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
-    def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        del memo
+    def evaluate(values: Values, _: dict[Any, Any]) -> Array:
         name = next((name for name in values if path is not None and subject.paths.get(name) == path), by)
 
         def along(x: Array) -> Array:
@@ -272,12 +321,11 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
         x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path or by))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
 
-    axis_unit = unit_of(by, subject.contact)
-    unit = asked.unit
-    if axis_unit.startswith("1/"):
-        unit = f"{unit} {axis_unit[2:]}"
-    elif axis_unit != "1":
-        unit = f"{f'({unit})' if '/' in unit else unit}/{axis_unit}"
+    unit, below = asked.unit, axis_unit(by, subject.contact)
+    if below.startswith("1/"):
+        unit = f"{unit} {below[2:]}"
+    elif below != "1":
+        unit = f"{f'({unit})' if '/' in unit else unit}/{below}"
     return dataclasses.replace(
         asked,
         name=f"{asked.name}.d{by}",
@@ -290,36 +338,7 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 # --- contacts and loads ---------------------------------------------------------------------------------------------
 
 
-def path_of(contact: Any, name: str) -> str | None:
-    """The path of a number of a contact, whose name may leave out `material.`; None if there is none."""
-    leaves = _leaves_of(contact)
-    stem, place = element("indenter.E" if name == "indenter_E" else name)
-    for path in (stem, f"material.{stem}"):
-        if path in leaves and not (path != stem and path in AXES):
-            points = np.shape(leaves[path])[-1:]
-            if place is None and not points:
-                return path
-            return f"{path}[{place}]" if place is not None and points and place < points[0] else None
-    return name if name in leaves else None
-
-
-def _leaves_of(contact: Any) -> dict[str, Any]:
-    """The leaves of a contact by path, with Holl's ratio, which is none for JAX."""
-    nu = getattr(getattr(contact, "material", None), "nu", None)
-    return paths_of(contact) | ({"material.nu": nu} if isinstance(nu, str) else {})
-
-
-def fields_of(contact: Any) -> dict[str, Any]:
-    """The leaves of a contact by name: those of the material without `material.`, if the catalogue has them."""
-    leaves, found = _leaves_of(contact), {}
-    for path, value in leaves.items():
-        name = path.removeprefix("material.")
-        short = name in AXES and name not in leaves and path not in AXES
-        found[name if short else path] = value
-    return found
-
-
-def contact_at(subject: Subject, values: Values) -> Any:
+def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
     for name, path in subject.paths.items():
@@ -328,14 +347,7 @@ def contact_at(subject: Subject, values: Values) -> Any:
     return contact
 
 
-def numbers_of(load: Load) -> dict[str, Any]:
-    """The numbers of a load, by the names that they have as inputs of a sweep."""
-    if not load.lasts:
-        return {f"load{path.removeprefix('of')}": value for path, value in paths_of(load).items()}
-    return {name.removesuffix("_amplitude"): value for name, value in paths_of(load).items()}
-
-
-def _load(subject: Subject, contact: Any, values: Values) -> tuple[Load, Any]:
+def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
     """The load, and the weights of its amplitudes along a last axis or None."""
     factor = jnp.asarray(values.get("factor", 1.0))
     if subject.forces is not None and subject.weights is not None:
@@ -359,113 +371,98 @@ SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 _SLIPS = "the whole contact slips before any wear"
 
 
-def _slips(subject: Subject, values: Values, memo: dict[Any, Any]) -> Array:
+def _slips(subject: SweepTarget, values: Values, _: dict[Any, Any]) -> Array:
     """Whether the whole contact slips before any wear under the displacement at these values."""
-    del memo
     at_rest = contact_at(subject, values).steady(Force(0.0, values.get("rig_stiffness")), digits=subject.digits)
     return ~(jnp.asarray(values["displacement"]) < at_rest.gross_slip_displacement)
 
 
-def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
+def _differentiable(needs: tuple[str, ...], subject: SweepTarget) -> tuple[str, ...]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
-    fields = fields_of(subject.contact).items()
-    numbers = (
-        name
-        for name, value in fields
-        if not (np.ndim(value) or isinstance(value, str) or (subject.holl and name == "nu"))
-    )
-    return (*(need for need in needs if need != "load_case"), *numbers)
+    numbers = [name for name, value in subject.names.own.items() if not isinstance(value, str) and not np.ndim(value)]
+    return tuple(name for name in (*needs, *numbers) if name != "load_case" and not (subject.holl and name == "nu"))
 
 
 # --- optima ---------------------------------------------------------------------------------------------------------
 
 
 class _Field(NamedTuple):
-    """A field of an optimum: where the result has it, its unit, and whether it has derivatives."""
+    """A field of an optimum: its unit, what it is, whether it has derivatives, and where the result has it."""
 
-    get: Callable[[Any], Array]
     unit: str
     description: str
-    smooth: bool = True
+    smooth: bool
+    get: Callable[[Any], Array]
 
 
-def _fields(of_what: Mapping[str, tuple[str, str]], *, smooth: bool = True) -> dict[str, _Field]:
-    """Fields that are attributes of the result, from their units and descriptions."""
-    return {name: _Field(operator.attrgetter(name), *about, smooth) for name, about in of_what.items()}
+def _fields(text: str, smooth: bool = False) -> dict[str, _Field]:
+    """Fields that are attributes of the result, from a line for each: name, unit, and what it is."""
+    rows = (re.split("  +", line.strip()) for line in text.strip().splitlines())
+    return {name: _Field(unit, about, smooth, operator.attrgetter(name)) for name, unit, about in rows}
 
 
-_VOLUME = FRETTING["wear_volume"].scale or "1"
-_FLAGS = _fields(
-    {
-        "converged": ("1", "the search ended at a minimum"),
-        "certified": ("1", "converged, and nothing better was found"),
-        "scan_found_nothing_better": (
-            "1",
-            "none expected between the exponents scanned (curvature is estimated, not bounded)",
-        ),
-    },
-    smooth=False,
-)
-_EXPONENT = {
-    **_fields(
-        {"k": ("1", "exponent k that wears least"), "wear_volume": (_VOLUME, "least wear volume of any exponent")}
-    ),
-    **_fields(
-        {
-            "at_bound": ("1", "the best exponent lies on a bound"),
-            "rival": ("1", "exponent of the next best minimum"),
-            "rival_wear_volume": (_VOLUME, "wear volume there"),
-        },
-        smooth=False,
-    ),
-    **_FLAGS,
-}
+_FLAGS = _fields("""
+    converged                  1  the search ended at a minimum
+    certified                  1  converged, and nothing better was found
+    scan_found_nothing_better  1  none expected between the exponents scanned (curvature is estimated, not bounded)
+""")
+_EXPONENT = _fields(
+    """
+    k            1        exponent k that wears least
+    wear_volume  a_0^4/R  least wear volume of any exponent
+    """,
+    smooth=True,
+) | _fields("""
+    at_bound           1        the best exponent lies on a bound
+    rival              1        exponent of the next best minimum
+    rival_wear_volume  a_0^4/R  wear volume there
+""")
 
 
-def _design_fields(subject: Subject) -> dict[str, _Field]:
+def _design_fields(subject: SweepTarget) -> dict[str, _Field]:
     assert subject.design is not None
     given = subject.design.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
     objective = given if isinstance(given, str) else next(iter(given))
     found = {}
     for name in subject.design["vary"]:
         kind = leaf(name)
-        best = f"best {kind.description or kind.words}"
-        found[name] = _Field(lambda optimum, name=name: optimum.variables[name], kind.unit, best)
-    least, saved = entry(objective), f"share of the {objective} saved against the reference"
-    found[objective] = _Field(operator.attrgetter("value"), least.unit, f"least {least.description}")
-    return found | _fields({"saving": ("1", saved)}) | _FLAGS
-
-
-Search = Callable[[Values, dict[Any, Any], Callable[[Any], Array]], Array]  # what is got of an optimum at values
+        get = lambda optimum, name=name: optimum.variables[name]  # noqa: E731
+        found[name] = _Field(kind.unit, f"best {kind.description or kind.words}", True, get)
+    least = entry(objective)
+    found[objective] = _Field(least.unit, f"least {least.description}", True, operator.attrgetter("value"))
+    return found | _fields(f"saving  1  share of the {objective} saved against the reference", smooth=True)
 
 
 def _of_record(
-    stem: str, fields: Mapping[str, _Field], needs: tuple[str, ...], search: Search, subject: Subject
-) -> Asked:
+    stem: str,
+    fields: Mapping[str, _Field],
+    needs: tuple[str, ...],
+    search: Callable[[Values], Any],
+    subject: SweepTarget,
+) -> SweepQuantity:
     head, _, name = stem.partition(".")
+    fields = {**fields, **_FLAGS}
     if name not in fields:
         raise QuantityError(f"{one_line(stem)}: {head} has no such field{near_or_all(name, fields)}")
     field = fields[name]
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        return search(values, memo, field.get)
+        if head not in memo:  # all fields of an optimum come from one search
+            memo[head] = search(values)
+        return field.get(memo[head])
 
-    slopes = _slopes(needs, subject) if field.smooth else ()
+    slopes = _differentiable(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
-    return Asked(stem, needs, slopes, evaluate, field.unit, field.description, equation)
+    return SweepQuantity(stem, needs, slopes, evaluate, field.unit, field.description, equation)
 
 
-def _designs(subject: Subject, values: Values, memo: dict[Any, Any], get: Callable[[Any], Array]) -> Array:
+def _best_designs(subject: SweepTarget, values: Values) -> Any:
     assert subject.design is not None
     contact = contact_at(subject, values)
-    own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
-    if "law" in subject.design and "wear_coefficient" in values:
-        own["law"] = values["wear_coefficient"]
-    asked = {**subject.design, **own}
-
-    if "design" not in memo:
-        load, weight = _load(subject, contact, values) if subject.inputs else (None, None)
-        if load is not None and asked.get("cycles") is None:
-            load = contact.steady(load).tangential_force
-        memo["design"] = optimise.designs(contact, load, weight=weight, **asked)
-    return get(memo["design"])
+    asked = dict(subject.design) | {name: values[name] for name in subject.design if name in values}
+    if "law" in asked and "wear_coefficient" in values:
+        asked["law"] = values["wear_coefficient"]
+    load, weight = _load_at(subject, contact, values) if subject.inputs else (None, None)
+    if load is not None and asked.get("cycles") is None:
+        load = contact.steady(load).tangential_force
+    return optimise.designs(contact, load, weight=weight, **asked)

@@ -24,14 +24,13 @@ from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
-    Asked,
-    Subject,
+    SweepQuantity,
+    SweepTarget,
+    axis_unit,
     digits_of,
-    fields_of,
     is_search,
     label_of,
     resolve,
-    unit_of,
     variable_name,
 )
 
@@ -61,7 +60,7 @@ class Variable:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Plan:
+class SweepPlan:
     """Everything that determines the content of a sweep, whoever computes it.
 
     Attributes:
@@ -77,7 +76,7 @@ class Plan:
     names: tuple[str, ...]
     axes: Mapping[str, np.ndarray]
     fixed: Mapping[str, Any]
-    subject: Subject
+    subject: SweepTarget
     loads: tuple[str, ...]
     dtype: np.dtype
     chunk: tuple[int, ...]
@@ -125,7 +124,7 @@ class Plan:
         return sum(math.prod(part.stop - part.start for part in place) for place in places)
 
     @functools.cached_property
-    def asked(self) -> tuple[Asked, ...]:
+    def asked(self) -> tuple[SweepQuantity, ...]:
         """The quantities, made into functions."""
         return tuple(resolve(name, self.subject) for name in self.names)
 
@@ -145,7 +144,7 @@ class Plan:
         """The dtype in which the values of an axis enter the program."""
         return np.dtype(np.int32) if name == LOAD else self.dtype
 
-    def _attributes(self, asked: Asked) -> dict[str, str]:
+    def _attributes(self, asked: SweepQuantity) -> dict[str, str]:
         digits = self.subject.digits
         return {
             "quantity": asked.name,
@@ -189,7 +188,7 @@ class Plan:
         label = kind.label
         if name == "radius" and hasattr(self.subject.contact, "depth"):
             label = "radius of the punch $a$"
-        units, values = unit_of(name, self.subject.contact), self.axes.get(name, np.zeros(1))
+        units, values = axis_unit(name, self.subject.contact), self.axes.get(name, np.zeros(1))
         return {
             "units": units,
             "label": label,
@@ -215,13 +214,13 @@ class Plan:
             **{name: "loads" if name == LOAD else _told(values) for name, values in self.axes.items()},
             **{name: value if isinstance(value, str) else float(value) for name, value in self.fixed.items()},
             "contact": type(subject.contact).__name__ if subject.contact is not None else "none",
-            **({"bodies": _bodies(subject)} if subject.numeric else {}),
+            **({"bodies": _told_bodies(subject)} if subject.numeric else {}),
             "loads": list(self.loads)
             if subject.forces is None or subject.weights is None
             else {"names": list(self.loads), "forces": _told(subject.forces), "weights": _told(subject.weights)},
             **({"held": type(subject.load).__name__} if subject.load is not None else {}),
             "bounds": list(map(float, subject.bounds)) if exponent else "not used",
-            "design": json.loads(json.dumps(subject.design, default=_plain)) if designed else "not used",
+            "design": json.loads(json.dumps(subject.design, default=_as_json)) if designed else "not used",
             "digits": "all" if subject.digits is None else subject.digits,
             "dtype": str(self.dtype),
             "axes": list(self.axes),
@@ -236,15 +235,15 @@ def _told(values: np.ndarray) -> str:
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
 
 
-def _bodies(subject: Subject) -> dict[str, Any]:
+def _told_bodies(subject: SweepTarget) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
     bodies = {name: getattr(subject.contact, name, None) for name in BODIES}
-    rows = {name: value for name, value in fields_of(subject.contact).items() if np.ndim(value)}
+    rows = {name: value for name, value in subject.names.own.items() if np.ndim(value)}
     kinds = {name: type(body).__name__ for name, body in bodies.items() if body is not None}
     return kinds | {name: _told(np.asarray(row)) for name, row in rows.items()}
 
 
-def _plain(value: Any) -> Any:
+def _as_json(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return dataclasses.asdict(value)
     return np.asarray(value).tolist()
@@ -289,7 +288,7 @@ def in_precision(dtype: Any) -> Any:
 class Engine:
     """The program of a plan, compiled once, on all devices of this process: each computes a chunk at a time."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: SweepPlan) -> None:
         self.plan = plan
         devices = jax.local_devices()
         self.width = len(devices)
@@ -329,12 +328,10 @@ class Engine:
 
     def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> list[dict[str, np.ndarray]]:
         """The variables of each of the chunks that were started, without the padding."""
-        found: list[dict[str, np.ndarray]] = [{} for _ in numbers]
-        for variable in self.plan.variables:
-            for shard in started[variable.name].addressable_shards:
-                device = shard.index[0].start or 0
-                if device < len(numbers):
-                    place = self.plan.place(numbers[device])
-                    kept = tuple(slice(place[dim].stop - place[dim].start) for dim in variable.dims)
-                    found[device][variable.name] = np.asarray(shard.data)[0][kept]
+        whole = [(variable, np.asarray(started[variable.name])) for variable in self.plan.variables]
+        found = list[dict[str, np.ndarray]]()
+        for device, number in enumerate(numbers):
+            place = self.plan.place(number)
+            kept = {name: slice(part.stop - part.start) for name, part in place.items()}
+            found.append({one.name: x[(device, *(kept[dim] for dim in one.dims))] for one, x in whole})
         return found

@@ -20,7 +20,7 @@ from zarr.storage import LocalStore
 from plgwear_jax._core.words import cut, one_line, shown
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import variable_name
-from plgwear_jax.sweep.plan import LOAD, Plan, Variable
+from plgwear_jax.sweep.plan import LOAD, SweepPlan, Variable
 
 _MANIFEST = "plgwear_sweep"
 UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"
@@ -30,7 +30,7 @@ class SweepError(ValueError):
     """Why a sweep cannot be computed or read, in one line."""
 
 
-def labelled(plan: Plan) -> xr.Dataset:
+def labelled(plan: SweepPlan) -> xr.Dataset:
     """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
     found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
     for name, values in plan.axes.items():
@@ -52,7 +52,7 @@ class SweepStore:
         path: The folder.
     """
 
-    def __init__(self, path: str | os.PathLike[str], plan: Plan) -> None:
+    def __init__(self, path: str | os.PathLike[str], plan: SweepPlan) -> None:
         self.path = Path(os.path.abspath(path))
         self._name = one_line(os.fspath(path))
         self._plan = plan
@@ -181,7 +181,7 @@ def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
     return names, missing, files
 
 
-def arrays_of(path: Path, plan: Plan) -> dict[str, zarr.Array]:
+def arrays_of(path: Path, plan: SweepPlan) -> dict[str, zarr.Array]:
     """The arrays to write to, by the names of the variables."""
     # A chunk of NaN only can be a finished one, so its file has to be written too.
     with zarr.config.set({"array.write_empty_chunks": True}):
@@ -189,7 +189,7 @@ def arrays_of(path: Path, plan: Plan) -> dict[str, zarr.Array]:
         return {variable.name: _array(group, variable.quantity) for variable in plan.variables}
 
 
-def holds(arrays: Mapping[str, zarr.Array], plan: Plan, number: int) -> bool:
+def holds(arrays: Mapping[str, zarr.Array], plan: SweepPlan, number: int) -> bool:
     """Whether all files of a chunk exist."""
     index = plan.index(number)
     return all(
@@ -199,8 +199,8 @@ def holds(arrays: Mapping[str, zarr.Array], plan: Plan, number: int) -> bool:
     )
 
 
-def write_chunk(arrays: Mapping[str, zarr.Array], plan: Plan, number: int, variables: Mapping[str, np.ndarray]) -> None:
-    """Write the files of a chunk."""
+def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
+    """Write a chunk into arrays, of a store or in memory."""
     index, place = plan.index(number), plan.place(number)
     for variable in plan.variables:
         if _writes(variable, index):
@@ -221,9 +221,8 @@ def _writes(variable: Variable, index: Mapping[str, int]) -> bool:
 
 
 def _array(group: zarr.Group, quantity: str) -> zarr.Array:
-    """The array of a quantity; older stores name it as the quantity was asked for."""
-    name = variable_name(quantity)
-    array = group[name if name in group else quantity]
+    """The array of a quantity."""
+    array = group[variable_name(quantity)]
     if not isinstance(array, zarr.Array):
         raise TypeError(f"{quantity} is no array")
     return array
@@ -268,23 +267,8 @@ def _damaged(name: str, error: Exception) -> SweepError:
 
 def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:
     """Refuse a sweep that differs from the one in the store, and name the difference."""
-    there, here = _compared(there), _compared(here)
     for key in dict.fromkeys([*there, *here]):
         old, new = (manifest.get(key, "absent") for manifest in (there, here))
-        if old != new:
+        if old != new and key != "version":  # the version of the formulas decides
             old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
             raise SweepError(f"{name}: holds another sweep: {key} there is {old}, here {new}; name another folder")
-
-
-def _compared(manifest: dict[str, Any]) -> dict[str, Any]:
-    """What of a manifest decides about the results: not the version of the library, but that of its formulas.
-
-    The first stores did not name it. What is not limited is left out, so that later limits make no difference.
-    """
-
-    def without_none(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {name: without_none(item) for name, item in value.items() if item is not None}
-        return value
-
-    return without_none({"formulas": 1, **{name: value for name, value in manifest.items() if name != "version"}})

@@ -4,12 +4,10 @@ Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dat
 computed and written chunk by chunk; after a stop, finished chunks are not computed again.
 """
 
-import collections
-import dataclasses
+import functools
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import jax
@@ -18,7 +16,7 @@ import xarray as xr
 
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.doubts import doubt, of_contact
-from plgwear_jax._core.leaves import leaf_of, with_leaf
+from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
@@ -29,16 +27,14 @@ from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
     SLIPS,
+    AxisNames,
     QuantityError,
-    Subject,
-    fields_of,
-    numbers_of,
-    path_of,
-    unit_of,
+    SweepTarget,
+    axis_unit,
     variable_name,
 )
-from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk
-from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
+from plgwear_jax.sweep.plan import LOAD, SweepPlan, chunk_shape, default_chunk
+from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there, write_chunk
 
 Progress = Callable[[int, int], None]
 
@@ -127,7 +123,7 @@ def sweep(
         else:
             from plgwear_jax.sweep import cluster
 
-            cluster.run(plan, store, missing, scheduler, progress)
+            cluster.run_on_cluster(plan, store, missing, scheduler, progress)
         store.finish()
     return _opened(out, plan.names)
 
@@ -156,8 +152,6 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
 
 def _opened(path: str | os.PathLike[str], names: Sequence[str], missing: int = 0) -> xr.Dataset:
     found = xr.open_zarr(path, consolidated=False, chunks={})
-    # older stores have the names as they were asked for
-    found = found.rename({name: variable_name(name) for name in names if name in found and "." in name})
     for name in names:
         found[variable_name(name)].attrs["quantity"] = name
     found = found[[variable_name(name) for name in names]]
@@ -168,71 +162,37 @@ def _opened(path: str | os.PathLike[str], names: Sequence[str], missing: int = 0
 
 
 def _run(
-    plan: Plan,
+    plan: SweepPlan,
     numbers: Sequence[int],
     keep: Callable[[int, Mapping[str, np.ndarray]], None],
     progress: Progress | None,
 ) -> None:
-    """Compute chunks while earlier ones are written, a few at a time."""
-    done = _report(progress, plan.points - plan.size(numbers), plan)
+    """Compute chunks; the next ones are computed while the last ones are kept."""
+    done, report = plan.points - plan.size(numbers), progress or (lambda *_: None)
+    report(done, plan.points)
     if not numbers:
         return
-    engine = plan.engine
-
-    def finish(some: Sequence[int], started: Any) -> int:
-        for number, variables in zip(some, engine.finish(some, started), strict=True):
-            keep(number, variables)
-        return plan.size(some)
-
-    waiting: collections.deque[Future[int]] = collections.deque()
-    with ThreadPoolExecutor(_KEEPERS) as keepers:
-        try:
-            for some in engine.batches(numbers):
-                waiting.append(keepers.submit(finish, some, engine.start(some)))
-                while len(waiting) > _IN_FLIGHT or (waiting and waiting[0].done()):
-                    done = _report(progress, done + waiting.popleft().result(), plan)
-            while waiting:
-                done = _report(progress, done + waiting.popleft().result(), plan)
-        except BaseException:
-            for future in waiting:
-                future.cancel()
-            raise
+    engine, before = plan.engine, None
+    for some in [*engine.batches(numbers), ()]:
+        started = engine.start(some) if some else {}
+        if before is not None:
+            for number, variables in zip(before[0], engine.finish(*before), strict=True):
+                keep(number, variables)
+            done += plan.size(before[0])
+            report(done, plan.points)
+        before = some, started
 
 
-_KEEPERS = 1  # threads that write results: a second one would take the cores from the computation
-_IN_FLIGHT = 3  # chunks that are computed or written at a time
-
-
-def _report(progress: Progress | None, done: int, plan: Plan) -> int:
-    """Report how many points are done, if anybody wants to know; returns the number."""
-    if progress is not None:
-        progress(done, plan.points)
-    return done
-
-
-def _in_memory(plan: Plan, progress: Progress | None) -> xr.Dataset:
+def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
     lengths = dict(zip(plan.axes, plan.shape, strict=True))
+    shapes = {variable.name: [lengths[dim] for dim in variable.dims] for variable in plan.variables}
     try:
-        arrays = {
-            variable.name: np.empty([lengths[dim] for dim in variable.dims], variable.dtype)
-            for variable in plan.variables
-        }
+        arrays = {variable.name: np.empty(shapes[variable.name], variable.dtype) for variable in plan.variables}
     except (MemoryError, ValueError):
-        size = sum(
-            np.prod([float(lengths[dim]) for dim in variable.dims]) * variable.dtype.itemsize
-            for variable in plan.variables
-        )
+        size = sum(np.prod(shapes[one.name], dtype=float) * one.dtype.itemsize for one in plan.variables)
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
-
-    def keep(number: int, variables: Mapping[str, np.ndarray]) -> None:
-        place = plan.place(number)
-        for variable in plan.variables:
-            arrays[variable.name][tuple(place[dim] for dim in variable.dims)] = variables[variable.name]
-
-    _run(plan, range(plan.chunks), keep, progress)
-    return labelled(plan).assign(
-        {variable.name: (variable.dims, arrays[variable.name], variable.attributes) for variable in plan.variables}
-    )
+    _run(plan, range(plan.chunks), functools.partial(write_chunk, arrays, plan), progress)
+    return labelled(plan).assign({one.name: (one.dims, arrays[one.name], one.attributes) for one in plan.variables})
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------
@@ -248,7 +208,7 @@ def _plan(
     digits: int | None,
     chunk: int | None,
     axes: Mapping[str, ArrayLike | str],
-) -> Plan:
+) -> SweepPlan:
     """The plan of a sweep, or a ValueError."""
     names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     if not names:
@@ -264,14 +224,14 @@ def _plan(
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
     given = None if load is None else load_of(load)
-    of_load = {} if given is None else numbers_of(given)
     held = given if given is not None and not given.lasts else None
-    of_load = {name: values for name, values in of_load.items() if name not in axes}
-    rows, fixed, paths = _sorted_out(of_load | dict(axes), contact, held)
+    known = AxisNames(contact, given)
+    of_load = {name: values for name, values in known.of_load.items() if name not in axes}
+    rows, fixed, paths = _sorted_out(of_load | dict(axes), known, contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
-    forces, weights = _padded(loads) if loads else (None, None)
+    forces, weights = _side_by_side(loads) if loads else (None, None)
     if loads is not None and len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
@@ -280,7 +240,7 @@ def _plan(
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
-    subject = Subject(contact, held, paths, inputs, holl, forces, weights, design, bounds, digits)
+    subject = SweepTarget(contact, known, held, paths, inputs, holl, forces, weights, design, bounds, digits)
 
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:
@@ -292,8 +252,8 @@ def _plan(
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
     amplitudes = 1 if forces is None else forces.shape[1]
     shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.slow))
-    plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
-    _refuse_gross_slip(plan)
+    plan = SweepPlan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
+    _refuse_gross_slip_anywhere(plan)
     _refuse_needs(plan)
     try:
         plan.variables  # noqa: B018 - what the library itself refuses
@@ -321,23 +281,23 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 
 
 def _sorted_out(
-    axes: Mapping[str, Any], contact: FrettingContact | GrossSlipContact | None, load: Any
+    axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None, load: Any
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
     """The axes, the inputs with a single value, including the fields of the contact, and the paths of both there."""
     fixed: dict[str, Any] = {}
-    for name, value in fields_of(contact).items():
+    for name, value in known.own.items():
         if isinstance(value, str) or not np.ndim(value):
             fixed[name] = value
         elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
-    allowed = _axes_of(contact)
-    paths = {path_of(contact, name): name for name in fixed}
+    paths = {known.paths[name]: name for name in fixed}
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
-        path = path_of(contact, name)
-        if path is None and name not in allowed and not _is_of_block(load, name):
+        path = known.paths.get(name)
+        of_block = None if path is not None or load is None else known.part_of_load(name)
+        if path is None and name not in known.allowed and of_block is None:
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
-            raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, allowed)}")
+            raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, known.allowed)}")
         if path is not None:
             if paths.get(path, name) in axes and paths.get(path, name) != name:
                 raise AxisError(f"{name}: is the same as {paths[path]}")
@@ -350,41 +310,19 @@ def _sorted_out(
             fixed[name] = values
             continue
         array = check_axis(name, values)
-        whole, inner = (contact, path) if path is not None or load is None else (load, f"of{name.removeprefix('load')}")
-        if path is not None or name.startswith("load["):
-            try:
-                with_leaf(whole, inner, array)
-            except ValueError as error:
-                raise AxisError(f"{name}: {error}") from None
+        try:
+            if path is not None or of_block is not None:
+                with_leaf(load if path is None else contact, path or of_block, array)
+        except ValueError as error:
+            raise AxisError(f"{name}: {error}") from None
         if array.ndim:
             rows[name] = array
         else:
             fixed[name] = float(array)
-    return rows, fixed, {name: path for path, name in paths.items() if path is not None}
+    return rows, fixed, {name: path for path, name in paths.items()}
 
 
-def _is_of_block(load: Any, name: str) -> bool:
-    """Whether a name is that of a number of a block, such as "load[0].cycles"."""
-    try:
-        return name.startswith("load[") and not dataclasses.is_dataclass(
-            leaf_of(load, f"of{name.removeprefix('load')}")
-        )
-    except (AttributeError, LookupError, TypeError):
-        return False
-
-
-def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
-    """The axes that there are for a contact; elements of a row are one."""
-    if contact is None:
-        return ["k", "phi", "nu", "r", "distance"]
-    fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
-    if isinstance(contact, GrossSlipContact):
-        return [*fields, "r", "z"]
-    of_load = *reversed(AMPLITUDES), "rig_stiffness", "factor"
-    return [*fields, *of_load, "r", "distance", "z", "cycles", "wear_coefficient", "share"]
-
-
-def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
+def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes and normalised weights of all loads, in one array each; padding has no weight."""
     pairs = []
     for name, (force, weight) in loads.items():
@@ -394,14 +332,11 @@ def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarra
         except (ValueError, TypeError) as error:
             raise SweepError(f"load {name}: {error}") from None
     longest = max(force.size for force, _ in pairs)
-    forces, weights = np.empty((len(pairs), longest)), np.zeros((len(pairs), longest))
-    for row, (force, shares) in enumerate(pairs):
-        forces[row] = force[0]
-        forces[row, : force.size], weights[row, : force.size] = force, shares
-    return forces, weights
+    forces = [np.pad(force, (0, longest - force.size), mode="edge") for force, _ in pairs]
+    return np.stack(forces), np.stack([np.pad(shares, (0, longest - shares.size)) for _, shares in pairs])
 
 
-def _refuse_gross_slip(plan: Plan) -> None:
+def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
     """Refuse amplitudes that reach the friction force in any combination of the axes."""
     if not {LOAD, "tangential_force"} & {*plan.subject.inputs}:
         return
@@ -418,15 +353,15 @@ def _refuse_gross_slip(plan: Plan) -> None:
         )
 
 
-def _refuse_needs(plan: Plan) -> None:
+def _refuse_needs(plan: SweepPlan) -> None:
     """Refuse quantities that need an input without a value."""
     available = {*plan.axes, *plan.fixed, *([LOAD] if plan.subject.forces is not None else [])}
-    allowed = _axes_of(plan.subject.contact)
+    allowed = plan.subject.names.allowed
     for asked in plan.asked:
         for need in asked.needs:
             if need not in available:
                 instead = ", phi, displacement or loads" if need == "tangential_force" and "phi" in allowed else ""
-                unit = unit_of(need, plan.subject.contact)
+                unit = axis_unit(need, plan.subject.contact)
                 in_units = f" in {unit}" if unit != "1" else ""
                 raise QuantityError(f"{asked.name}: needs {need}{in_units}{instead}")
     for name in plan.fixed:

@@ -83,7 +83,7 @@ class TestHistory(NamedTuple):
 
 
 @functools.cache
-def _shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
+def _cell_shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
     place = np.linspace(0.0, 1.0, ring + 1)
     # In float32 the matrix of the finest cells has no factor any more.
     begin, end = place ** (2.0 if fine else 1.5), 0.4 * (1.0 - place) ** 2
@@ -94,12 +94,12 @@ def _shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
 
 
-def edges_of(grid: _Grid, count: int) -> Array:
+def edges_of_grid(grid: _Grid, count: int) -> Array:
     """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
     Where nothing sticks, or the contact grows far, their size grows with the radius instead.
     """
-    inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _shares(grid.end.dtype == jnp.float64, count))
+    inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _cell_shares(grid.end.dtype == jnp.float64, count))
     unworn = grid.unworn / grid.end
     stick = jnp.minimum(grid.stick / grid.end, (1.0 - 1e-6) * unworn)
     area = stick**2 + (unworn - stick) * (unworn + stick) * ring
@@ -115,14 +115,14 @@ def edges_of(grid: _Grid, count: int) -> Array:
 
 
 def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid, count: int) -> Disc:
-    edges, b = edges_of(grid, count), grid.end
+    edges, b = edges_of_grid(grid, count), grid.end
     size = jnp.diff(edges)
     at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, size), 0.0))
     unworn = mean_over(outline.height(at.ravel())) * size
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
+def _given_in_steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
     """(What is given in each step, the cycles since the beginning at its end)."""
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
@@ -169,7 +169,7 @@ def history_of(
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, TestHistory]:
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         tangential = ratio(grid.unworn)
-        steps, cycles = _steps(blocks, grid, tangential, count)
+        steps, cycles = _given_in_steps(blocks, grid, tangential, count)
         held = steps.displacement_factor > 0.0
         # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
         steps = steps._replace(

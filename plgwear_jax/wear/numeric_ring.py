@@ -40,7 +40,7 @@ def cells_at(effort: Effort, state: State, edges: tuple[Array, Array]) -> RingCe
     return cells_of(*bodies, state.depth, state.outline, *edges, effort)
 
 
-def rings_of(effort: Effort, resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
+def numeric_rings_of(effort: Effort, resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
     """(The ring in the cells of each march, its units, T - (a_0/c)^2 at the edges of the finest march)."""
     unworn, grown = widths(state)
     edges = edges_of(unworn, grown, resolution)
@@ -59,8 +59,8 @@ _Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the
 
 
 @program(static=2, level=1)
-def _rings(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
-    return for_each(functools.partial(rings_of, effort, resolution), states.shape, states)
+def _rings_of_each(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
+    return for_each(functools.partial(numeric_rings_of, effort, resolution), states.shape, states)
 
 
 @program(static=2, level=1)
@@ -70,19 +70,19 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
 
     def run(*numbers: Array) -> _Runs:
         state = one(*numbers)
-        ring, scales, from_1 = rings_of(effort, resolution, state)
+        ring, scales, from_1 = numeric_rings_of(effort, resolution, state)
         return state, curves_from(resolution, ring, scales), from_1
 
     return each(sequential_forward_mode(run), numbers, tables)
 
 
-def _by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
+def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
     """The same, by the programs of known numbers."""
-    return _worn(effort, resolution, solved_states(effort, contact, force))
+    return _worn_runs(effort, resolution, solved_states(effort, contact, force))
 
 
-def _worn(effort: Effort, resolution: MarchResolution, states: State) -> _Runs:
-    rings, scales, from_1 = _rings(effort, resolution, states)
+def _worn_runs(effort: Effort, resolution: MarchResolution, states: State) -> _Runs:
+    rings, scales, from_1 = _rings_of_each(effort, resolution, states)
     return states, curves_by_parts(resolution, rings, scales), from_1
 
 
@@ -98,10 +98,10 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
     if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):
         shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
         single = jnp.broadcast_shapes(*shapes) == ()
-        return with_slopes(_runs, _by_parts if single else None)(effort, resolution, *given)
+        return with_slopes(_runs, _worn_by_parts if single else None)(effort, resolution, *given)
     states = states_of(contact, force, effort)
     refuse_tension(states, worn=True)
-    return _worn(effort, resolution, states)
+    return _worn_runs(effort, resolution, states)
 
 
 # --- what is read -----------------------------------------------------------------------------------------------------
@@ -157,7 +157,7 @@ class NumericRing:
 
 
 @program(static=1)
-def _in_units(effort: Effort, runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
+def _run_in_si(effort: Effort, runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
     states, curves, from_1 = runs
     phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
     # 4 K mu theta in 1/Pa, the time of one cycle.
@@ -180,4 +180,4 @@ class NumericRun(RingRun):
         contact, load, wear_coefficient = given
         effort, force = effort_of(self.digits), load.amplitude
         runs = _runs_of(effort, march_resolution_of(self.digits), contact, force)
-        return _in_units(effort, runs, contact, force, wear_coefficient)
+        return _run_in_si(effort, runs, contact, force, wear_coefficient)

@@ -50,7 +50,7 @@ def march_resolution_of(digits: int | None) -> MarchResolution:
 
 
 @functools.cache
-def _places(resolution: MarchResolution) -> tuple[np.ndarray, np.ndarray]:
+def _places_of_edges(resolution: MarchResolution) -> tuple[np.ndarray, np.ndarray]:
     """Places of the cell edges, one row per march: (0 to 1 over the unworn ring, share of the ring's growth beyond it).
 
     The growth begins as a square and ends as an exponential, so that the steps in n have about the same length.
@@ -91,7 +91,7 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
     near = jnp.clip(grown * (10.0 * resolution.length * resolution.inner**2 / resolution.outer**2) / unworn, 0.3, 1.0)
     # Materialised, or each element of the arrays below would compute it again.
     near = materialised(near, grown)
-    place, growth = (jnp.asarray(x, grown.dtype) for x in _places(resolution))
+    place, growth = (jnp.asarray(x, grown.dtype) for x in _places_of_edges(resolution))
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth
     return from_c, grown * growth - unworn * end / (begin + end)

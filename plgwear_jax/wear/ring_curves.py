@@ -116,10 +116,10 @@ def _from(start: Any, x: Array) -> Array:
 
 def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) -> RunCurves:
     """The curves of a run, from the cells of each march."""
-    return _extrapolated(resolution, ring, scales, marches_of(ring, resolution))
+    return _extrapolated_curves(resolution, ring, scales, marches_of(ring, resolution))
 
 
-def _extrapolated(resolution: MarchResolution, ring: RingCells, scales: Scales, march: March) -> RunCurves:
+def _extrapolated_curves(resolution: MarchResolution, ring: RingCells, scales: Scales, march: March) -> RunCurves:
     """The curves that remain of the marches, extrapolated to small cells and steps."""
     depths, pressures = _depths_and_pressures(ring, march, resolution)
     multiple = max(resolution.refinements)

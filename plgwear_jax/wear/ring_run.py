@@ -57,7 +57,7 @@ class RunSolution(NamedTuple):
         return self.stick_radius * jnp.sqrt(1.0 + self.flat.scales.width[self.number])
 
 
-def _known(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
+def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
     return found + run.phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
 
@@ -69,7 +69,7 @@ def _volume(run: RunSolution, cycles: Array) -> Array:
     return volume_of(run.flat, run.phi, run.per_cycle * cycles)
 
 
-def _rate(run: RunSolution, cycles: Array) -> Array:
+def _volume_rate(run: RunSolution, cycles: Array) -> Array:
     cycles = jnp.broadcast_to(cycles, jnp.broadcast_shapes(run.phi.shape, run.per_cycle.shape, cycles.shape))
     return clamp_keep_slope(0.0, jax.jvp(lambda cycles: _volume(run, cycles), (cycles,), (jnp.ones_like(cycles),))[1])
 
@@ -85,15 +85,15 @@ def _contact_radius(run: RunSolution, cycles: Array) -> Array:
 
 _AMOUNTS: dict[str, Callable[[RunSolution, Array], Array]] = {
     "volume": _volume,
-    "rate": _rate,
+    "rate": _volume_rate,
     "contact_radius": _contact_radius,
     "stick_radius": lambda run, cycles: run.stick_radius,
 }
 
 
 @program(static=1)
-def _amount(name: str, run: RunSolution, cycles: Array) -> Array:
-    return _known(run, _AMOUNTS[name](run, cycles), cycles)
+def _number_of_run(name: str, run: RunSolution, cycles: Array) -> Array:
+    return _nan_outside(run, _AMOUNTS[name](run, cycles), cycles)
 
 
 # --- depth ------------------------------------------------------------------------------------------------------------
@@ -125,23 +125,23 @@ def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
 
 
 @program()
-def _depth(run: RunSolution, ring: tuple[Array, ...], r: Array, cycles: Array) -> Array:
+def _depth_in_ring(run: RunSolution, ring: tuple[Array, ...], r: Array, cycles: Array) -> Array:
     inside, y, gap, steady = ring
-    return _known(run, jnp.where(inside > 0.0, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
+    return _nan_outside(run, jnp.where(inside > 0.0, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
 
 
 _PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is near c after a few cycles
 
 
 @program()
-def _places(run: RunSolution, at: Array) -> tuple[Array, Array]:
+def _places_in_ring(run: RunSolution, at: Array) -> tuple[Array, Array]:
     """(y, radii) at places over the ring, along a first axis before those of the contacts and of other numbers."""
     places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
     y = jnp.asarray(places, at.dtype) * run.flat.scales.width[run.number]
     return y, run.stick_radius * jnp.sqrt(1.0 + y)
 
 
-def _deepest(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
+def _deepest_in_ring(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
     run, ring = given
     y, gap, steady = ring
     return crest(_depth_at(run, y, gap, steady, cycles))
@@ -149,14 +149,14 @@ def _deepest(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Arr
 
 @program()
 def _deepest_wear(run: RunSolution, cycles: Array, ring: tuple[Array, ...]) -> Array:
-    return _known(run, _deepest((run, ring), cycles), cycles)
+    return _nan_outside(run, _deepest_in_ring((run, ring), cycles), cycles)
 
 
 def _of_ring(read: Callable[..., Array]) -> Callable[[RunSolution, Array], Array]:
     """What a program reads of y, gap and final depth at places over the ring."""
 
     def of_run(run: RunSolution, at: Array) -> Array:
-        y, r = _places(run, at)
+        y, r = _places_in_ring(run, at)
         return read(run, at, (y, *run.ring.gap_and_depth(y, r)))
 
     return of_run
@@ -170,7 +170,7 @@ def _cycles_to(name: str, run: RunSolution, goal: Array, ring: tuple[Array, ...]
     curves, number, wears = run.flat, run.number, run.phi > 0.0
     end = end_of(curves, number) / run.per_cycle
     if name == "depth":
-        found = first_at(_deepest, (run, ring), goal, end)
+        found = first_at(_deepest_in_ring, (run, ring), goal, end)
     else:
 
         def worn(given: Any, cycles: Array) -> Array:
@@ -182,7 +182,7 @@ def _cycles_to(name: str, run: RunSolution, goal: Array, ring: tuple[Array, ...]
         found = jnp.where(never, jnp.inf, found)
     # Where nothing wears, no goal above 0 is reached.
     found = jnp.where(wears, found, jnp.nan if name == "share" else jnp.where(goal > 0.0, jnp.inf, 0.0))
-    return _known(run, found, goal * run.contact_radius)
+    return _nan_outside(run, found, goal * run.contact_radius)
 
 
 @program()
@@ -235,7 +235,7 @@ def _pressure(
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips > 0.0, around, 0.0))
-    return _known(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
+    return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
 
 
 # --- the run ----------------------------------------------------------------------------------------------------------
@@ -245,7 +245,7 @@ class RingRun(Run):
     """A run of a constant force amplitude under Archard's law: the stick radius stays, and a ring around it wears."""
 
     law: Any  # Archard's
-    amount = staticmethod(_amount)
+    amount = staticmethod(_number_of_run)
 
     def _given(self) -> Any:
         return as_numbers((self.contact, self.load, self.law.wear_coefficient))
@@ -292,7 +292,7 @@ class RingRun(Run):
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)
         inside, y, near = _in_ring(run, r)
-        return _depth(run, (inside, y, *run.ring.gap_and_depth(y, near)), r, self._cycles(cycles))
+        return _depth_in_ring(run, (inside, y, *run.ring.gap_and_depth(y, near)), r, self._cycles(cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)

@@ -1,16 +1,17 @@
 """The command `plgwear regimes`."""
 
 import csv
+import functools
 import json
-import os
 from pathlib import Path
 
+import commands
 import numpy as np
 import pytest
 from matplotlib import image
-from typer.testing import CliRunner
+from refusals import cases, is_told
 
-from plgwear_jax import cli, contact, plots, scene
+from plgwear_jax import contact, plots, scene
 from plgwear_jax.loads import Force
 
 SCENE = """
@@ -21,8 +22,7 @@ load = { displacement = 1.5e-7 }
 
 
 @pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def _scene(_folder: None) -> None:
     write(SCENE)
 
 
@@ -30,8 +30,7 @@ def write(text: str) -> None:
     Path("mine.toml").write_text(text)
 
 
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, ["regimes", "mine.toml", *arguments])
+plgwear, refused = (functools.partial(run, "regimes", "mine.toml") for run in (commands.plgwear, commands.refused))
 
 
 def told(*arguments: str) -> dict:
@@ -94,36 +93,17 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     assert "the energy ratio is 0.2 at 589.5 nm, at the onset" in plgwear().stdout
 
 
-@pytest.mark.parametrize(
-    "change, arguments, line",
-    [
-        (None, ("--normal-force", "20:5"), "--normal-force 20:5: must be LOWEST:HIGHEST in N, 0 < LOWEST < HIGHEST"),
-        (None, ("--displacement", "1e-7"), "--displacement 1e-7: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
-        (None, ("--displacement", "0:x"), "--displacement 0:x: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
-        (None, ("--rig-stiffness", "-1"), "--rig-stiffness -1: must be a finite number > 0, in N/m"),
-        (None, ("--picture", "map.bmp"), "map.bmp: must end in .png, .pdf or .svg"),
-        (("displacement = 1.5e-7", "displacement = -1"), (), "mine.toml: [load] displacement = -1: must be a finite"),
-        (
-            ("0.005, normal_force = 10.0", "1e305, normal_force = 1e305"),
-            (),
-            "mine.toml: the loops exceed the range of numbers: some value in the input file is too",
-        ),
-    ],
-)
-def test_refusal(change, arguments, line):
-    write(SCENE.replace(*change) if change else SCENE)
-    before = sorted(os.listdir())
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
-    (said,) = result.stderr.splitlines()
-    assert said.startswith(line)
+@cases(Path(__file__).with_name("refused.toml"), "regimes")
+def test_refusal(case):
+    write(SCENE.replace(case["old"], case["new"]))
+    assert is_told(refused(*case["arguments"]), case)
 
 
 def test_a_punch_has_no_regimes():
     write("material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = 0.3 }\ncontact = { kind = 'gross-slip', radius = 2e-3, "
           "depth = 1e-6 }")  # fmt: skip
-    line = 'mine.toml: [contact] kind = "gross-slip": only a fretting contact changes between the regimes\n'
-    assert plgwear().exit_code == 2 and plgwear().stderr == line
+    line = 'mine.toml: [contact] kind = "gross-slip": only a fretting contact changes between the regimes'
+    assert refused() == line
 
 
 @pytest.mark.compiled

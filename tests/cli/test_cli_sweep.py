@@ -10,32 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import plgwear, refused
 from matplotlib import image
-from typer.testing import CliRunner
+from refusals import cases, is_told
 
-from plgwear_jax import cli, scene, sweep
+from plgwear_jax import scene, sweep
 from plgwear_jax.loads import Block, Displacement
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
+REFUSED = Path(__file__).with_name("refused.toml")
 MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, arguments)
-
-
-def refused(*arguments: str) -> str:
-    """The one line with which bad input is refused."""
-    before = sorted(Path().rglob("*"))
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(Path().rglob("*")) == before
-    (line,) = result.stderr.splitlines()
-    return line
 
 
 def test_a_map_is_written_resumed_and_drawn():
@@ -190,33 +174,13 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
     assert [stand_in[name] for name in ("digits", "chunk", "scheduler")] == [5, 7, "tcp://there:1"]
 
 
-@pytest.mark.parametrize(
-    "changes, line",
-    [
-        (["--k=-0.9:0.9:0"], "k = -0.9:0.9:0: the count must be a whole number from 1 to 100000000"),
-        (["--k", "nan.txt"], "nan.txt: row 2: k = nan: must be -1 < k < 1"),
-        (["-q", "wear_volum"], "wear_volum: there is no such quantity; did you mean wear_volume?"),
-        (["-q", "wear_volume"], "wear_volume: is asked for more than once"),
-        (["--r", "0.1"], "r: none of wear_volume, stick_radius.dk depends on it"),
-        (["--bounds", "0.5"], "--bounds = 0.5: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
-        (["--bounds", "0.5:x"], "--bounds = 0.5:x: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
-        (["--load", "calm.csv"], "--load: needs a contact, --scene"),
-        (["--axis", "nu"], "--axis = nu: must be NAME=VALUES, such as shape.exponent=2:4:9"),
-        (["--axis", "nu=1"], "nu = 1.0: must be -1 < nu <= 1/2"),
-        (["--scene", "missing.toml"], "missing.toml: there is no such file"),
-        (["--out", "map.nc"], "map.nc: must end in .zarr"),
-        (["--out", "missing/map.zarr"], "missing/map.zarr: cannot be written: there is no folder to put it in"),
-        (["--out", "nan.txt/map.zarr"], "nan.txt/map.zarr: cannot be written: there is no folder to put it in"),
-        (["--out", "taken.zarr"], "taken.zarr: is not a Zarr store"),
-        (["--scheduler", "tcp://127.0.0.1:9"], "scheduler tcp://127.0.0.1:9: no Dask scheduler answers there"),
-        (["--scheduler", "nowhere"], "scheduler nowhere: no Dask scheduler answers there"),
-    ],
-)
-def test_refusals(monkeypatch, changes, line):
+@cases(REFUSED, "sweep")
+def test_refusals(monkeypatch, case):
     monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "1s", raising=True)
     Path("nan.txt").write_text("0.1\nnan\n")
     Path("taken.zarr").mkdir()
     Path("taken.zarr/notes.txt").write_text("not to be lost")
+    changes, line = case["arguments"], case["line"]
     if "--scheduler" in changes:  # the store is there by then, and goes on with another one
         result = plgwear(*MAP, *changes)
         assert (result.exit_code, result.stdout) == (2, "") and result.stderr.splitlines()[-1] == line
@@ -224,20 +188,10 @@ def test_refusals(monkeypatch, changes, line):
         assert refused(*MAP, *changes) == line
 
 
-@pytest.mark.parametrize(
-    "changes, line",
-    [
-        (["missing.zarr"], "missing.zarr: there is no such folder"),
-        (["map.zarr", "--picture", "map.bmp"], "map.bmp: must end in .png, .pdf or .svg"),
-        (["map.zarr", "--at", "k"], "--at k: must be AXIS=VALUE, such as z0=1e-4"),
-        (["map.zarr", "--at", "k=soft"], None),
-        (["map.zarr", "-q", "wear_volum"], None),
-    ],
-)
-def test_what_cannot_be_drawn(changes, line):
+@cases(REFUSED, "plot")
+def test_what_cannot_be_drawn(case):
     sweep.sweep(["wear_volume"], k=[0.1, 0.2], phi=[0.1, 0.2], out="map.zarr")
-    said = refused("plot", *changes)
-    assert line is None or said == line
+    assert is_told(refused("plot", *case["arguments"]), case)
 
 
 @pytest.mark.compiled

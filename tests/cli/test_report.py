@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import plgwear_jax
 from plgwear_jax import cli
 from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry, unit_of
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, shared
+from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, shared
 from plgwear_jax.cli.terminal import refusing
 
 PACKAGE = Path(plgwear_jax.__file__).parent
@@ -28,8 +28,7 @@ def rows(printed: str) -> list[list[str]]:
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
 
 
@@ -59,7 +58,7 @@ def test_people_read_tables_and_programs_one_object(capsys):
         report.put(volume=np.array([1.0, np.inf]))
         report.say("a line", None, "")
         report.table(
-            each("contact_radius", [1e-6, 2e-3], end=3e-9),
+            each_with_unit("contact_radius", [1e-6, 2e-3], end=3e-9),
             shared("volume", np.array([1e-18, 2e-22]), end=0.0),
             Column("", ["first", "second"], "end", left=True),
         )

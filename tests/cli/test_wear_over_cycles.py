@@ -1,19 +1,19 @@
 """The command `plgwear wear`, and the wear coefficient from measured volumes."""
 
 import csv
+import functools
 import json
-import os
 from pathlib import Path
 
+import commands
 import numpy as np
 import pytest
-import xarray
 from matplotlib import image
-from typer.testing import CliRunner
+from refusals import cases, is_told
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, fitting, scene
+from plgwear_jax import FrettingContact, PowerLawGraded, fitting, scene
 from plgwear_jax.loads import Block, Displacement
-from plgwear_jax.wear_laws import Archard, PressurePower
+from plgwear_jax.wear_laws import PressurePower
 
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -22,11 +22,11 @@ load = { tangential_force = 2.0 }
 wear = { coefficient = 1e-14, cycles = 5e5 }
 """
 COEFFICIENT, FORCE = 1e-14, 2.0
+REFUSED = Path(__file__).with_name("refused.toml")
 
 
 @pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def _scene(_folder: None) -> None:
     write(SCENE)
 
 
@@ -34,16 +34,7 @@ def write(text: str) -> None:
     Path("mine.toml").write_text(text)
 
 
-def plgwear(*arguments: str):
-    return CliRunner().invoke(cli.app, ["wear", "mine.toml", *arguments])
-
-
-def refused(*arguments: str) -> str:
-    before = sorted(os.listdir())
-    result = plgwear(*arguments)
-    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
-    (line,) = result.stderr.splitlines()
-    return line
+plgwear, refused = (functools.partial(run, "wear", "mine.toml") for run in (commands.plgwear, commands.refused))
 
 
 def the_contact() -> FrettingContact:
@@ -103,25 +94,6 @@ def test_less_is_worn_at_a_held_displacement():
     printed = plgwear().stdout
     assert printed.startswith(f"displacement 2e-07 m of the rig: a force amplitude of {force:.4g} N before wear\n")
     assert "at a constant displacement amplitude 50 % is worn after" in printed
-    cycles, held = np.array([2e5, 6e5, 2e6, 8e6]), Displacement(2e-7, 3e7)
-    found = fitting.fit_wear_coefficient(its, held, cycles, its.over_cycles(held, 2e-15).volume(cycles))
-    assert found.wear_coefficient == pytest.approx(2e-15, rel=1e-3)
-    assert found.steady_volume == pytest.approx(told["steady_state"]["volume"], rel=1e-3)
-
-
-def test_sweeps_and_designs_for_a_life_take_a_held_displacement():
-    held = SCENE.replace("tangential_force = 2.0", "displacement = 1e-7")
-    write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
-    asked = scene.load(Path("mine.toml")).arguments()
-    assert asked["load"] == Displacement(1e-7) and asked["cycles"] == 5e5
-    swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
-    result = CliRunner().invoke(cli.app, ["sweep", *swept])
-    assert result.exit_code == 0, result.stderr
-    with xarray.open_zarr("x.zarr") as found:
-        swept = found.transient_wear_volume.to_numpy()
-    assert np.all(np.diff(swept) > 0.0)
-    worn = the_contact().over_cycles(Displacement(1e-7), COEFFICIENT).volume(1e5)
-    np.testing.assert_allclose(swept[-1], worn, rtol=1e-6)
 
 
 @pytest.mark.compiled
@@ -148,25 +120,13 @@ def test_a_coefficient_in_another_unit_is_doubted():
     assert result.stderr.startswith("mine.toml: [wear]: 99 % is worn after 0.00074 cycles; is the unit of the ")
 
 
-@pytest.mark.parametrize(
-    "old, new, line",
-    [
-        ("wear =", "[other]\nwear =", "mine.toml: [other]: there is no such section; allowed are material"),
-        ("wear = {", "# {", "mine.toml: [wear]: missing; it gives the wear coefficient"),
-        ("tangential_force = 2.0", "tangential_force = 0.0", "mine.toml: [load]: an amplitude of 0: nothing wears"),
-        ("tangential_force = 2.0", 'table = "l.csv"', "mine.toml: [load] table: wear over cycles is of one amplitude"),
-        ("tangential_force = 2.0", 'history = "h.csv"', "mine.toml: [load] history: its amplitudes have no cycles"),
-        ("2.0", '2.0, control = "force"', 'mine.toml: [load] control = "force": there is no such key; allowed are'),
-        ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
-        ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
-    ],
-)
-def test_refusal(old, new, line):
+@cases(REFUSED, "wear")
+def test_refusal(case):
     Path("l.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("h.csv").write_text("tangential_force\n0.3\n")
     Path("o.csv").write_text("tangential_force,cycles\n0.3,1\n")
-    write(SCENE.replace(old, new))
-    assert refused().startswith(line)
+    write(SCENE.replace(case["old"], case["new"]))
+    assert is_told(refused(), case)
 
 
 def test_refusal_for_gross_slip_and_of_targets():
@@ -189,28 +149,14 @@ def measured():
     return its, np.asarray(its.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
 
-def test_a_fit_finds_the_coefficient_and_its_interval(measured):
+def test_an_interval_reaches_to_where_the_squares_have_risen(measured):
+    """By 1.96^2."""
     its, volume = measured
-    exact = fitting.fit_wear_coefficient(its, FORCE, CYCLES, volume)
-    np.testing.assert_allclose(exact.wear_coefficient, COEFFICIENT, rtol=1e-8)
-    assert exact.doubt is None
-    np.testing.assert_allclose(exact.fitted, volume, rtol=1e-7, atol=1e-30)
-    random = np.random.default_rng(1)
-    inside = 0
-    for _ in range(8):
-        noisy = volume * (1.0 + 0.05 * random.standard_normal(volume.size))
-        found = fitting.fit_wear_coefficient(its, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22)
-        low, high = found.interval
-        assert low < found.wear_coefficient < high
-        inside += low < COEFFICIENT < high
-    assert inside >= 6  # of 8, at 95 %
-    # An interval reaches to where the sum of squares has risen by 1.96^2.
-    rise = [
-        np.sum(((fitting_curve(found, end) - noisy)[1:] / found.deviation[1:]) ** 2)
-        for end in (found.wear_coefficient, *found.interval)
-    ]
-    np.testing.assert_allclose(np.diff(rise[:2]), 1.96**2, rtol=0.05)
-    np.testing.assert_allclose(rise[2] - rise[0], 1.96**2, rtol=0.05)
+    noisy = volume * (1.0 + 0.05 * np.random.default_rng(1).standard_normal(volume.size))
+    found = fitting.fit_wear_coefficient(its, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22)
+    ends = found.wear_coefficient, *found.interval
+    least, *rise = (np.sum(((fitting_curve(found, end) - noisy)[1:] / found.deviation[1:]) ** 2) for end in ends)
+    np.testing.assert_allclose(np.array(rise) - least, 1.96**2, rtol=0.05)
 
 
 def fitting_curve(found: fitting.Fit, coefficient: float) -> np.ndarray:
@@ -252,21 +198,10 @@ def test_the_command_fits(measured):
     assert f"wear coefficient: {told['wear_coefficient']:.4g} 1/Pa" in printed and "95 % confidence: " in printed
 
 
-@pytest.mark.parametrize(
-    "content, line",
-    [
-        ("cycles\n1\n", "v.csv: row 1: column volume: missing; the first row must be cycles,volume"),
-        ("cycles,volume\n-1,1\n", "v.csv: row 2: cycles = -1: must be a finite number >= 0"),
-        (
-            "cycles,volume,deviation\n1,1,0\n",
-            "v.csv: row 2: deviation = 0: must be a finite number > 0, the standard deviation",
-        ),
-        ("cycles,volume\n0,1\n1e5,0\n", "v.csv: volume: nothing is worn after any cycles"),
-    ],
-)
-def test_refusal_of_measured_volumes(content, line):
-    Path("v.csv").write_text(content)
-    assert refused("--fit", "v.csv").startswith(line)
+@cases(REFUSED, "volumes")
+def test_refusal_of_measured_volumes(case):
+    Path("v.csv").write_text(case["content"])
+    assert is_told(refused("--fit", "v.csv"), case)
     assert refused("--fit", "v.csv", "--csv", "c.csv").startswith("--csv: a fit writes no course")
 
 
@@ -394,30 +329,6 @@ def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
 def test_gross_slip_is_followed_to_a_scar_of_some_radii():
     write(SLIDING.replace("cycles = 5e5", "cycles = 5e12"))
     assert refused().startswith("mine.toml: [wear] cycles = 5e+12: after ")
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    "load, exponent",
-    [
-        (Displacement(1e-5), 1.0),
-        (Displacement(1e-5, 1e7), 1.0),
-        (2.0, 1.5),
-        ([Block(2.0, 2e5), Block(Displacement(2e-6), 1e4, 5.0, 0.3), Block(3.0, 5e5, 20.0)], 1.0),
-    ],
-)
-@pytest.mark.parametrize("indenter", [None, Elastic(210e9, 0.3)])
-def test_a_fit_of_any_test(load, exponent, indenter):
-    """It finds the coefficient from its own volumes, with an interval that contains it."""
-    its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4, indenter)
-    law = Archard(COEFFICIENT) if exponent == 1.0 else PressurePower(2e-19, exponent)
-    cycles = np.array([5e4, 1.5e5, 2.05e5, 2.1e5, 4e5])
-    volume = np.asarray(its.over_cycles(load, law).volume(cycles)) * np.array([1.01, 0.99, 1.01, 0.99, 1.01])
-    found = fitting.fit_wear_coefficient(its, load, cycles, volume, 0.01 * volume, exponent=exponent)
-    K = COEFFICIENT if exponent == 1.0 else 2e-19
-    assert found.wear_coefficient == pytest.approx(K, rel=0.02)
-    assert found.interval[0] < K < found.interval[1] and found.doubt is None
-    assert (found.steady_volume is None) == (exponent == 1.0)
 
 
 @pytest.mark.compiled

@@ -3,7 +3,6 @@
 The numbers are those of rings of constant pressure, which share nothing with the library (`ring_contacts`).
 """
 
-import dataclasses
 import functools
 
 import jax
@@ -12,21 +11,14 @@ import kinds
 import numpy as np
 import pytest
 import ring_contacts
+from balance import sums
 from functions import by_numpy
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
-from plgwear_jax import Shape
 from plgwear_jax.contact import slip_regimes
 from plgwear_jax.loads import Block, Displacement, Force
 
 RECORDED = ring_contacts.recorded()
-
-
-class Quartic(Shape):
-    """As `PowerShape(4)` where R is 1 m, without its closed forms."""
-
-    def height(self, r, radius):
-        return r**4 / 4.0
 
 
 each_kind = pytest.mark.parametrize("kind", KINDS)
@@ -73,14 +65,12 @@ def test_steady_states_are_those_of_rings(kind):
 
 
 @pytest.mark.compiled
-def test_a_shape_of_ones_own_is_that_of_rings():
-    contact, force, known = asked("a shape")
-    steady = dataclasses.replace(contact, shape=Quartic()).steady(force)
-    found = scalars(steady)
-    for name, expected in known["steady"].items():
-        np.testing.assert_allclose(found[name], expected, rtol=3e-4, err_msg=name)
-    for name, r in places(known).items():
-        np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=1e-3, err_msg=name)
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if "depth" not in kind])
+def test_five_digits_of_a_steady_state_are_those_of_rings(kind):
+    contact, force, known = asked(kind)
+    steady = contact.steady(force, digits=5)
+    for name in ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"):
+        np.testing.assert_allclose(getattr(steady, name), known["steady"][name], rtol=2e-5, err_msg=name)
 
 
 @each_kind
@@ -91,8 +81,7 @@ def test_runs_are_those_of_rings(kind):
 
 
 def test_a_held_displacement_is_that_of_rings():
-    kind = "layers under steel"
-    contact, _, known = asked(kind)
+    contact, _, known = asked("layers under steel")
     run = contact.over_cycles(Displacement(known["steady"]["displacement_amplitude"]), COEFFICIENT)
     np.testing.assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
 
@@ -121,15 +110,8 @@ def test_a_map_with_a_rig_has_the_amplitudes_of_the_rings():
 
 @pytest.mark.compiled
 @pytest.mark.filterwarnings("ignore:radius = 1")  # the radius of 1 moves too, beyond what is doubted
-@pytest.mark.parametrize(
-    "kind, worn",
-    [
-        ("layers under steel", True),
-        ("a power law under steel", True),
-        ("a shape", False),
-    ],
-)
-def test_derivatives_are_those_of_differences(kind, worn, seed):
+@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel", "a shape"])
+def test_derivatives_are_those_of_differences(kind, seed):
     """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
     contact, force, known = asked(kind)
     leaves, tree = jax.tree.flatten(jax.tree.map(np.asarray, (contact, force)))
@@ -146,7 +128,7 @@ def test_derivatives_are_those_of_differences(kind, worn, seed):
     def logs(step):
         contact, force = jax.tree.unflatten(tree, [x * (1.0 + step * d) for x, d in zip(leaves, along, strict=True)])
         found = scalars(contact.steady(force))
-        if worn:
+        if kind != "a shape":
             found["volume"] = contact.over_cycles(force, COEFFICIENT, digits=2).volume(np.array(known["cycles"]))
         return {name: jnp.log(x) for name, x in found.items()}
 
@@ -160,36 +142,38 @@ def test_derivatives_are_those_of_differences(kind, worn, seed):
 # --- over cycles ------------------------------------------------------------------------------------------------------
 
 CLOSED, WEARS = kinds.KINDS["closed forms"], np.array([4e4, 2e5, 4e5])  # cycles: from a tenth to most is worn
+# The load, and how far the slope of the volume may be from the rate.
 LOADS = {
-    "closed forms": 2.0,
-    "layers under steel": None,  # what is recorded
-    "a held displacement": Displacement(2e-7),
-    "a block": [Block(2.0, 1e6)],
+    "closed forms": (2.0, 1e-4),
+    "layers under steel": (None, 1e-4),  # what is recorded
+    "a held displacement": (Displacement(2e-7), 0.06),
+    "gross slip": (Displacement(2e-6), 0.06),
+    "a block": ([Block(2.0, 1e6)], 0.06),
 }
 
 
 @pytest.mark.parametrize("name", LOADS)
 def test_the_fields_of_a_run_balance_its_numbers(name):
     """Pressures carry the normal force, depths add up to the volume, and friction wears off the rate."""
-    contact, load, cycles = CLOSED, LOADS[name], WEARS[:, None]
+    contact, (load, most), cycles = CLOSED, LOADS[name], WEARS[:, None]
     if load is None:
         contact, load, known = asked(name)
         cycles = np.array(known["cycles"])[:, None]
     run = contact.over_cycles(load, COEFFICIENT)
-    inner, outer = (np.asarray(radius(cycles)) for radius in (run.stick_radius, run.contact_radius))
-    x, weight = np.polynomial.legendre.leggauss(60)
-    x, weight = 0.5 + 0.5 * x, 0.5 * weight
-    # Dense on both sides of the stick edge, in r^2.
-    sticks, area = inner * np.sqrt(1.0 - x**3), np.pi * inner**2 * 3.0 * x**2 * weight
-    way = x * x * (2.0 - x * x)
-    ring = np.sqrt(inner**2 + (outer**2 - inner**2) * way)
-    around = np.pi * (outer**2 - inner**2) * 4.0 * x * (1.0 - x * x) * weight
-    load = np.sum(area * run.pressure(sticks, cycles), 1) + np.sum(around * run.pressure(ring, cycles), 1)
-    np.testing.assert_allclose(load, contact.normal_force, rtol=5e-3)
     volume, rate = np.asarray(run.volume(cycles)), np.asarray(run.rate(cycles))
-    np.testing.assert_allclose(np.sum(around * run.depth(ring, cycles), 1), volume[:, 0], rtol=5e-3)
+    pressed, worn = sums(run, cycles)
+    np.testing.assert_allclose(pressed, contact.normal_force, rtol=5e-3)
+    np.testing.assert_allclose(worn, volume[:, 0], rtol=5e-3)
     np.testing.assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
     slope = (np.asarray(run.volume(1.001 * cycles)) - np.asarray(run.volume(0.999 * cycles))) / (0.002 * cycles)
-    np.testing.assert_allclose(slope, rate, rtol=1e-4 if name in ("closed forms", "layers under steel") else 0.06)
-    unworn = run.profile(ring, cycles) - run.depth(ring, cycles)
-    np.testing.assert_allclose(unworn, ring**2 / (2.0 * contact.radius), rtol=1e-9)
+    np.testing.assert_allclose(slope, rate, rtol=most)
+    r = np.linspace(0.0, 1.2, 7) * np.asarray(run.contact_radius(cycles))
+    unworn = run.profile(r, cycles) - run.depth(r, cycles)
+    np.testing.assert_allclose(unworn, r**2 / (2.0 * contact.radius), rtol=1e-9, atol=1e-18)
+
+
+@pytest.mark.compiled
+def test_pressures_of_five_digits_carry_the_normal_force():
+    """Until they become singular at the stick edge, where the sum knows less of them."""
+    pressed, _ = sums(CLOSED.over_cycles(2.0, COEFFICIENT, digits=5), WEARS[:2, None])
+    np.testing.assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)

@@ -55,7 +55,8 @@ def call(name, **changed):
 
 @each_argument
 def test_a_value_outside_is_refused_by_name_value_and_range(name, key):
-    for value in BAD[key]:
+    whole = 1 if key in ("k", "phi", "displacement") else -1
+    for value in [*BAD[key], whole]:
         for given in (value, np.float64(value), np.asarray(value), jnp.asarray(value)):
             with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
                 call(name, **{key: given})
@@ -63,14 +64,6 @@ def test_a_value_outside_is_refused_by_name_value_and_range(name, key):
             flushed = abs(value) < 1e-290  # shown as JAX or NumPy would print it
             assert message.startswith(f"{key} = ") and (flushed or str(value) in message), message
             assert RANGE[key] in message, message
-
-
-@each_argument
-def test_an_integer_outside_is_refused(name, key):
-    value = 1 if key in ("k", "phi", "displacement") else -1
-    for given in (value, np.int32(value), np.array([0, value])):
-        with pytest.raises(ValueError, match=rf"^{key} = {value}\b"):
-            call(name, **{key: given})
 
 
 @each_argument
@@ -254,14 +247,6 @@ def test_a_field_that_is_no_real_number_is_refused(cls, field, given):
         build(cls, **{field: given})
 
 
-@pytest.mark.parametrize("cls", [PowerLawGraded, FrettingContact, GrossSlipContact], ids=lambda cls: cls.__name__)
-def test_fields_left_out_or_unknown(cls):
-    with pytest.raises(TypeError):
-        cls()
-    with pytest.raises(TypeError):
-        dataclasses.replace(build(cls), unknown=1.0)
-
-
 def test_a_wrong_word_for_poissons_ratio():
     with pytest.raises(ValueError, match=r'nu = "hall"'):
         build(PowerLawGraded, nu="hall")
@@ -407,15 +392,6 @@ def test_a_traced_field_or_argument_outside_gives_nan(cls):
     assert not wrong
 
 
-@pytest.mark.parametrize("field", MATERIAL)
-def test_the_modulus_of_a_traced_material_outside_is_nan(field):
-    if field == "nu":
-        pytest.skip("the modulus does not depend on it")
-    modulus = jax.jit(lambda value: build(PowerLawGraded, **{field: value}).modulus(2e-4))
-    wrong = {value: float(modulus(value)) for value in TRACED[field] if not np.isnan(modulus(value))}
-    assert not wrong
-
-
 def test_the_modulus_at_a_traced_depth_below_zero_is_nan():
     assert np.isnan(jax.jit(build(PowerLawGraded).modulus)(-1.0))
     assert np.isnan(jax.jit(Elastic(110e9, 0.3).modulus_at)(-1.0))
@@ -474,24 +450,15 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"nu": (0.1, 0.6)}, None, "highest nu = 0.6 .*nu <= 1/2"),
         (2.0, {"friction": (0.1, 0.6)}, None, "at the lowest friction = 2.0 .*the slip is gross"),
         (2.0, {"k": (0.1, 0.3), "material.k": (0.1, 0.3)}, None, "vary: k is given twice"),
-        (2.0, {"k": (0.5, -0.5)}, None, "lowest value must be below"),
         (2.0, {"k": (0.2, 0.2)}, None, "lowest value must be below"),
-        (2.0, {"z0": (1e-4, 1e-5)}, None, "lowest value must be below"),
-        (2.0, {"k": (-1.0, 0.5)}, None, r"lowest k = -1.0 .*-1 < k < 1"),
         (2.0, {"k": (-0.5, math.nan)}, None, r"highest k = nan "),
         (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
         (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
         (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
         (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
-        (2.0, {"z0": (1e-5, 1e-4), "E0": (1e9, 1e11)}, None, "only E0/z0"),
         (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "^vary.z0: cannot vary while hold"),
-        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius", "^vary.z0: cannot vary while hold"),
         (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "hold = 'contact_radius_by_z0': must be True or"),
-        (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0': must be"),
-        (4.0, {"k": (-0.5, 0.5)}, "contact_radius", "slip is gross"),
         (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
-        (0.0, {"k": (-0.5, 0.5)}, "contact_radius", "nothing wears"),
-        (None, {"k": (-0.5, 0.5)}, None, "needs the amplitude"),
         (math.nan, {"k": (-0.5, 0.5)}, None, "^tangential_force = nan .*>= 0, the amplitude"),
     ],
     ids=str,
@@ -506,7 +473,6 @@ def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
     [
         ({"limits": {"edge_pressure": 5e8}}, r"^limits.edge_pressure: must be \{ below = ..., distance = ... \} in Pa"),
         ({"limits": {"edge_presure": {"below": 5e8}}}, "^limits.edge_presure: .* contact; did you mean edge_pressure"),
-        ({"limits": {"edge_pressure": {"below": 5e8}}}, "^limits.edge_pressure.distance: .* needs the distance from"),
         (
             {"limits": {"wear_depth": {"below": 1e-6}}},
             "^limits.wear_depth.r: must be .* needs the distance from the ax",
@@ -514,9 +480,7 @@ def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
         ({"limits": {"penetration": {"below": 1e-6, "r": 0.0}}}, "^limits.penetration.r: there is no such argument"),
         ({"limits": {"penetration": {"under": 1e-6}}}, "^limits.penetration.under: .* allowed are above, below, betwe"),
         ({"limits": {"penetration": {"between": 1e-6}}}, r"^limits.penetration.between: must be \[lowest, highest\]"),
-        ({"limits": {"penetration": {"between": (2.0, 1.0)}}}, "^limits.penetration: the lowest value must be below"),
         ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: cannot be"),
-        ({"limits": {"penetration": {"below": -1.0}}}, "^limits: highest penetration = -1.0 is outside"),
         ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
         ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
         ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),

@@ -20,7 +20,7 @@ FORCE, COEFFICIENT = 1.5, 1e-13
 
 # Public functions by room.
 REFUSING = {
-    "coating": {"fit_power_law", "idealised", "where_it_counts"},
+    "coating": {"fit_power_law", "idealised", "studied", "where_it_counts"},
     "contact": {"slip_regimes"},
     "fitting": {"fit_wear_coefficient"},
     "optimise": {
@@ -43,7 +43,7 @@ OTHERS = {
     "coating": {"felt", "worn"},
     "fitting": {"log_likelihood"},
     "contact": {"is_closed"},
-    "optimise": {"critical_amplitudes", "designs", "differentiable", "minimise", "optimal_exponent", "tail_weights"},
+    "optimise": {"critical_amplitudes", "designs", "minimise", "optimal_exponent", "tail_weights"},
     "plots": {"check_target", "readable", "save", "use_style"},
     "sweep": {"open_sweep"},
 }

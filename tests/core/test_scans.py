@@ -35,17 +35,3 @@ def test_second_derivatives_of_a_loop_that_keep_the_rules():
 def test_second_derivatives_of_a_loop_that_begin_in_reverse():
     """Where this passes, the page has to say so."""
     np.testing.assert_allclose(jax.hessian(looped(step))(AT), jax.hessian(unrolled)(AT), rtol=1e-6)
-
-
-@pytest.mark.xfail(reason="JAX loses rules of differentiation in loops", strict=True)
-def test_the_same_of_a_rule_that_is_not_ours():
-    @jax.custom_jvp
-    def function(x):
-        return jax.lax.stop_gradient(jnp.sin(x))
-
-    function.defjvp(lambda primals, tangents: (function(*primals), jnp.cos(primals[0]) * tangents[0]))
-
-    def looped(x):
-        return jax.lax.scan(lambda phi, _: (function(x[0] * phi) * x[1], None), jnp.asarray(0.5), length=1)[0]
-
-    np.testing.assert_allclose(jax.hessian(looped)(AT), jax.jacfwd(jax.jacfwd(looped))(AT), rtol=1e-6)

@@ -56,6 +56,7 @@ def test_functions_take_lists_tuples_and_nothing(name):
     assert shape_of(lambda: function(*map(tuple, two), digits=np.int64(4))) == (2,)
     assert shape_of(lambda: function([[good[0]], [0.9 * good[0]]], *good[1:])) == (2, 1)
     assert shape_of(lambda: function(*(np.zeros((2, 0)) for _ in good))) == (2, 0)
+    assert shape_of(lambda: function(np.zeros((0, 3)), *([x] for x in good[1:]))) == (0, 3)
     if name in COMPILED:
         np.testing.assert_array_equal(function(*two), function(*map(np.array, two)))
         np.testing.assert_array_equal(function(*two, digits=np.int64(4)), function(*two, digits=4))

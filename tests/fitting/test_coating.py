@@ -121,10 +121,11 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
         allowed = np.array([math.log(RADIUS / one.value) for one in self.question.limits])
         limits = [allowed + (radius @ one) for one in x]
         slopes = np.concatenate([slopes[:, :1], np.repeat(slopes[:, 1:], allowed.size, axis=1)], axis=1)
-        return np.concatenate([(x @ wear + bent - np.log(shared.scale))[:, None], limits], axis=1), slopes
+        values = np.concatenate([(x @ wear + bent - np.log(shared.scale))[:, None], limits], axis=1)
+        return evaluation.Told(values, slopes, {}, ())
 
     monkeypatch.setattr(evaluation.Evaluator, "_solved", solved)
-    read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=np.ones(1))
+    read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=np.ones(1), deepest_wear=1e-6)
     monkeypatch.setattr(FrettingContact, "steady", lambda *args, **options: read)
 
 
@@ -141,6 +142,9 @@ def test_a_free_gradient_lies_on_its_bounds():
     assert lines[3].endswith(f" = {1e-9 * found.modulus[1]:.4g} GPa, between 50 GPa and 200 GPa")
     assert lines[7].startswith(f"  best power law: k = {found.exponent:.3g}, wear_volume = ")
     assert lines[9:] == ["  20 of 20 descents ended here, minima: 1", "  converged, certified"]
+    assert found.doubt is None
+    CONTACT.steady(0.4).deepest_wear = 2e-9  # pyright: ignore[reportAttributeAccessIssue]
+    assert "  the wear is only 2 nm deep: the roughness of most surfaces is larger" in repr(found)
     none = dataclasses.replace(found, power_law_value=math.nan, converged=False)
     assert "best power law: none keeps the limits" in repr(none) and repr(none).endswith("not converged, not certified")
 
@@ -160,7 +164,7 @@ def test_a_free_gradient_is_for_the_mean_over_several_amplitudes():
 
 @pytest.mark.usefixtures("pretended")
 def test_a_free_gradient_keeps_its_limits():
-    held = optimise.free_design(CONTACT, 0.4, PROFILE, hold=True)
+    held = optimise.free_design(CONTACT, 0.4, PROFILE, hold="contact_radius")
     change = -np.array([0.02, 0.05, 0.1, 0.1, 0.05]) @ np.log(held.modulus / 100e9)
     assert abs(change) < 1e-5 and held.converged
     small = optimise.free_design(CONTACT, 0.4, PROFILE, limits={"contact_radius": {"below": 0.95 * RADIUS}})
@@ -252,7 +256,8 @@ def found_freely(starts: int, *, converged: bool = True) -> optimise.FreeDesign:
     free_one = dataclasses.replace(contact, material=DepthGraded(at, modulus, 0.3))
     minima = (optimise.LocalMinimum(1e-18, modulus, starts),)
     profile = optimise.ModulusProfile(at, 0.5 * modulus, modulus)
-    values = 1e-18, 1.1e-18, 1.2e-18, (7e-5,) * 3, "wear_volume"
+    question = question_of(free_one, 0.4, {"material.modulus[0]": (1e11, 2e11)})
+    values = 1e-18, 1.1e-18, 1.2e-18, (7e-5,) * 3, question
     return optimise.FreeDesign(free_one, free_one, 0.0, contact, *values, profile, minima, 20, 100, converged)
 
 
@@ -275,4 +280,5 @@ def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, monkey
     monkeypatch.setattr(Report, "draw", lambda report, name, *shown: None)
     told = CliRunner().invoke(cli.app, ["design", "scene.toml"])
     assert told.exit_code == code and said in " ".join(told.stdout.split())
+    assert "the wear is only 0 m deep" in told.stdout
     assert told.stderr == (f"scene.toml: {said}\n" if code else "")

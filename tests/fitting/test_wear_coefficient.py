@@ -37,6 +37,7 @@ def finds(found: Fit, K: float) -> None:
     "one, load, exponent",
     [
         (ONE, GROSS, 1.0),
+        (ONE, Force(2.0), 1.0),
         *(
             pytest.param(one, load, exponent, marks=compiled)
             for one, load, exponent in (
@@ -59,6 +60,7 @@ def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
     noisy = fit_wear_coefficient(one, load, CYCLES, volume * NOISE[0], SCATTER * volume, exponent=exponent)
     low, high = noisy.interval
     assert low < K < high and low < noisy.wear_coefficient < high < 1.5 * low
+    assert noisy.steady_volume is not None or not isinstance(load, Force)
     # The curve of a picture begins with the fit, and the ends of the interval are on both sides of it.
     curve, lower, upper = noisy.curve
     assert np.all(lower <= curve) and np.all(curve <= upper)

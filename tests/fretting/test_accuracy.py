@@ -1,6 +1,8 @@
 """The accuracy that is promised, region by region, against the oracle; `make accuracy` prints the whole table."""
 
 import dataclasses
+import runpy
+from pathlib import Path
 
 import accuracy
 import functions
@@ -10,7 +12,6 @@ import oracle
 import pytest
 from hypothesis import given, settings, target
 from hypothesis import strategies as st
-from mpmath import mp
 
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.fretting import deepest, ring
@@ -36,9 +37,7 @@ ROWS = [
         dtype,
         id=f"{quantity.name}-{region}-{dtype}".replace(" ", "_"),
         marks=pytest.mark.long
-        if (region in ("SI", *accuracy.NEAR) and dtype == "float32")
-        or (region == "bulk" and dtype == "float32" and "edges" in quantity.regions)
-        or (region == "edges" and dtype == "float32" and quantity.name not in SINGLE)
+        if (dtype == "float32" and (region != "edges" or quantity.name not in SINGLE))
         or (region == "SI" and "holl" in quantity.name)
         else (),
     )
@@ -47,30 +46,32 @@ ROWS = [
     for quantity in accuracy.QUANTITIES
     if region in quantity.regions
 ]
+rows = pytest.mark.parametrize("quantity,region,dtype", ROWS)
 
 
-@pytest.mark.parametrize("quantity,region,dtype", ROWS)
+def check(*asked, **how):
+    for worst in accuracy.measure(*asked, **how):
+        print(worst)
+        assert worst.error <= worst.kept, str(worst)
+
+
+@rows
 def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
     order = 2 if (region, dtype) == ("bulk", "float64") and quantity.name in CURVED else 1
     count = 24 if region == "SI" or quantity.name in COSTLY else 48
-    for worst in accuracy.measure(quantity, region, dtype, count, seed, order=order):
-        assert worst.error <= worst.kept, str(worst)
+    check(quantity, region, dtype, count, seed, order=order)
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("quantity,region,dtype", [row for row in ROWS if row.values[0].order == 2])
 def test_errors_of_second_derivatives_stay_within_the_promise(quantity, region, dtype, seed):
-    for worst in accuracy.measure(quantity, region, dtype, 96, seed):
-        assert worst.error <= worst.kept, str(worst)
+    check(quantity, region, dtype, 96, seed)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("quantity,region,dtype", ROWS)
+@rows
 def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype, seed):
-    count = 20_000 if dtype == "float64" else 5_000
-    for worst in accuracy.measure(quantity, region, dtype, count, seed=seed + 1, processes=2):
-        print(worst)
-        assert worst.error <= worst.kept, str(worst)
+    check(quantity, region, dtype, 20_000 if dtype == "float64" else 5_000, seed + 1, processes=2)
 
 
 @pytest.mark.long
@@ -78,9 +79,7 @@ def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype,
 @pytest.mark.parametrize("region", ["bulk", "edges"])
 def test_second_derivatives_of_the_deepest_wear_stay_within_the_promise(region, dtype, seed):
     (deepest,) = (quantity for quantity in accuracy.QUANTITIES if quantity.name == "fretting.deepest_wear")
-    deepest = dataclasses.replace(deepest, order=2)
-    for worst in accuracy.measure(deepest, region, dtype, count=2000, seed=seed, processes=2):
-        assert worst.error <= worst.kept, str(worst)
+    check(dataclasses.replace(deepest, order=2), region, dtype, 2000, seed, processes=2)
 
 
 # --- the worst point, hunted ----------------------------------------------------------------------------------------
@@ -105,92 +104,76 @@ def with_gradient(name, *at):
     return value[0], gradient[0]
 
 
-@given(k=any_exponent, phi=any_amplitude)
-def test_no_point_breaks_the_wear_volume(k, phi):
-    value, slopes = with_gradient("fretting.wear_volume", k, phi)
-    exact = oracle.derivatives("wear_volume", (k, phi))
-    error = abs(float(value) - exact.value) / exact.value
-    target(float(error))
+def hunted(name, twin, *at):
+    """The error of a value at one point, which hypothesis makes as large as it can."""
+    exact = oracle.QUANTITIES[twin](*at)
+    error = float(abs(float(functions.FUNCTIONS[name](*at)) - exact) / exact)
+    target(error)
     assert error < 5e-13
-    for mine, theirs in zip(slopes, exact.gradient, strict=True):
-        assert abs(float(mine) - theirs) <= 1e-11 * max(abs(theirs), exact.value)
 
 
+@pytest.mark.parametrize("name", ["wear_volume", "deepest_wear"])
 @given(k=any_exponent, phi=any_amplitude)
-def test_no_point_breaks_the_deepest_wear(k, phi):
-    value, slopes = with_gradient("fretting.deepest_wear", k, phi)
-    exact = oracle.derivatives("deepest_wear", (k, phi))
-    error = abs(float(value) - exact.value) / exact.value
-    target(float(error))
+def test_no_point_breaks_a_wear_and_its_slopes(name, k, phi):
+    _, value, slopes, _ = functions.derivatives(f"fretting.{name}", np.array([k]), np.array([phi]))
+    exact = oracle.derivatives(name, (k, phi))
+    error = float(abs(float(value[0]) - exact.value) / exact.value)
+    target(error)
     assert error < 5e-13
-    for mine, theirs in zip(slopes, exact.gradient, strict=True):
+    for mine, theirs in zip(slopes[0], exact.gradient, strict=True):
         assert abs(float(mine) - theirs) <= 1e-11 * max(abs(theirs), exact.value)
 
 
 @given(k=any_exponent, phi=any_amplitude)
 def test_no_point_breaks_the_worn_radius(k, phi):
-    exact = oracle.worn_radius(k, phi)
-    error = abs(float(fretting.worn_radius(k, phi)) - exact) / exact
-    target(float(error))
-    assert error < 5e-13
+    hunted("fretting.worn_radius", "worn_radius", k, phi)
 
 
 @settings(max_examples=max(settings().max_examples // 2, 20))  # the oracle's integrals take a tenth of a second each
 @given(k=any_exponent, gap=st.floats(-12.0, 3.0).map(lambda x: 10.0**x), inside=st.booleans())
 def test_no_point_breaks_the_disc_displacement(k, gap, inside):
     r = 1.0 / (1.0 + gap) if inside else 1.0 + gap
-    exact = oracle.gross_steady_displacement(r, k)
-    error = abs(float(gross_slip.steady_displacement(r, k)) - exact) / exact
-    target(float(error))
-    assert error < 5e-13
+    hunted("gross_slip.steady_displacement", "gross_steady_displacement", r, k)
 
 
 @given(k=any_exponent, nu=st.floats(-0.9, 0.5))
 def test_no_point_breaks_h_N(k, nu):
-    exact = oracle.h_N(k, nu)
-    error = abs(float(material.h_N(k, nu)) - exact) / exact
-    target(float(error))
-    assert error < 5e-13
+    hunted("material.h_N", "h_N", k, nu)
 
 
 # --- the ways to the ring's edge and to its deepest place ------------------------------------------------------------
 
 
-def test_the_edge_of_the_ring_is_as_good_as_each_stage_says(seed):
-    rng = np.random.default_rng(seed)
-    for region in ("bulk", "edges"):
-        k, phi = accuracy.k_phi(rng, 100_000, region)
-        shape = (0.5 * (1.0 + k), 0.5 * (1.0 - k), phi)
-        exact = ring.ring_edge(*map(jnp.asarray, shape), None)
-        for digits, error in ((2, 6e-3), (3, 2e-3), (5, 2e-5), (8, 2e-8)):  # the starter, and Halley's step from it
-            assert np.max(np.abs(ring.ring_edge(*map(jnp.asarray, shape), None, digits) / exact - 1.0)) < error
-
-
-def test_the_deepest_place_is_as_good_as_each_stage_says(seed):
+# The starter, and Halley's step from it.
+@pytest.mark.parametrize(
+    "root, errors",
+    [(ring.EDGE, {2: 6e-3, 3: 2e-3, 5: 2e-5, 8: 2e-8}), (deepest._DEEPEST, {3: 4e-4, 4: 3e-6, 6: 2e-8, 10: 1e-11})],
+    ids=["edge of the ring", "deepest place"],
+)
+def test_a_place_is_as_good_as_each_stage_says(root, errors, seed):
     rng = np.random.default_rng(seed)
     for region in ("bulk", "edges"):
         k, phi = accuracy.k_phi(rng, 100_000, region)
         shape = [jnp.asarray(x) for x in (0.5 * (1.0 + k), 0.5 * (1.0 - k), phi)]
-        exact = ring.place_of(deepest._DEEPEST, *shape, None, None)
-        for digits, error in ((3, 4e-4), (4, 3e-6), (6, 2e-8), (10, 1e-11)):
-            found = ring.place_of(deepest._DEEPEST, *shape, None, digits)
-            assert np.max(np.abs(found / exact - 1.0)) < error
+        exact = ring.place_of(root, *shape, None, None)
+        for digits, error in errors.items():
+            assert np.max(np.abs(ring.place_of(root, *shape, None, digits) / exact - 1.0)) < error
 
 
 # --- places of their own --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-9, 1e-12, 2.0**-52])
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_volume_change_keeps_its_relative_accuracy_towards_its_zeros(sign, distance):
-    k = sign * (1.0 - distance)
-    exact = oracle.volume_change(k)
-    assert abs(float(gross_slip.volume_change(k)) - exact) < 2e-14 * exact
+def test_volume_change_keeps_its_relative_accuracy_towards_its_zeros():
+    for k in (sign * (1.0 - distance) for distance in (1e-3, 1e-6, 1e-9, 1e-12, 2.0**-52) for sign in (-1.0, 1.0)):
+        exact = oracle.volume_change(k)
+        assert abs(float(gross_slip.volume_change(k)) - exact) < 2e-14 * exact
 
 
 def test_nothing_happens_at_k_zero():
     radii = (0.3, 0.99, 1.0 - 1e-12, 1.0 + 1e-12, 1.01, 2.0)
     points = [(r, k) for k in (0.0, 1e-16, -1e-16, 1e-14, 1e-8) for r in radii]
+    # Where versions of SciPy's 2F1 are infinite, or off by 1e-6.
+    points += [(r, k) for k in (-1e-13, 1.5e-13, -1e-10) for r in (1.0 - 1e-4, 1.0 + 1e-6)]
     points += [(r, k) for k in (1e-300, -1e-300) for r in (0.99, 1.01)]  # the oracle takes a second for each
     _, values, gradients, _ = functions.derivatives("gross_slip.steady_displacement", *np.array(points).T)
     for point, value, gradient in zip(points, values, gradients, strict=True):
@@ -202,46 +185,22 @@ def test_nothing_happens_at_k_zero():
 
 def test_h_N_at_the_ends_of_poissons_ratio():
     for k in (-1.0 + 1e-9, -0.5, 0.0, 0.5, 1.0 - 1e-9):
-        exact = oracle.h_N(k, 0.5)
-        assert abs(float(material.h_N(k, 0.5)) - exact) < 2e-14 * exact
-        with mp.workdps(60):
-            holl = oracle.h_N(k, 1 / (2 + mp.mpf(k)))
-        assert abs(float(material.h_N(k, "holl")) - holl) < 2e-14 * holl
+        for nu, ratio in ((0.5, 0.5), ("holl", oracle.holl_ratio(k))):
+            exact = oracle.h_N(k, ratio)
+            assert abs(float(material.h_N(k, nu)) - exact) < 2e-14 * exact
 
 
-def test_second_derivatives_of_the_wear_volume_are_symmetric():
-    k, phi = np.linspace(-0.9, 0.9, 7), np.linspace(0.05, 0.95, 7)
-    hessian = functions.hessians("fretting.wear_volume", k, phi)
-    np.testing.assert_allclose(hessian[:, 0, 1], hessian[:, 1, 0], rtol=1e-12)
-
-
-long = pytest.mark.long  # some seconds each; what the library makes of these is tested above
-
-
+# Some seconds each; what the library makes of these is tested above.
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param("reciprocal_gamma", marks=long),
-        pytest.param("volume_numerator", marks=long),
-        pytest.param("edge_even", marks=long),
+        *(pytest.param(x, marks=pytest.mark.long) for x in ("reciprocal_gamma", "volume_numerator", "edge_even")),
         pytest.param("edge_odd", marks=pytest.mark.compiled),
     ],
 )
 def test_the_gamma_tables_are_those_of_their_program(name):
-    assert tuple(getattr(gamma_tables(), name)()) == getattr(gamma, f"_{name.upper()}")
-
-
-def gamma_tables():
-    import importlib.util
-    from pathlib import Path
-
-    path = Path(__file__).parents[2] / "tools" / "gamma_tables.py"
-    spec = importlib.util.spec_from_file_location("gamma_tables", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    program = runpy.run_path(str(Path(__file__).parents[2] / "tools" / "gamma_tables.py"))
+    assert tuple(program[name]()) == getattr(gamma, f"_{name.upper()}")
 
 
 def test_float32_underflow_is_zero_and_not_nan():

@@ -10,10 +10,10 @@ from coated import RIGID as CONTACT
 from scipy import optimize
 from typer.testing import CliRunner
 
-from plgwear_jax import DepthGraded, Elastic, GrossSlipContact, PowerLawGraded, cli, optimise
+from plgwear_jax import Elastic, GrossSlipContact, PowerLawGraded, cli, optimise
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.question import question_of, with_leaf
+from plgwear_jax.optimise.question import question_of, with_variables
 
 STEEL = Elastic(210e9, 0.3)
 PLACES = {"distance": 2e-6, "r": 6.6e-5, "z": 1e-5}  # within the worn ring
@@ -24,48 +24,49 @@ def places_of(name):
     return {place: PLACES[place] for place in (FRETTING | TANGENTIAL)[name].arguments if place in PLACES}
 
 
-def on(contact, variables):
-    for name, value in variables.items():
-        contact = with_leaf(contact, name, value)
-    return contact
+PAIR = dataclasses.replace(CONTACT, material=PowerLawGraded(110e9, 1e-4, 0.1, 0.3), indenter=STEEL)
+VARIED = {  # limits, bounds, points, accuracy
+    "closed": (
+        CONTACT,
+        {name: {"below": 1.0, **places_of(name)} for name in POSITIVE},
+        {"friction": (0.3, 0.8), "radius": (2e-3, 2e-2), "nu": (0.0, 0.45)},
+        {"friction": np.array([0.35, 0.7]), "radius": np.array([6e-3, 4e-3]), "nu": np.array([0.1, 0.4])},
+        1e-12,
+    ),
+    "pair": (
+        PAIR,
+        {name: {"below": 1.0} for name in ("energy_per_cycle", "displacement_amplitude", "deepest_wear")}
+        | {"pressure": {"below": 1e9, "r": 3e-5}},
+        {"indenter.E": (100e9, 400e9), "friction": (0.3, 0.8)},
+        {"indenter.E": np.array([150e9, 300e9]), "friction": np.array([0.35, 0.7])},
+        1e-9,
+    ),
+}
 
 
-def values_are_those_of_the_contact(question, points, rtol):
-    """Objective, limits and slopes, at some points, against the methods of the contacts and differences of them."""
+@pytest.mark.parametrize(
+    "kind", [pytest.param("closed", marks=pytest.mark.compiled), pytest.param("pair", marks=pytest.mark.long)]
+)
+def test_every_quantity_can_be_limited_while_any_number_varies(kind):
+    """Values against the methods of the contacts, slopes against differences, without the search."""
+    given, limits, bounds, points, rtol = VARIED[kind]
+    minimise = {"minimise": "deepest_wear"} if kind == "closed" else {}
+    question = question_of(given, 1.0, bounds, limits=limits, **minimise)
+    assert {one.quantity for one in question.limits} == {*limits}
     found = evaluate(question, points)
-    (force,) = question.load.amplitudes
-    count = found.values.shape[0]
-    for i in range(count):
-        contact = on(question.contact, {name: float(x[i]) for name, x in points.items()})
-        assert contact is not question.contact
-        value = float(read(contact, question.objective, force, question.places))
+    for i in range(2):
+        contact = with_variables(given, {name: float(x[i]) for name, x in points.items()})
+        value = float(read(contact, question.objective, 1.0, question.places))
         np.testing.assert_allclose(found.objective[i], value, rtol=rtol)
         for row, one in enumerate(question.limits):
-            value = float(read(contact, one.quantity, force, one.places))
-            side = -1.0 if one.lowest else 1.0
-            np.testing.assert_allclose(np.exp(side * found.values[i, 1 + row]), value / one.value, rtol=rtol)
-
-
-LIMITS = {name: {"below": 1.0, **places_of(name)} for name in POSITIVE}
-OTHERS = {"friction": np.array([0.35, 0.7]), "radius": np.array([6e-3, 4e-3]), "nu": np.array([0.1, 0.4])}
-
-
-@pytest.mark.compiled
-def test_every_quantity_can_be_limited_while_any_number_varies():
-    """Without the search."""
-    bounds = {"friction": (0.3, 0.8), "radius": (2e-3, 2e-2), "nu": (0.0, 0.45)}
-    question = question_of(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=LIMITS)
-    assert {one.quantity for one in question.limits} == set(POSITIVE)
-    values_are_those_of_the_contact(question, OTHERS, 1e-12)
-    # Slopes by differences of the values.
-    step = 1e-4
-    at = {name: x[:1] for name, x in OTHERS.items()}
-    slopes = evaluate(question, at).slopes[0]
+            value = float(read(contact, one.quantity, 1.0, one.places))
+            np.testing.assert_allclose(np.exp(found.values[i, 1 + row]), value / one.value, rtol=rtol)
+    step = 1e-4 if kind == "closed" else 1e-3
     for column, name in enumerate(bounds):
-        ends = [x * np.exp(h) if name != "nu" else x + h for x in at[name] for h in (-step, step)]
-        both = evaluate(question, {other: np.repeat(x, 2) for other, x in at.items()} | {name: np.array(ends)})
-        by_difference = (both.values[1] - both.values[0]) / (2.0 * step)
-        np.testing.assert_allclose(slopes[:, column], by_difference, rtol=1e-4, atol=1e-6)
+        ends = np.array([x * np.exp(h) if name != "nu" else x + h for x in points[name][:1] for h in (-step, step)])
+        both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
+        by_difference = np.diff(both.values, axis=0)[0] / (2.0 * step)
+        np.testing.assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.compiled
@@ -88,6 +89,7 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
     for one, (name, state) in zip(found.question.limits, found.limits.items(), strict=True):
         value = float(read(found.contact, one.quantity, 1.0, one.places))
         np.testing.assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
+        assert state.active == (value == pytest.approx(state.allowed, rel=1e-8)), name
         assert value >= state.allowed * (1.0 - 1e-6) if one.lowest else value <= state.allowed * (1.0 + 1e-6), name
     assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick edge
 
@@ -95,7 +97,7 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
 @pytest.mark.compiled
 def test_a_design_of_friction_and_exponent_is_that_of_scipy():
     def contact(x):
-        return on(CONTACT, {"k": x[0], "friction": x[1]})
+        return with_variables(CONTACT, {"k": x[0], "friction": x[1]})
 
     goal = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).deepest_wear))
     kept = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).edge_pressure(1e-6) / 7e8))
@@ -166,41 +168,6 @@ def test_a_punch_can_be_limited_by_its_force():
     np.testing.assert_allclose(found.contact.steady().volume_change, found.value, rtol=1e-12)
 
 
-@pytest.mark.long
-def test_a_pair_of_which_more_than_the_half_space_varies():
-    """Without the search."""
-    pair = dataclasses.replace(CONTACT, material=PowerLawGraded(110e9, 1e-4, 0.1, 0.3), indenter=STEEL)
-    names = ("energy_per_cycle", "displacement_amplitude", "deepest_wear", "stick_radius", "pressure")
-    limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "pressure"}
-    limits |= {"pressure": {"below": 1e9, "r": 3e-5}}
-    bounds = {"indenter.E": (100e9, 400e9), "friction": (0.3, 0.8)}
-    question = question_of(pair, 1.0, bounds, limits=limits)
-    points = {"indenter.E": np.array([150e9, 300e9]), "friction": np.array([0.35, 0.7])}
-    values_are_those_of_the_contact(question, points, 1e-9)
-    step = 1e-3
-    slopes = evaluate(question, points).slopes[0]
-    for column, name in enumerate(bounds):
-        ends = points[name][0] * np.exp(np.array([-step, step]))
-        both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
-        np.testing.assert_allclose(
-            slopes[:, column], np.diff(both.values, axis=0)[0] / (2 * step), rtol=1e-4, atol=1e-6
-        )
-
-
-@pytest.mark.long
-def test_moduli_at_depths_are_variables_as_any_others():
-    layers = DepthGraded(np.array([0.0, 5e-5, 1e-4]), np.array([100e9, 150e9, 200e9]), 0.3)
-    contact = dataclasses.replace(CONTACT, material=layers)
-    found = optimise.design(
-        contact, 1.0, {"material.modulus[1]": (60e9, 300e9)}, limits={"contact_radius": {"above": 6.2e-5}}
-    )
-    assert found.converged and found.limits["contact_radius_lowest"].active
-    np.testing.assert_allclose(found.contact.steady(0.0).contact_radius, 6.2e-5, rtol=1e-6)
-    np.testing.assert_allclose(found.contact.steady(1.0).wear_volume, found.value, rtol=1e-9)
-    assert found.contact.material.modulus[1] == pytest.approx(found.variables["material.modulus[1]"])
-    assert "E(z) at depths" in repr(found)
-
-
 SCENE = """
 [material]
 E0 = 110e9
@@ -231,7 +198,7 @@ def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
     told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
     assert told.exit_code == 0, told.stderr or told.exception
     found = json.loads(told.stdout)
-    best = on(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
+    best = with_variables(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
     np.testing.assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
     np.testing.assert_allclose(found["best"]["friction"], found["vary"]["friction"]["value"], rtol=1e-12)
     limits = found["limits"]

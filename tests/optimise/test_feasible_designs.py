@@ -129,11 +129,6 @@ def test_designs_of_one_variable_that_exist_are_found():
 
 
 @pytest.mark.compiled
-def test_designs_of_two_variables_that_exist_are_found():
-    settings(max_examples=5)(asks_at_random(2, 101))()
-
-
-@pytest.mark.compiled
 def test_many_designs_that_exist_are_found():
     settings(max_examples=300)(asks_at_random(1, 2001))()
     settings(max_examples=100)(asks_at_random(2, 101))()

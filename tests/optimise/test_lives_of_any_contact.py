@@ -78,26 +78,11 @@ def test_another_shape_with_the_contact_radius_held():
 # --- every test -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
-def test_a_held_displacement():
-    """Every coating is moved by the displacement that the force causes on the reference, and some slip as a whole."""
-    moved = loads.Displacement(RIGID.steady(3.0).displacement_amplitude)
-    found = optimise.design(RIGID, moved, RANGE, **LIFE)
-    scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
-    assert np.any(np.asarray(scanned.steady(0.0).gross_slip_displacement) < np.asarray(moved.displacement_amplitude))
-    is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05, run=True)
-    harder = optimise.under_other_load(found, 1.1)
-    assert harder.best.load is not None
-    np.testing.assert_allclose(
-        harder.best.load.amplitudes, [1.1 * np.asarray(moved.displacement_amplitude)], rtol=1e-12
-    )
-    with pytest.raises(ValueError, match="in_steady_state takes a design under force control"):
-        optimise.in_steady_state(found)
-
-
 ONSET = float(RIGID.steady(0.0).gross_slip_displacement)
 TESTS = {
     "partial slip": loads.Displacement(0.5 * ONSET, rig_stiffness=2e7),
+    # That which the force causes on the reference, by which some coatings slip as a whole.
+    "partial and gross slip": loads.Displacement(RIGID.steady(3.0).displacement_amplitude),
     "gross slip": loads.Displacement(3.0 * ONSET),
     "blocks": [loads.Block(1.0, 2e5), loads.Block(loads.Displacement(0.5 * ONSET), 2e5, normal_force=8.0)],
 }
@@ -108,8 +93,11 @@ TESTS = {
 def test_loads_other_than_the_force(name):
     found = optimise.design(RIGID, TESTS[name], RANGE, **LIFE)
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
-    is_least(found, np.asarray(scanned.over_cycles(TESTS[name], COEFFICIENT).volume(CYCLES)), within=0.02, run=True)
+    within = 0.05 if name == "partial and gross slip" else 0.02
+    is_least(found, np.asarray(scanned.over_cycles(TESTS[name], COEFFICIENT).volume(CYCLES)), within=within, run=True)
     assert "load: " in repr(found)
+    with pytest.raises(ValueError, match="in_steady_state takes a design under force control"):
+        optimise.in_steady_state(found)
     if name == "gross slip":
         loaded = loads.Displacement(np.array([3.0 * ONSET]))
         many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
@@ -214,8 +202,6 @@ def test_a_free_gradient_for_a_life():
     "changes, said",
     [
         ({"control": "displacement"}, "a design takes no control"),
-        ({"cycles": 1e5}, "cycles and law go together"),
-        ({**LIFE, "minimise": "penetration"}, 'penetration is minimised in the steady state; after cycles "wear_vol'),
     ],
 )
 def test_what_no_life_has(changes, said):

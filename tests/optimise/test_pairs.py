@@ -58,24 +58,6 @@ def test_a_design_under_a_nearly_rigid_indenter_is_the_closed_one_and_its_slopes
     np.testing.assert_allclose(evaluate(pair.question, {"k": k}).slopes[:, :, 0], slopes, rtol=2e-6, atol=2e-7)
 
 
-@pytest.mark.compiled  # to compile; the cone below has values and slopes as well
-def test_an_evaluation_is_that_of_the_contacts_and_its_slopes_are_differences():
-    k, weight = np.array([-0.3, 0.25]), np.array([0.7, 0.3])
-    question = question_of(under(STEEL), FORCES, RANGE, weight=weight, limits=LIMITS)
-    at = evaluate(question, {"k": k})
-    steady = dataclasses.replace(under(STEEL), material=PowerLawGraded(110e9, 1e-4, k[:, None], 0.3)).steady(FORCES)
-    volume = np.asarray(steady.wear_volume) @ weight
-    np.testing.assert_allclose(at.objective, volume, rtol=1e-8)
-    largest = {"edge_pressure": steady.edge_pressure(3e-6), "penetration": steady.penetration}
-    for name, row in ((one.name, 1 + i) for i, one in enumerate(question.limits)):
-        if name in largest:
-            ratio = np.asarray(largest[name])[:, 1] / LIMITS[name]["below"]
-            np.testing.assert_allclose(np.exp(at.values[:2, row]), ratio, rtol=1e-8, err_msg=name)
-    steps = 1e-3 * np.array([-1.0, 1.0])
-    values = evaluate(question, {"k": (k[:, None] + steps).ravel()}).values[:4].reshape(2, 2, -1)
-    np.testing.assert_allclose(at.slopes[:2, :, 0], (values[:, 1] - values[:, 0]) / 2e-3, rtol=1e-4, atol=1e-5)
-
-
 def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
     """Contacts of the same radius: a numeric contact that is quickly solved, with an optimum between the bounds."""
 
@@ -101,29 +83,6 @@ def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
             (slopes.saving[name], upper.saving, lower.saving),
         ):
             np.testing.assert_allclose(told, (one - other) / (2.0 * step), rtol=1e-3, atol=1e-6, err_msg=name)
-
-
-@pytest.mark.long
-def test_the_contact_radius_can_be_held():
-    ranged = {"k": (-0.5, -0.05)}
-    found, closed = (optimise.design(under(one), 1.5, ranged, hold=True) for one in (Elastic(1e19, 0.3), None))
-    nearly_the_same(found, closed)
-    pair = optimise.design(under(STEEL), 1.5, ranged, hold=True)
-    assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
-    np.testing.assert_allclose(pair.value, pair.contact.steady(1.5).wear_volume, rtol=1e-9)
-    np.testing.assert_allclose(
-        pair.contact.steady(0.0).contact_radius, pair.reference.steady(0.0).contact_radius, rtol=1e-4
-    )
-    assert optimise.compared(pair).depth.shape == (2, 201)
-
-
-@pytest.mark.long
-def test_the_moduli_at_two_depths_can_be_limited():
-    window = [{"between": (40e9, 400e9), "z": 1e-6}, {"between": (50e9, 200e9), "z": 2e-4}]
-    limits = {"contact_radius": {"above": 6.5e-5}, "modulus_at": window}
-    vary = {"k": (-0.4, 0.3), "E0": (40e9, 300e9)}
-    found, closed = (optimise.design(under(one), 1.5, vary, limits=limits) for one in (Elastic(1e19, 0.3), None))
-    nearly_the_same(found, closed)
 
 
 @pytest.mark.compiled

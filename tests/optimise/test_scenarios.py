@@ -201,7 +201,7 @@ def test_uncertain_punches():
         (Scenarios(UNCERTAIN, WEIGHT[:3]), r"their shapes are normal_force \(12,\), friction \(12,\), weight \(3,\)"),
         (Scenarios(UNCERTAIN, -WEIGHT), "scenarios: weight = .* is outside"),
         (Scenarios(UNCERTAIN, 0.0 * WEIGHT), "scenarios: weight: all weights are zero"),
-        (Scenarios(UNCERTAIN, wear_coefficient=1e-14), "wear_coefficient takes the law of the design"),
+        (Scenarios(UNCERTAIN, law=1e-14), "law takes the kind of law of the design"),
         (dataclasses.replace(RIGID, friction=np.array([0.05, 0.4])), "scenarios: tangential_force.* = .* is outside"),
     ],
 )
@@ -257,7 +257,7 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     life = ("[design]", "[wear]\ncoefficient = 1e-14\ncycles = 4e5\n[design]")
     write(tmp_path, "wear_coefficient\n3e-15\n1e-14\n", life, ('"deepest_wear"', '"wear_volume"'))
     found = scene.load(tmp_path / "any.toml").design()
-    scenarios = Scenarios(RIGID, wear_coefficient=np.array([3e-15, 1e-14]))
+    scenarios = Scenarios(RIGID, law=np.array([3e-15, 1e-14]))
     best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, scenarios=scenarios, **LIFE)
     np.testing.assert_allclose(found.value, best.value, rtol=1e-9)
 

@@ -120,26 +120,6 @@ def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     assert np.any(few.at_bound) and not np.all(few.at_bound) and np.all(few.scan_found_nothing_better)
 
 
-WINDOW = [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
-
-
-@pytest.mark.long  # by far the largest program; test_optimise.py has such designs one by one
-def test_a_design_over_two_variables_within_a_limit_is_that_of_a_batch():
-    # test_sweep.py has those over one.
-    limits = {"edge_pressure": {"below": 5.5e8, "distance": 1e-6}, "modulus_at": WINDOW}
-    asked = {"vary": {"k": (-0.4, 0.4), "E0": (60e9, 400e9)}, "limits": limits}
-    one, many = optimise.design(CONTACT, 1.0, **asked), optimise.designs(CONTACT, 1.0, **asked)
-    assert one.limits["edge_pressure"].active and one.certified and bool(many.certified)
-    for variable, value in one.variables.items():
-        assert float(many.variables[variable]) == pytest.approx(value, rel=1e-9), variable
-    assert float(many.value) == pytest.approx(float(one.value), rel=1e-11)
-    assert float(many.saving) == pytest.approx(one.saving, rel=1e-9)
-    assert (
-        bool(many.converged) is one.converged is True
-        and bool(many.scan_found_nothing_better) is one.scan_found_nothing_better is False
-    )
-
-
 # --- loads of a few sizes ---------------------------------------------------------------------------------------------
 
 

@@ -147,26 +147,16 @@ def test_wear_volumes_are_those_of_equation_28():
 
 
 @pytest.mark.long
-def test_set_ups_are_drawn():
-    for figure in (figures.FIGURES["1"].draw(), figures.FIGURES["6"].draw()):
-        texts = [text.get_text() for text in figure.axes[0].texts]
-        assert any("F_" in text for text in texts)
-
-
-@pytest.mark.long
 def test_figures_are_as_wide_as_a_column_or_a_page():
     for figure in figures.FIGURES.values():
         page = figure.draw()
         assert isinstance(page, Figure)
         assert page.get_figwidth() * 2.54 in (pytest.approx(8.6), pytest.approx(17.8))
+        if figure.key in ("1", "6"):  # the set-ups
+            assert any("F_" in text.get_text() for text in page.axes[0].texts)
 
 
 # --- what is said of it ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.long
-def test_each_figure_says_whether_it_agrees():
-    assert {key: figures.verdict(figure.check()) for key, figure in figures.FIGURES.items()} == VERDICTS
 
 
 def test_the_least_favourable_claim_counts():

@@ -35,7 +35,7 @@ def legend(figure: Figure) -> list[str]:
 
 @pytest.fixture(scope="module")
 def best() -> optimise.Design:
-    return optimise.design(REFERENCE, FORCE, {"k": (-0.9, 0.9)}, hold=True)
+    return optimise.design(REFERENCE, FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius")
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +149,21 @@ def test_a_worn_punch_is_drawn():
     assert isinstance(design.contact, GrossSlipContact)
     exact = 1e-6 - design.contact.steady().steady_displacement(r)
     np.testing.assert_allclose(worn, exact, rtol=1e-5, atol=1e-20)  # enough for a picture
+
+
+@pytest.mark.compiled
+def test_the_end_of_a_run_is_drawn_as_its_steady_state():
+    run = REFERENCE.over_cycles(FORCE, 1e-14)
+    figure = plots.wear_picture(run, np.geomspace(1e3, 1e7, 20), [1e5])
+    by_ordinate = {axes.get_ylabel().split(" (")[0]: axes for axes in figure.axes}
+    assert run.steady is not None
+    for label, field in (("wear depth", run.steady.wear_depth), ("pressure", run.steady.pressure)):
+        (end,) = (line for line in by_ordinate[label].lines if line.get_label() == "steady state")
+        r, drawn = np.asarray(end.get_data(), float)
+        beside = np.abs(r / run.steady.stick_radius - 1.0) > 1e-6  # at the edge a rounding is a step
+        seen = beside & (drawn < by_ordinate[label].get_ylim()[1])
+        np.testing.assert_allclose(drawn[seen], field(r[seen]), rtol=1e-3, atol=1e-3 * drawn[seen].max())
+    assert legend(figure)[1:3] == ["worn volume", "before wear"] and "steady state" in legend(figure)
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():

@@ -1,7 +1,4 @@
-"""How far the library is from the oracle, region by region: the harness of the accuracy tests, and a program.
-
-    python tests/reference/accuracy.py --points 20000        prints the table of worst errors, a line for each quantity
-    python tests/reference/accuracy.py --points 2000 --seed 7 --only wear_volume
+"""How far the library is from the oracle, region by region: the harness of the accuracy tests.
 
 Errors are relative: of a value to itself, of a derivative to the larger of itself and the value. Points are fresh for
 each seed; the regions are
@@ -14,13 +11,8 @@ each seed; the regions are
             unit are relative to themselves
 """
 
-import argparse
 import dataclasses
 import functools
-import inspect
-import os
-import sys
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -45,75 +37,40 @@ def _mixed(rng: np.random.Generator, count: int, *samplers: Callable[[int], np.n
 
 
 def exponents(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
-    if region != "edges":
+    if "edges" not in region:
         return rng.uniform(-0.97, 0.97, count)
-    sign = rng.choice([-1.0, 1.0], count)
-    distance = 10.0 ** -rng.uniform(0.0, 9.0, count)
     return _mixed(
         rng,
         count,
-        lambda n: sign[:n] * (1.0 - distance[:n]),
-        lambda n: sign[-n:] * 10.0 ** -rng.uniform(0.0, 14.0, n),
+        lambda n: rng.choice([-1.0, 1.0], n) * (1.0 - 10.0 ** -rng.uniform(0.0, 9.0, n)),
+        lambda n: rng.choice([-1.0, 1.0], n) * 10.0 ** -rng.uniform(0.0, 14.0, n),
         lambda n: rng.uniform(-1.0, 1.0, n),
     ).clip(-1.0 + 1e-9, 1.0 - 1e-9)
 
 
 def amplitudes(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
-    if region != "edges":
-        return _mixed(
-            rng,
-            count,
-            lambda n: rng.uniform(0.005, 0.995, n),
-            lambda n: 0.005 ** rng.uniform(0.0, 1.0, n).clip(1e-3),
-            lambda n: 1.0 - 0.005 ** rng.uniform(0.0, 1.0, n).clip(1e-3),
-        ).clip(0.005, 0.995)
+    decades, least = (12.0, 1e-12) if "edges" in region else (2.3, 0.005)
     return _mixed(
         rng,
         count,
-        lambda n: 10.0 ** -rng.uniform(0.01, 12.0, n),
-        lambda n: 1.0 - 10.0 ** -rng.uniform(0.01, 12.0, n),
         lambda n: rng.uniform(0.0, 1.0, n),
-    ).clip(1e-12, 1.0 - 1e-12)
+        lambda n: 10.0 ** -rng.uniform(0.01, decades, n),
+        lambda n: 1.0 - 10.0 ** -rng.uniform(0.01, decades, n),
+    ).clip(least, 1.0 - least)
+
+
+def only_k(rng: np.random.Generator, count: int, region: str) -> Points:
+    return (exponents(rng, count, region),)
+
+
+def k_nu(rng: np.random.Generator, count: int, region: str) -> Points:
+    finest = 12.0 if region == "edges" else 2.0
+    nu = _mixed(rng, count, lambda n: rng.uniform(-0.9, 0.5, n), lambda n: 0.5 - 10.0 ** -rng.uniform(0.0, finest, n))
+    return exponents(rng, count, region), nu.clip(-0.9, 0.5 - 1e-12)
 
 
 def k_phi(rng: np.random.Generator, count: int, region: str) -> Points:
     return exponents(rng, count, region), amplitudes(rng, count, region)
-
-
-def beside_indenter(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k) with r from 1.01 to 1000."""
-    return 1.0 + 10.0 ** rng.uniform(-2.0, 3.0, count).clip(-1.9999), exponents(rng, count, region)
-
-
-def beside_stick(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) with r from 1.01 c to 1000 c."""
-    k, phi = k_phi(rng, count, region)
-    gap, _ = beside_indenter(rng, count, region)
-    return gap * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
-
-
-def near_stick(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) within 1 % of c on both sides, down to 1e-12."""
-    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
-    gap = rng.choice([-1.0, 1.0], count) * 10.0 ** -rng.uniform(2.0, 12.0, count)
-    return (1.0 + gap) * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
-
-
-def in_ring(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) with r between c and a_inf, crowded at both ends."""
-    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
-    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
-    outer = np.asarray(functions.fretting.worn_radius(k, phi))
-    share = rng.beta(0.4, 0.4, count).clip(1e-6, 1.0 - 1e-6)
-    return inner + share * (outer - inner), k, phi
-
-
-def worn_side(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) in the inner nine tenths of the ring, crowded at c; at a_inf the depth is a difference to zero."""
-    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
-    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
-    outer = np.asarray(functions.fretting.worn_radius(k, phi))
-    return inner + 0.9 * rng.beta(0.4, 1.0, count).clip(1e-6) * (outer - inner), k, phi
 
 
 def k_phi_and_rig(rng: np.random.Generator, count: int, region: str) -> Points:
@@ -122,22 +79,34 @@ def k_phi_and_rig(rng: np.random.Generator, count: int, region: str) -> Points:
     return *k_phi(rng, count, region), 10.0 ** rng.uniform(-decades, decades, count)
 
 
-def in_slip(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) with r between c and 1, crowded at both ends."""
-    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
-    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
-    return inner + rng.beta(0.4, 0.4, count).clip(1e-6, 1.0 - 1e-6) * (1.0 - inner), k, phi
+def beside_indenter(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k) with r from 1.01 to 1000."""
+    return 1.0 + 10.0 ** rng.uniform(-2.0, 3.0, count).clip(-1.9999), exponents(rng, count, region)
+
+
+def _of_stick(rng: np.random.Generator, region: str, part: np.ndarray) -> Points:
+    """(r, k, phi) with r a part of c."""
+    k, phi = k_phi(rng, part.size, region)
+    return part * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+
+
+def beside_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) with r from 1.01 c to 1000 c."""
+    return _of_stick(rng, region, beside_indenter(rng, count, region)[0])
+
+
+def near_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) within 1 % of c on both sides, down to 1e-12."""
+    return _of_stick(rng, region, 1.0 + rng.choice([-1.0, 1.0], count) * 10.0 ** -rng.uniform(2.0, 12.0, count))
 
 
 def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k, phi) with r from 0 to 0.95 c."""
-    k, phi = k_phi(rng, count, region)
-    return rng.uniform(0.0, 0.95, count) * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+    return _of_stick(rng, region, rng.uniform(0.0, 0.95, count))
 
 
 def inside_edge(rng: np.random.Generator, count: int, region: str) -> Points:
     """(distance, k, phi) with the distance from 0.001 c (edges: 1e-12 c) to 2 c, a sixth of them beyond the centre."""
-    k, phi = k_phi(rng, count, region)
     part = _mixed(
         rng,
         count,
@@ -145,18 +114,34 @@ def inside_edge(rng: np.random.Generator, count: int, region: str) -> Points:
         lambda n: rng.uniform(0.01, 1.0, n),
         lambda n: rng.uniform(0.01, 2.0, n),
     )
-    return part * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+    return _of_stick(rng, region, part)
+
+
+def in_ring(
+    rng: np.random.Generator, count: int, region: str, most: float = 1.0, power: float = 0.4, outer: Any = None
+) -> Points:
+    """(r, k, phi) with r between c and a_inf or another radius, crowded at both ends."""
+    k, phi = k_phi(rng, count, region)
+    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
+    share = most * rng.beta(0.4, power, count).clip(1e-6, 1.0 - 1e-6)
+    return (
+        inner + share * ((np.asarray(functions.fretting.worn_radius(k, phi)) if outer is None else outer) - inner),
+        k,
+        phi,
+    )
+
+
+# At a_inf the depth is a difference to zero.
+worn_side = functools.partial(in_ring, most=0.9, power=1.0)
+in_slip = functools.partial(in_ring, outer=1.0)
 
 
 def dome(rng: np.random.Generator, count: int, region: str) -> Points:
     """(E0, z0, k, nu, R, F_N, mu, F_x)."""
     k, phi = k_phi(rng, count, "bulk")
-    nu = rng.uniform(-0.9, 0.5, count)
-    E0, z0, R, F_N, mu = (
-        10.0 ** rng.uniform(lowest, highest, count)
-        for lowest, highest in ((6.0, 12.0), (-7.0, -2.0), (-4.0, 1.0), (-3.0, 5.0), (-2.0, 0.5))
-    )
-    return E0, z0, k, nu, R, F_N, mu, phi * mu * F_N
+    decades = (6.0, 12.0), (-7.0, -2.0), (-4.0, 1.0), (-3.0, 5.0), (-2.0, 0.5)
+    E0, z0, R, F_N, mu = (10.0 ** rng.uniform(*span, count) for span in decades)
+    return E0, z0, k, rng.uniform(-0.9, 0.5, count), R, F_N, mu, phi * mu * F_N
 
 
 def dome_holl(rng: np.random.Generator, count: int, region: str) -> Points:
@@ -183,16 +168,6 @@ def under_punch(rng: np.random.Generator, count: int, region: str) -> Points:
     return np.where(r > 1.0, 1.0 / r, r), k
 
 
-def only_k(rng: np.random.Generator, count: int, region: str) -> Points:
-    return (exponents(rng, count, region),)
-
-
-def k_nu(rng: np.random.Generator, count: int, region: str) -> Points:
-    finest = 12.0 if region == "edges" else 2.0
-    nu = _mixed(rng, count, lambda n: rng.uniform(-0.9, 0.5, n), lambda n: 0.5 - 10.0 ** -rng.uniform(0.0, finest, n))
-    return exponents(rng, count, region), nu.clip(-0.9, 0.5 - 1e-12)
-
-
 # --- rows -----------------------------------------------------------------------------------------------------------
 
 
@@ -207,108 +182,53 @@ class Quantity:
     order: int = 1
     regions: tuple[str, ...] = ("bulk", "edges")
     derivatives_from: float = 0.0  # least distance from the stick edge, over c, where derivatives count
-    field: str | None = None  # of an oracle function that returns several quantities
     with_unit: tuple[str, ...] = ()  # arguments that have one, so that the value is no measure of derivatives by them
 
-
-def _fretting(name: str, order: int = 1) -> Quantity:
-    return Quantity(f"fretting.{name}", getattr(fretting, name), k_phi, "fretting_point", order, field=name)
-
-
-def _gross(name: str, sampler: Callable[..., Points]) -> Quantity:
-    return Quantity(f"gross_slip.{name}", getattr(gross_slip, name), sampler, f"gross_{name}")
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        return oracle.QUANTITIES[self.oracle].names  # pyright: ignore[reportFunctionMemberAccess]
 
 
-def wear_volume_in_si(
-    E0: jax.Array,
-    z0: jax.Array,
-    k: jax.Array,
-    nu: jax.Array,
-    R: jax.Array,
-    F_N: jax.Array,
-    mu: jax.Array,
-    F_x: jax.Array,
-) -> jax.Array:
-    return FrettingContact(PowerLawGraded(E0, z0, k, nu), R, F_N, mu).steady(F_x).wear_volume
+def wear_volume_in_si(*at: jax.Array) -> jax.Array:
+    *material, R, F_N, mu, F_x = at
+    return FrettingContact(PowerLawGraded(*material), R, F_N, mu).steady(F_x).wear_volume
 
 
-def wear_volume_in_si_holl(
-    E0: jax.Array, z0: jax.Array, k: jax.Array, R: jax.Array, F_N: jax.Array, mu: jax.Array, F_x: jax.Array
-) -> jax.Array:
-    return FrettingContact(PowerLawGraded(E0, z0, k, "holl"), R, F_N, mu).steady(F_x).wear_volume
+def wear_volume_in_si_holl(*at: jax.Array) -> jax.Array:
+    return wear_volume_in_si(*at[:3], "holl", *at[3:])  # pyright: ignore[reportArgumentType]
 
 
-WITH_UNIT = ("E0", "z0", "R", "F_N", "mu", "F_x")  # mu has none, but multiplies F_N
+def _of(module: Any, sampler: Callable[..., Points], *names: str, twin: str = "{}", **how: Any) -> list[Quantity]:
+    room = module.__name__.rpartition(".")[2]
+    return [Quantity(f"{room}.{name}", getattr(module, name), sampler, twin.format(name), **how) for name in names]
+
+
 NEAR = ("near", "near edges")
+_FAR: dict[str, Any] = {"derivatives_from": 0.1}
+_NEAR: dict[str, Any] = {"regions": NEAR}
+_SI: dict[str, Any] = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
 QUANTITIES = (
-    _fretting("wear_volume", order=2),
-    _fretting("worn_radius"),
-    _fretting("stick_radius"),
-    _fretting("penetration"),
-    Quantity("fretting.deepest_wear", fretting.deepest_wear, k_phi, "deepest_wear"),
-    Quantity("fretting.edge_intensity", fretting.edge_intensity, k_phi, "edge_intensity"),
-    Quantity("fretting.edge_pressure", fretting.edge_pressure, inside_edge, "edge_pressure"),
-    Quantity(
-        "fretting.initial_displacement",
-        fretting.initial_displacement,
-        beside_indenter,
-        "initial_displacement",
-        derivatives_from=0.1,
-    ),
-    Quantity(
-        "fretting.steady_displacement",
-        fretting.steady_displacement,
-        beside_stick,
-        "steady_displacement",
-        derivatives_from=0.1,
-    ),
-    Quantity(
-        "fretting.steady_pressure", fretting.steady_pressure, under_stick, "steady_pressure", derivatives_from=0.1
-    ),
-    Quantity(
-        "fretting.steady_traction", fretting.steady_traction, under_stick, "steady_traction", derivatives_from=0.1
-    ),
-    Quantity(
-        "fretting.steady_displacement", fretting.steady_displacement, near_stick, "steady_displacement", regions=NEAR
-    ),
-    Quantity("fretting.wear_depth", fretting.wear_depth, worn_side, "wear_depth", regions=NEAR),
-    Quantity("fretting.profile", fretting.profile, in_ring, "profile", regions=NEAR),
-    _gross("initial_displacement", punch),
-    _gross("steady_displacement", punch),
-    _gross("initial_pressure", under_punch),
-    Quantity("gross_slip.volume_change", gross_slip.volume_change, only_k, "volume_change"),
-    Quantity("gross_slip.force_ratio", gross_slip.force_ratio, only_k, "force_ratio"),
-    Quantity("gross_slip.force_drop", gross_slip.force_drop, only_k, "force_drop"),
-    Quantity("material.h_N", material.h_N, k_nu, "h_N"),
-    Quantity("material.tangential_ratio", material.tangential_ratio, k_nu, "tangential_ratio"),
-    Quantity(
-        "partial_slip.displacement_amplitude",
-        partial_slip.displacement_amplitude,
-        k_phi_and_rig,
-        "displacement_amplitude",
-    ),
-    Quantity("partial_slip.amplitude", partial_slip.amplitude, k_phi_and_rig, "force_amplitude"),
-    Quantity("partial_slip.slip_amplitude", partial_slip.slip_amplitude, in_slip, "slip_amplitude", regions=NEAR),
-    Quantity("partial_slip.energy_per_cycle", partial_slip.energy_per_cycle, k_phi, "energy_per_cycle"),
-    Quantity("partial_slip.contact_share", partial_slip.contact_share, k_phi_and_rig, "contact_share"),
-    Quantity("partial_slip.energy_ratio", partial_slip.energy_ratio, k_phi, "energy_ratio"),
-    Quantity("partial_slip.loop_aperture", partial_slip.loop_aperture, k_phi, "loop_aperture"),
-    Quantity(
-        "FrettingContact.wear_volume",
-        wear_volume_in_si,
-        dome,
-        "wear_volume_in_si",
-        regions=("SI",),
-        with_unit=WITH_UNIT,
-    ),
-    Quantity(
-        'FrettingContact.wear_volume, "holl"',
-        wear_volume_in_si_holl,
-        dome_holl,
-        "wear_volume_in_si_holl",
-        regions=("SI",),
-        with_unit=WITH_UNIT,
-    ),
+    *_of(fretting, k_phi, "wear_volume", twin="fretting_point", order=2),
+    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", twin="fretting_point"),
+    *_of(fretting, k_phi, "deepest_wear", "edge_intensity"),
+    *_of(fretting, inside_edge, "edge_pressure"),
+    *_of(fretting, beside_indenter, "initial_displacement", **_FAR),
+    *_of(fretting, beside_stick, "steady_displacement", **_FAR),
+    *_of(fretting, under_stick, "steady_pressure", "steady_traction", **_FAR),
+    *_of(fretting, near_stick, "steady_displacement", **_NEAR),
+    *_of(fretting, worn_side, "wear_depth", **_NEAR),
+    *_of(fretting, in_ring, "profile", **_NEAR),
+    *_of(gross_slip, punch, "initial_displacement", "steady_displacement", twin="gross_{}"),
+    *_of(gross_slip, under_punch, "initial_pressure", "steady_pressure", twin="gross_{}"),
+    *_of(fretting, under_punch, "initial_pressure"),
+    *_of(gross_slip, only_k, "volume_change", "force_ratio", "force_drop"),
+    *_of(material, k_nu, "h_N", "tangential_ratio"),
+    *_of(partial_slip, k_phi_and_rig, "displacement_amplitude", "contact_share"),
+    *_of(partial_slip, k_phi_and_rig, "amplitude", twin="force_amplitude"),
+    *_of(partial_slip, in_slip, "slip_amplitude", **_NEAR),
+    *_of(partial_slip, k_phi, "energy_per_cycle", "energy_ratio", "loop_aperture"),
+    Quantity("FrettingContact.wear_volume", wear_volume_in_si, dome, "wear_volume_in_si", **_SI),
+    Quantity('FrettingContact.wear_volume, "holl"', wear_volume_in_si_holl, dome_holl, "wear_volume_in_si_holl", **_SI),
 )
 
 # The promise, as value and derivatives of order 1 and 2, by region and dtype.
@@ -378,12 +298,11 @@ def measure(
     near = region in NEAR
     # What several quantities have in common is computed once, to the order that the most demanding of them needs.
     exact = _exact(quantity.oracle, np.stack(points, 1).astype(float).tobytes(), len(points), processes, needed)
-    if quantity.field:
-        exact = [getattr(point, quantity.field) for point in exact]
+    if quantity.oracle == "fretting_point":
+        exact = [getattr(point, quantity.name.rpartition(".")[2]) for point in exact]
 
     worst: list[Worst] = []
-    measured = [name not in quantity.with_unit for name in list(inspect.signature(quantity.function).parameters)]
-    measured = np.array(measured[: len(points)], float)  # by the value
+    measured = np.array([name not in quantity.with_unit for name in quantity.arguments], float)  # by the value
     value = np.array([point.value for point in exact])
     size = np.abs(value[:, 0])
     computed = _derivatives(quantity, points, order)
@@ -402,27 +321,14 @@ def measure(
             edge = (1.0 - points[2]) ** (1.0 / (points[1] + 3.0)) if len(points) == 3 else 1.0
             relative = np.where((np.abs(points[0] / edge - 1.0) < quantity.derivatives_from)[:, None], 0.0, relative)
         at = int(np.argmax(relative.max(axis=1)))
-        worst.append(
-            Worst(
-                quantity.name,
-                region,
-                dtype,
-                n,
-                float(relative.max()),
-                promised[n],
-                kept[n],
-                tuple(float(x[at]) for x in points),
-                len(value),
-            )
-        )
+        error, point = float(relative.max()), tuple(float(x[at]) for x in points)
+        worst.append(Worst(quantity.name, region, dtype, n, error, promised[n], kept[n], point, len(value)))
     return worst
 
 
 def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
     """The points in a dtype, without those it cannot tell from an edge: k = +-1, phi = 1, r = c, r = a_inf."""
-    rounded = dict(
-        zip(inspect.signature(quantity.function).parameters, (x.astype(dtype) for x in points), strict=False)
-    )
+    rounded = dict(zip(quantity.arguments, (x.astype(dtype) for x in points), strict=True))
     kept = np.ones(points[0].shape, bool)
     for name, limit in (("k", 1.0), ("phi", 1.0), ("displacement", 1.0), ("nu", 0.5)):
         if name in rounded:
@@ -436,12 +342,8 @@ def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
         kept = np.ones(rounded["r"].shape, bool)
         exact = {name: x.astype(float) for name, x in rounded.items()}
         slip = {name: exact[name] for name in ("k", "phi") if name in exact}
-        edges = (
-            [np.asarray(functions.fretting.stick_radius(**slip)), np.asarray(functions.fretting.worn_radius(**slip))]
-            if "phi" in slip
-            else [1.0]
-        )
-        for edge in edges:
+        radii = (functions.fretting.stick_radius, functions.fretting.worn_radius) if "phi" in slip else ()
+        for edge in [np.asarray(radius(**slip)) for radius in radii] or [1.0]:
             kept &= np.abs(exact["r"] - edge) > 32.0 * np.spacing(rounded["r"])
         rounded = {name: x[kept] for name, x in rounded.items()}
     return tuple(rounded.values())
@@ -474,34 +376,3 @@ def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:
     if order == 0:
         return [point.value]
     return point.gradient if order == 1 else [entry for row in point.hessian for entry in row]
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="Worst errors of the library against the 50-digit oracle.")
-    parser.add_argument("--points", type=int, default=20_000, help="of each line in float64; a quarter in float32")
-    parser.add_argument("--seed", type=int, default=int(time.time()), help="of the random points; fresh by default")
-    parser.add_argument("--only", default="", help="quantities whose name contains this")
-    options = parser.parse_args(arguments)
-    jax.config.update("jax_enable_x64", True)
-    print(f"seed {options.seed}, {options.points} points a line, jax {jax.__version__}", flush=True)
-    broken = short = 0
-    chosen = [quantity for quantity in QUANTITIES if options.only in quantity.name]
-    lines = {
-        (quantity.oracle, region, dtype): [q for q in chosen if q.oracle == quantity.oracle and region in q.regions]
-        for quantity in chosen
-        for region in quantity.regions
-        for dtype in ("float64", "float32")
-    }
-    for (_, region, dtype), quantities in lines.items():
-        count = options.points if dtype == "float64" else options.points // 4
-        for quantity in quantities:
-            for worst in measure(quantity, region, dtype, count, options.seed, os.cpu_count() or 1):
-                broken += worst.error > worst.kept
-                short += worst.promised < worst.error <= worst.kept
-                print(worst, flush=True)
-    print(f"{short} promises kept in part only, {broken} broken")
-    return min(broken, 1)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,14 +1,11 @@
 """A batch of contacts as a user differentiates and compiles it: `python batches.py KIND QUESTION DIGITS COUNT ROUNDS`.
 
-In a process of its own, since what went wrong here once was a program that never returned. It prints a line of JSON:
-seconds to compile and of a round, GB of memory of the program and of the whole process with the compiler, and how far
-the derivatives by the force are from differences, relative to the largest of them.
+In a process of its own, since what went wrong here once was a program that never returned. It prints a line of JSON: GB
+of memory of the program, and how far the derivatives by the force are from differences, relative to the largest.
 """
 
 import json
-import resource
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -78,24 +75,15 @@ def main() -> None:
     kind, question, digits, count, rounds = sys.argv[1], sys.argv[2], *map(int, sys.argv[3:])
     jax.config.update("jax_enable_x64", True)
     contacts, forces = scattered(kind, count)
-    seconds, begin = [], time.perf_counter()
     ask: Any = program(question, digits).lower(contacts, forces).compile()
-    first, used = time.perf_counter() - begin, ask.memory_analysis()
+    used = ask.memory_analysis()
     for _ in range(rounds):
-        begin = time.perf_counter()
         values, (slopes, by_force) = jax.block_until_ready(ask(contacts, forces))
-        seconds.append(time.perf_counter() - begin)
     assert all(np.all(np.isfinite(x)) for x in jax.tree.leaves((values, slopes, by_force)))
     above, below = (ask(contacts, forces * (1.0 + step))[0] for step in (1e-5, -1e-5))
     away = np.max(abs((above - below) / (2e-5 * forces) - by_force)) / np.max(abs(by_force))
-    told = {
-        "compiled in s": first,
-        "a round in s": float(np.median(seconds)),
-        "program in GB": (used.temp_size_in_bytes + used.argument_size_in_bytes + used.output_size_in_bytes) / 1e9,
-        "process in GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
-        "away": float(away),
-    }
-    print(json.dumps(told))
+    memory = used.temp_size_in_bytes + used.argument_size_in_bytes + used.output_size_in_bytes
+    print(json.dumps({"program in GB": memory / 1e9, "away": float(away)}))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ In an environment of its own, with `pip install ContactMechanics==1.8.3`,
 
     python tests/reference/contact_mechanics.py
 
-prints what `tests/steady/test_contact_mechanics.py` has recorded, in half a minute. Nothing here imports plgwear, and
+prints what `tests/steady/test_any_shape.py` has recorded, in half a minute. Nothing here imports plgwear, and
 no test imports this program. Lengths are in units of a length, forces in units of E* times its square. The grid has so
 many cells a side; two are printed, to show what the grid leaves open. Radii come from the number of cells that touch,
 pressures are means over narrow rings.

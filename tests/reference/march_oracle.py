@@ -10,7 +10,7 @@ all by the F_N and mu of the contact.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import beta, hyp2f1
+from transient_oracle import influence
 
 
 class Given(NamedTuple):
@@ -21,12 +21,6 @@ class Given(NamedTuple):
     displacement: float | None = None  # amplitude over that at which the contact begins to slip as a whole
     normal_force: float = 1.0
     friction: float = 1.0
-
-
-def _disc(r, k):
-    """The displacement of a disc of radius 1 under a uniform pressure, over that at its centre: Eq. (5)."""
-    inside, outside, s = np.minimum(r, 1.0) ** 2, np.maximum(r, 1.0) ** -2.0, 0.5 * (1.0 + k)
-    return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
 
 
 # Blocks, and a radius beyond the last scar.
@@ -53,17 +47,14 @@ HISTORIES = {
 }
 
 
-class Rings:
-    """Rings whose edges are the given radii, from 0 on."""
+class Rings(NamedTuple):
+    """Rings of any half-space under a shape."""
 
-    def __init__(self, k, edges):
-        s = 0.5 * (1.0 + k)
-        self.r, self.load, self.first = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges**2), 1.0 / (1.0 + k)
-        # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
-        scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
-        discs = np.zeros((self.r.size, edges.size))
-        discs[:, 1:] = scale * edges[1:] ** (1.0 - k) * _disc(self.r[:, None] / edges[1:], k)
-        self.A = np.diff(discs, axis=1)
+    r: np.ndarray  # of their middles
+    load: np.ndarray  # area over pi
+    shape: np.ndarray  # its height
+    A: np.ndarray  # displacements by pressures
+    first: float  # the penetration of the unworn contact
 
     def pressed(self, shape, soft, touches, *, force=None, depth=None):
         """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0."""
@@ -87,16 +78,16 @@ class Rings:
         raise RuntimeError("no pressures found")
 
     def march(self, blocks, steps):
-        """At the ends of all steps: n, volumes, force amplitudes over mu F_N, outer radii of the contact."""
+        """At the ends of all steps: n, volumes, force amplitudes over mu F_N, outer radii of contact and stick area."""
         worn, touches, sticks = np.zeros(self.r.size), self.r < 1.0, self.r < 1.0
-        p, depth = self.pressed(0.5 * self.r**2, 0.0 * worn, touches, force=blocks[0].normal_force)
-        n, found = 0.0, [(0.0, 0.0, np.nan, 1.0)]
+        p, depth = self.pressed(self.shape, 0.0 * worn, touches, force=blocks[0].normal_force)
+        n, found = 0.0, [(0.0, 0.0, np.nan, 1.0, np.nan)]
         for given in blocks:
             # Steps that grow, so that a new load is followed from its first moments on.
             lengths = given.n * np.diff(np.expm1(6.0 * np.linspace(0.0, 1.0, steps + 1)) / np.expm1(6.0))
-            p, depth = self.pressed(0.5 * self.r**2 + worn, 0.0 * worn, p > 0.0, force=given.normal_force)
+            p, depth = self.pressed(self.shape + worn, 0.0 * worn, p > 0.0, force=given.normal_force)
             for length in lengths:
-                shape, nothing = 0.5 * self.r**2 + worn, 0.0 * worn
+                shape, nothing = self.shape + worn, 0.0 * worn
                 if given.displacement is not None:
                     less = depth - given.displacement / given.friction * self.first
                     second = self.pressed(shape, nothing, sticks, depth=less) if less > shape.min() else (nothing, less)
@@ -109,9 +100,18 @@ class Rings:
                 p, depth = self.pressed(shape, soft, p > 0.0, force=given.normal_force)
                 worn, n = worn + soft * p, n + length
                 tangential = given.friction * (given.normal_force - self.load @ second[0])
-                touched = np.sqrt(np.sum(self.load[: np.flatnonzero(p)[-1] + 1]))
-                found.append((n, np.pi * self.load @ worn, tangential, touched))
+                found.append((n, np.pi * self.load @ worn, tangential, self.radius(p), self.radius(second[0])))
         return np.array(found).T
+
+    def radius(self, pressures):
+        """The outer one of the last ring with a pressure."""
+        return np.sqrt(np.sum(self.load[: np.max(np.flatnonzero(pressures), initial=-1) + 1]))
+
+
+def on_power_law(k, edges):
+    """Rings between edges, from 0 on, under a parabola."""
+    r = 0.5 * (edges[1:] + edges[:-1])
+    return Rings(r, np.diff(edges**2), 0.5 * r**2, influence(k, edges), 1.0 / (1.0 + k))
 
 
 def edges_to(outer, inner=60, beyond=60):

@@ -1,13 +1,9 @@
-"""The exponent that wears least and the critical amplitudes, from the paper alone: an oracle, and a program.
-
-    python tests/reference/optimum_oracle.py                          the library's values and how far they are away
-    python tests/reference/optimum_oracle.py --points 1000 --seed 7   with the best exponents at random amplitudes
+"""The exponent that wears least and the critical amplitudes, from the paper alone.
 
 Every root is a change of sign of 60-digit numbers, seen on both sides of it. That there are no others is a matter of
 scanning: dV/dk is positive for small amplitudes and close to gross slip, and negative in between.
 """
 
-import argparse
 import random
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -136,7 +132,7 @@ def _slope_at_upper_end(phi: mpf) -> mpf:
     return logarithms - m**2 / 4 * mp.log(1 - phi) - 3 * m**2 / 2
 
 
-# --------------------------------------------------------------------------------------------------------- a program
+# ------------------------------------------------------------------------------------------------------ many amplitudes
 
 
 def interior_amplitudes(count: int, seed: int, bounds: tuple[Number, Number]) -> list[float]:
@@ -153,41 +149,3 @@ def best_exponents(amplitudes: Sequence[float], bounds: tuple[Number, Number]) -
         return [work(phi) for phi in amplitudes]
     with get_context("spawn").Pool(2) as pool:
         return pool.map(work, amplitudes, chunksize=8)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="The best exponents and the critical amplitudes against mpmath.")
-    parser.add_argument("--points", type=int, default=20, help="random amplitudes with an interior optimum")
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-
-    import jax
-
-    jax.config.update("jax_enable_x64", True)
-    import numpy as np
-
-    from plgwear_jax import optimise
-
-    def compare(name: str, exact: mpf, *values: object) -> list[float]:
-        errors = [float(mp.mpf(float(value)) - exact) for value in values]
-        print(f"{name:24} {mp.nstr(exact, 20, strip_zeros=False):24}", *(f"{error:12.1e}" for error in errors))
-        return errors
-
-    precisions = (np.float64, np.float32)
-    print(f"{'':24} {'oracle':24} {'float64 off':>12} {'float32 off':>12}")
-    found = [optimise.critical_amplitudes((precision(-1.0), precision(1.0))) for precision in precisions]
-    for name, exact in zip(("leaves_lower", "reaches_upper", "ends_equal"), critical_amplitudes(), strict=True):
-        compare(name, exact, *(getattr(amplitudes, name) for amplitudes in found))
-    print("the limits in closed form:", *(mp.nstr(exact, 20, strip_zeros=False) for exact in limits()))
-
-    bounds = (-0.95, 0.95)
-    phi = interior_amplitudes(options.points, options.seed, bounds)
-    k = [optimise.optimal_exponent(np.array(phi, precision), bounds).k for precision in precisions]
-    exact = best_exponents(phi, bounds)
-    errors = [compare(f"k*({phi[i]!r})", exact[i], *(values[i] for values in k)) for i in range(len(phi))]
-    worst = np.abs(errors).max(axis=0)
-    print(f"{'worst of the k*':49}", *(f"{error:12.1e}" for error in worst))
-
-
-if __name__ == "__main__":
-    main()

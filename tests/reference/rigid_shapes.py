@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from mpmath import mp, mpf
 from scipy.interpolate import PchipInterpolator
@@ -44,6 +45,37 @@ SHAPES = {
 }
 
 
+class Blend(Shape):
+    """A shape of one's own: a sphere, rounded beyond a flat face, with a cone's slope from there on, and r^4."""
+
+    flat: Any = 0.0
+    cone: Any = 0.0
+    fourth: Any = 0.0
+    round: Any = 1.0
+
+    def height(self, r, radius):
+        beyond = jnp.maximum(r - self.flat, 0.0)
+        return self.round * beyond**2 / (2.0 * radius) + self.cone * beyond + self.fourth * r**4
+
+    @property
+    def kinks(self):
+        return (self.flat,)
+
+
+def blended(flat: float = 0.0, cone: float = 0.0, fourth: float = 0.0) -> tuple[Blend, list[Piece], float]:
+    quartic = (4 * mpf(fourth), mpf(3))
+    beyond = [(1 / mpf(R), mpf(1)), (mpf(cone) - mpf(flat) / mpf(R), mpf(0)), quartic]
+    below = [Piece(mpf(0), [quartic])] if fourth and flat else []
+    return Blend(flat, cone, fourth), [*below, Piece(mpf(flat), beyond)], 1e-5
+
+
+OWN = {
+    "own rounded flat": blended(flat=5e-5),
+    "own second and fourth power": blended(fourth=3e7),
+    "own kink in the ring": blended(flat=1.1e-4, cone=0.003, fourth=3e8),
+}
+
+
 def steady(contact: FrettingContact, force: Any) -> np.ndarray:
     """STEADY of a contact."""
     state = contact.steady(force)
@@ -52,7 +84,7 @@ def steady(contact: FrettingContact, force: Any) -> np.ndarray:
 
 def exact(name: str, k: float, phi: float) -> list[float]:
     """STEADY of a shape under phi FRICTION FORCE."""
-    shape, pieces, _ = SHAPES[name]
+    shape, pieces, _ = (SHAPES | OWN)[name]
     contact = contact_with(shape, k)
     # The contact of a truncated sphere may end close to its flat face.
     with mp.workdps(25 if name != "truncated sphere" or k > 0.0 else 30 if k > -0.8 else 45):

@@ -13,15 +13,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
+import march_oracle
 import numpy as np
 import surface_oracle
 import transient_oracle
-from half_spaces import A, graded_compliance
 from kinds import STEEL
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, material
 
+A = 1e-4  # contact radius
 FRICTION, RIG, COEFFICIENT = 0.5, 2e7, 1e-14
 STICK = 0.8  # c over A
 RADII = np.array([0.1, 0.3, 0.5])  # over A, below the stick radius
@@ -56,6 +57,19 @@ class Kind(NamedTuple):
         return own, mindlin((self.indenter or RIGID).nu)
 
 
+def graded_compliance(modulus: Any, nu: float, bottom: float, jumps: list[float]) -> surface_oracle.Compliance:
+    """2 (1 + m) (1-nu^2)/(E(0) q) with m on a fine mesh of wavenumbers, up to where it is nothing."""
+    logs = np.linspace(np.log(1e-4), np.log(240.0), 90)
+    m = CubicSpline(logs, [surface_oracle.excess(modulus, nu, bottom, jumps, np.exp(x) / A) for x in logs])
+    edges = np.concatenate([[0.0], np.geomspace(1e-3, 0.2, 12), np.arange(0.7, 60.0, 0.5)])
+    x, weight = np.polynomial.legendre.leggauss(8)
+    q = (edges[:-1, None] + np.diff(edges)[:, None] * (0.5 + 0.5 * x)).ravel()
+    weights = (0.5 * np.diff(edges)[:, None] * weight).ravel() / A
+    own = 2.0 * (1.0 - nu**2) / modulus(0.0)
+    weighted = weights * own * m(np.maximum(np.log(q), logs[0]))
+    return surface_oracle.Compliance([(own, 0.0)], q / A, weighted)
+
+
 def mindlin(nu: float) -> float:
     return (2.0 - nu) / (2.0 - 2.0 * nu)
 
@@ -73,9 +87,7 @@ _DEPTH, _MODULUS = np.array([0.3, 0.3, 1.0, 1.0]) * A, np.array([50e9, 300e9, 30
 
 def _layers() -> surface_oracle.Compliance:
     moduli = np.array([50e9, 300e9, 100e9])
-    return graded_compliance(
-        lambda z: moduli[np.searchsorted(_DEPTH[1:3], z, "right")], 0.2, A, list(_DEPTH[1:3]), RIGID
-    )
+    return graded_compliance(lambda z: moduli[np.searchsorted(_DEPTH[1:3], z, "right")], 0.2, A, list(_DEPTH[1:3]))
 
 
 def table(depth: list[float], modulus: list[float]) -> Kind:
@@ -85,7 +97,7 @@ def table(depth: list[float], modulus: list[float]) -> Kind:
 
     def own() -> surface_oracle.Compliance:
         at = functools.partial(np.clip, a_min=places[0], a_max=places[-1])
-        return graded_compliance(lambda z: float(cubic(at(z))), 0.25, places[-1], list(places), RIGID)
+        return graded_compliance(lambda z: float(cubic(at(z))), 0.25, places[-1], list(places))
 
     return Kind(DepthGraded(places, values, 0.25), None, 2.0, own)
 
@@ -176,11 +188,10 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     per_cycle = 4.0 * COEFFICIENT * mu * theta * F_N / (np.pi * A**2)
     rings = [surface_oracle.Wearing(both, A, c, end, number, n) for number in (40, 80)]
     coarse, fine = (A ** (2.0 + n) * transient_oracle.volumes_at(one, TIMES, 5) for one in rings)
-    # By Euler's method, extrapolated in its steps.
-    at_first = whole.depth / A**n, (whole.depth - inner.depth) / A**n
-    grids = [TIMES[-1] * np.linspace(0.0, 1.0, number + 1) ** 1.5 for number in (240, 480)]
-    held = [transient_oracle.rings_at_held_displacement(rings[-1], *at_first, times)[0] for times in grids]
-    held = [A ** (2.0 + n) * np.interp(TIMES, times, volume) for times, volume in zip(grids, held, strict=True)]
+    ends = rings[-1]
+    either = march_oracle.Rings(ends.r, ends.load, ends.shape, ends.influence, whole.depth / A**n)
+    given = march_oracle.Given(TIMES[-1], displacement=(whole.depth - inner.depth) / whole.depth)
+    once, twice = (np.interp(TIMES, *either.march([given], number)[:2]) for number in (120, 240))
     finite = isinstance(kind.half_space, DepthGraded)
     return {
         "normal_force": F_N,
@@ -214,7 +225,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
         },
         "cycles": TIMES / per_cycle,
         "volumes": fine + (fine - coarse) / 3.0,
-        "held": 2.0 * held[1] - held[0],
+        "held": A ** (2.0 + n) * (2.0 * twice - once),  # by Euler's method, extrapolated in its steps
     }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import transient_oracle
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from scipy.special import gamma, hyp2f1, j0, j1
+from scipy.special import gamma, j0, j1
 
 
 def power_compliance(E0: float, z0: float, k: float, h_N: float, nu: float) -> float:
@@ -22,14 +22,10 @@ def power_compliance(E0: float, z0: float, k: float, h_N: float, nu: float) -> f
     return np.sin(0.5 * np.pi * (1.0 + k)) / c_N * 2.0 ** (1.0 - k) * gamma(0.5 - 0.5 * k) / gamma(0.5 + 0.5 * k)
 
 
-def disc(k: float, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+def under_discs(k: float, b: np.ndarray, r: np.ndarray) -> np.ndarray:
     """The displacement for G = q^(k-1) at r, of discs of radius b under unit pressure."""
-    r, b = r[:, None], b[None, :]
-    under, beside = np.minimum(r / b, 1.0) ** 2, np.minimum(b / r, 1.0) ** 2
-    front = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k)
-    inside = b ** (1.0 - k) / gamma(1.5 - 0.5 * k) * hyp2f1(0.5 + 0.5 * k, 0.5 * k - 0.5, 1.0, under)
-    outside = b**2 / (r ** (1.0 + k) * gamma(0.5 - 0.5 * k)) * hyp2f1(0.5 + 0.5 * k, 0.5 + 0.5 * k, 2.0, beside)
-    return front * np.where(r < b, inside, outside)
+    at_centre = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k) / gamma(1.5 - 0.5 * k) * b ** (1.0 - k)
+    return at_centre * transient_oracle.disc(r[:, None] / b, k)
 
 
 def excess(modulus: Callable[[float], float], nu: float, depth: float, jumps: list[float], q: float) -> float:
@@ -65,7 +61,7 @@ class Compliance(NamedTuple):
     weighted: np.ndarray = np.zeros(0)  # weights times g_0 m
 
     def of_discs(self, b: np.ndarray, r: np.ndarray) -> np.ndarray:
-        total = sum(g * disc(k, b, r) for g, k in self.terms)
+        total = sum(g * under_discs(k, b, r) for g, k in self.terms)
         if self.q.size:
             total = total + (j0(np.outer(r, self.q)) * (self.weighted / self.q)) @ (j1(np.outer(self.q, b)) * b)
         return total

@@ -12,7 +12,7 @@ import numpy as np
 import oracle
 from mpmath import mp
 from scipy.integrate import solve_ivp
-from scipy.special import beta, betainc, hyp2f1
+from scipy.special import beta, hyp2f1
 
 
 def disc(r, k):
@@ -23,21 +23,24 @@ def disc(r, k):
     return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
 
 
+def influence(k, edges):
+    """The displacements at the middles of rings between edges by a uniform pressure on each, for a power law."""
+    s, middles = 0.5 * (1.0 + k), 0.5 * (edges[1:] + edges[:-1])
+    # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
+    scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
+    discs = np.zeros((middles.size, edges.size))
+    discs[:, 1:] = scale * edges[1:] ** (1.0 - k) * disc(middles[:, None] / edges[1:], k)
+    return np.diff(discs, axis=1)
+
+
 class Rings:
     """The rings of one contact: where they are, how they displace each other, the gap and the shape."""
 
     def __init__(self, k, phi, count):
-        s = 0.5 * (1.0 + k)
         self.c = float(oracle.stick_radius(k, phi, digits=20))
         self.outer = float(oracle.worn_radius(k, phi, digits=20))
         edges = self.edges(count)
-        self.r = 0.5 * (edges[1:] + edges[:-1])
-        # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
-        scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
-        discs = np.zeros((self.r.size, edges.size))
-        discs[:, 1:] = scale * edges[1:] ** (1.0 - k) * disc(self.r[:, None] / edges[1:], k)
-        self.influence = np.diff(discs, axis=1)
-        self.load = np.diff(edges**2)
+        self.r, self.load, self.influence = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges**2), influence(k, edges)
         self.shape = 0.5 * self.r**2
         # The parabola beside the contact of radius c, Eq. (14): zero for the rings that stick.
         with mp.workdps(30):
@@ -110,92 +113,6 @@ def volumes_at(contact, times, steps):
 
     one, two, four = by(steps), by(2 * steps), by(4 * steps)
     return (8.0 * four - 6.0 * two + one) / 3.0
-
-
-def march_at_held_displacement(k, phi, times, count):
-    """As `rings_at_held_displacement`, for a power law under a rigid parabola."""
-    rings = Rings(k, phi, count)
-    return rings_at_held_displacement(rings, 1.0 / (1.0 + k), (1.0 - rings.c**2) / (1.0 + k), times)
-
-
-def rings_at_held_displacement(rings, first, moved, times):
-    """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
-
-    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function. The
-    unworn penetration is `first`, and the displacement `moved` over mu theta.
-    """
-    A, load, shape = rings.influence, rings.load, rings.shape
-    worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
-
-    def beside(shape, depth, size):
-        """The gap of a shape at a depth, and the number of rings that touch, no fewer than a size."""
-        while True:
-            pressure = np.zeros(shape.size)
-            pressure[:size] = np.linalg.solve(A[:size, :size], (depth - shape)[:size])
-            gap = shape + A @ pressure - depth
-            if gap[size] >= 0.0:
-                return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
-            size += 1
-
-    slip, size = beside(shape, first - moved, int(np.sum(rings.r < rings.c)))
-    volumes, radii = [0.0], [rings.r[size - 1]]
-    for step in np.diff(times):
-        while True:
-            matrix = np.block([[A + np.diag(step * slip), -np.ones((shape.size, 1))], [load, np.zeros(1)]])
-            touch = np.append(np.arange(last), shape.size)
-            found = np.linalg.solve(matrix[np.ix_(touch, touch)], np.append(-(shape + worn)[:last], 1.0))
-            pressure = np.append(found[:-1], np.zeros(shape.size - last))
-            if (shape + worn + A @ pressure)[last] >= found[-1]:
-                break
-            last += 1
-        worn = worn + step * slip * pressure
-        slip, size = beside(shape + worn, found[-1] - moved, size)
-        volumes.append(np.pi * load @ worn)
-        radii.append(rings.r[size - 1])
-    return np.array(volumes), np.array(radii)
-
-
-def rates(k, phi, edges, pressure, depth):
-    """dV/dn by the pressure times the gap that wear has opened, and by the energy in the one-dimensional picture.
-
-    Pressures and depths are those at the middles of rings with these edges in r^2, from the stick edge outwards.
-    """
-    T, size = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    s, q, C = 0.5 * (1.0 + k), 0.5 * (1.0 - k), (1.0 - phi) ** (2.0 / (k + 3.0))
-    # Eq. (14) beside the contact of radius c, by incomplete beta functions.
-    displaced = C / (1.0 + k) * betainc(s, q, C / T) - T * s / (1.0 + k) * betainc(s + 1.0, q, C / T)
-    gap = 0.5 * T - C / (1.0 + k) + displaced
-    return np.pi * np.sum(pressure * (gap + depth) * size), _by_energy(k, phi, edges, pressure)
-
-
-def _by_energy(k, phi, edges, pressure):
-    T, size = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    s, q, C = 0.5 * (1.0 + k), 0.5 * (1.0 - k), (1.0 - phi) ** (2.0 / (k + 3.0))
-    sigma, kappa = np.sin(np.pi * s) / np.pi, 2.0 * s * s * (1.0 + s)
-    beyond = np.diff(np.maximum(edges[None, :] - T[:, None], 0.0) ** q, axis=1)
-    line = sigma / (kappa * q) * beyond @ pressure  # d - g
-    sunk = C / (2.0 * s) * (1.0 + s * phi / ((1.0 - phi) * s * (1.0 + s)))
-    sunk = sunk - s / (kappa * C**s) * np.sum(pressure * betainc(q, s, 1.0 - C / T) * size)
-    energy = np.sum(T ** (s - 1.0) * line * (sunk - line - C / (1.0 + k)) * size)
-    return 2.0 * np.pi * s * s * (1.0 + s) * energy
-
-
-def rate_by_energy(k, phi, edges, pressure):
-    """dV/dn by the energy of pressures that are constant in each ring, with these edges in r^2."""
-
-    def divided(parts):
-        # Finer towards the outer edge of each ring, where the one-dimensional picture is a power.
-        at = 1.0 - np.linspace(1.0, 0.0, parts + 1)[:-1] ** 2
-        fine = np.append((edges[:-1, None] + np.diff(edges)[:, None] * at).ravel(), edges[-1])
-        return _by_energy(k, phi, fine, np.repeat(pressure, parts))
-
-    return (4.0 * divided(16) - divided(8)) / 3.0
-
-
-def rings_between(inner, outer, count=400):
-    """Edges in r^2, finer towards both."""
-    x = np.linspace(0.0, 1.0, count + 1)
-    return inner**2 + (outer**2 - inner**2) * x**3 / (x**3 + 0.5 * (1.0 - x) ** 2)
 
 
 def tangential_ratio(k, nu):

@@ -1,17 +1,20 @@
 """Scene files: what is refused and in which words, and that only what is asked for is computed."""
 
+import copy
 import functools
 import re
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
 import jax
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
+from refusals import cases, is_told
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, rules, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene
 from plgwear_jax.catalogue import QUANTITIES as LAWS
 from plgwear_jax.scene import solving
 
@@ -61,54 +64,14 @@ vary = { k = [0, 0.5] }
 minimise = "force_drop"
 """
 
-FRETTING_QUANTITIES = {
-    "contact_radius": "m",
-    "peak_initial_pressure": "Pa",
-    "stick_radius": "m",
-    "worn_radius": "m",
-    "penetration": "m",
-    "wear_volume": "m^3",
-    "deepest_wear": "m",
-    "edge_intensity": "Pa",
-    "edge_pressure": "Pa",
-    "profile": "m",
-    "wear_depth": "m",
-    "initial_displacement": "m",
-    "steady_displacement": "m",
-    "initial_pressure": "Pa",
-    "pressure": "Pa",
-    "traction": "Pa",
-    "slip_amplitude": "m",
-    "displacement_amplitude": "m",
-    "gross_slip_displacement": "m",
-    "energy_per_cycle": "J",
-    "energy_ratio": "1",
-    "loop_aperture": "1",
-    "gross_slip_energy_ratio": "1",
-    "gross_slip_aperture": "1",
-}
-WITHOUT_LOAD = (
-    "contact_radius",
-    "peak_initial_pressure",
-    "gross_slip_displacement",
-    "gross_slip_energy_ratio",
-    "gross_slip_aperture",
+FRETTING_QUANTITIES, GROSS_SLIP_QUANTITIES = (
+    {name: law.unit for name, law in laws.items() if "z" not in law.arguments} for laws in LAWS.values()
 )
-DEPEND_ON_RADIUS_AND_LOAD = (
-    *("profile", "wear_depth", "steady_displacement", "pressure", "traction", "slip_amplitude"),
-)
-SINGLE = [*list(FRETTING_QUANTITIES)[:8], *list(FRETTING_QUANTITIES)[-7:]]
-GROSS_SLIP_QUANTITIES = {
-    "initial_force": "N",
-    "steady_force": "N",
-    "force_ratio": "1",
-    "force_drop": "1",
-    "volume_change": "m^3",
-    "initial_displacement": "m",
-    "steady_displacement": "m",
-    "initial_pressure": "Pa",
-    "steady_pressure": "Pa",
-}
+WITHOUT_LOAD = [name for name, law in LAWS["fretting"].items() if not law.arguments]
+DEPEND_ON_RADIUS_AND_LOAD = [name for name, law in LAWS["fretting"].items() if {"r", "F_x"} <= {*law.arguments}]
+SINGLE = [
+    name for name, law in LAWS["fretting"].items() if {*law.arguments} <= {"F_x"} and name not in catalogue.STRESSES
+]
 
 
 @pytest.fixture
@@ -161,406 +124,18 @@ POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
 NAMES = "must be a list of one or more names of quantities"
 POINTS = "must be a whole number from 2 to 100000"
 
-REFUSED = {
-    # a number that is none, or not finite, or out of range
-    ("E0 = 110e9", 'E0 = "110e9"'): f'[material] E0 = "110e9": {MODULUS}',
-    ("E0 = 110e9", "E0 = true"): f"[material] E0 = true: {MODULUS}",
-    ("E0 = 110e9", "E0 = 0"): f"[material] E0 = 0: {MODULUS}",
-    ("E0 = 110e9", "E0 = -1.5"): f"[material] E0 = -1.5: {MODULUS}",
-    ("E0 = 110e9", "E0 = inf"): f"[material] E0 = inf: {MODULUS}",
-    ("E0 = 110e9", "E0 = nan"): f"[material] E0 = nan: {MODULUS}",
-    ("E0 = 110e9", f"E0 = 0x1{300 * '0'}"): f"[material] E0 = 0x1{54 * '0'}...: {MODULUS}",
-    ("E0 = 110e9", "E0 = 2024-02-29"): f"[material] E0 = 2024-02-29: {MODULUS}",
-    ("E0 = 110e9", "E0 = [1, {a = 'b'}]"): f'[material] E0 = [1, {{ a = "b" }}]: {MODULUS}',
-    ("E0 = 110e9", 'E0 = "1\\n2"'): f'[material] E0 = "1\\n2": {MODULUS}',
-    ("z0 = 1e-4", "z0 = 0.0"): "[material] z0 = 0.0: must be a finite number > 0, the characteristic depth in m",
-    ("k = 0.25", "k = 1"): "[material] k = 1: must be a number with -1 < k < 1",
-    ("k = 0.25", "k = -1.0"): "[material] k = -1.0: must be a number with -1 < k < 1",
-    ("nu = 0.3", "nu = 0.51"): f"[material] nu = 0.51: {POISSON}",
-    ("nu = 0.3", "nu = -1"): f"[material] nu = -1: {POISSON}",
-    ("nu = 0.3", 'nu = "hull"'): f'[material] nu = "hull": {POISSON}',
-    ("nu = 0.3", "nu = false"): f"[material] nu = false: {POISSON}",
-    ("radius = 0.005", "radius = -0.005"): (
-        "[contact] radius = -0.005: must be a finite number > 0, the radius of curvature of the indenter in m"
-    ),
-    ("normal_force = 10.0", "normal_force = 0.0"): (
-        "[contact] normal_force = 0.0: must be a finite number > 0, the normal force in N"
-    ),
-    ("friction = 0.4", "friction = -0.4"): (
-        "[contact] friction = -0.4: must be a finite number > 0, the coefficient of friction"
-    ),
-    ("friction = 0.4", "friction = 1e308"): (
-        "[contact] friction = 1e+308: times normal_force exceeds the range of numbers"
-    ),
-    ("tangential_force = 0.32", "tangential_force = -0.1"): (
-        "[load] tangential_force = -0.1: must be a finite number >= 0, the amplitude of the force in N"
-    ),
-    ("tangential_force = 0.32", "tangential_force = 5"): (
-        "[load] tangential_force = 5: this is gross slip, F_x = 5 N is not below mu F_N = 4 N; "
-        "lower it, or raise friction or normal_force"
-    ),
-    ("tangential_force = 0.32", "tangential_force = 4.0"): (
-        "[load] tangential_force = 4.0: this is gross slip, F_x = 4 N is not below mu F_N = 4 N; "
-        "lower it, or raise friction or normal_force"
-    ),
-    # keys and sections that are unknown, missing, or in the wrong place
-    ("normal_force = 10.0", "normalforce = 10.0"): (
-        "[contact] normalforce = 10.0: there is no such key; did you mean normal_force?"
-    ),
-    ("friction = 0.4", "friction = 0.4\nzzz = 1"): (
-        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter, shape"
-    ),
-    ("friction = 0.4", 'friction = 0.4\n"a\\nb c" = 1'): (
-        '[contact] "a\\nb c" = 1: there is no such key; '
-        "allowed are kind, radius, normal_force, friction, indenter, shape"
-    ),
-    ("friction = 0.4", ""): "[contact] friction: missing; it must be a finite number > 0, the coefficient of friction",
-    ("E0 = 110e9\n", ""): f"[material] E0: missing; it {MODULUS}",
-    ("nu = 0.3", ""): f"[material] nu: missing; it {POISSON}",
-    ('kind = "fretting"\n', ""): '[contact] kind: missing; it must be "fretting" or "gross-slip"',
-    ('kind = "fretting"', 'kind = "freting"'): (
-        '[contact] kind = "freting": must be "fretting" or "gross-slip"; did you mean fretting?'
-    ),
-    ('kind = "fretting"', "kind = 7"): '[contact] kind = 7: must be "fretting" or "gross-slip"',
-    ('kind = "fretting"', "kind = ['fretting']"): '[contact] kind = ["fretting"]: must be "fretting" or "gross-slip"',
-    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, displacement, table, history",
-    ("[load]\ntangential_force = 0.32\n", ""): (
-        "[load]: missing; a fretting contact needs one of its keys tangential_force, displacement, table, history"
-    ),
-    ("tangential_force = 0.32", 'tangential_force = 0.32\nhistory = "cycles.csv"'): (
-        '[load] history = "cycles.csv": cannot be combined with tangential_force; only one of them can be the load'
-    ),
-    ("tangential_force = 0.32", 'history = "cycles.csv"\ntable = "loads.csv"\ntangential_force = 0.32'): (
-        '[load] history = "cycles.csv": cannot be combined with tangential_force; only one of them can be the load'
-    ),
-    ("tangential_force = 0.32", 'table = "loads.csv"\nhistory = "cycles.csv"'): (
-        '[load] history = "cycles.csv": cannot be combined with table; only one of them can be the load'
-    ),
-    ("tangential_force = 0.32", 'table = ""'): (
-        '[load] table = "": must be the name of a CSV file with the columns tangential_force (or displacement) '
-        "and weight"
-    ),
-    ("tangential_force = 0.32", 'history = ["cycles.csv"]'): (
-        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force '
-        "(or displacement), and if wanted cycles, normal_force and friction"
-    ),
-    ("tangential_force = 0.32", 'tabel = "loads.csv"'): (
-        '[load] tabel = "loads.csv": there is no such key; did you mean table?'
-    ),
-    ("[material]", "[materail]"): "[materail]: there is no such section; did you mean material?",
-    ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, wear, design, output",
-    ("[material]", "k_0 = 1\n[material]"): (
-        "k_0 = 1: stands outside the sections; allowed are material, contact, load, wear, design, output"
-    ),
-    ("[material]\nE0 = 110e9\nz0 = 1e-4\nk = 0.25\nnu = 0.3", "material = 3"): (
-        "material = 3: must be a section, written as [material]"
-    ),
-    ("[material]\nE0 = 110e9\nz0 = 1e-4\nk = 0.25\nnu = 0.3", ""): (
-        "[material]: missing; every input file needs this section"
-    ),
-    ("[load]", "[[load]]"): "load = [{ tangential_force = 0.32 }]: must be a section, written as [load]",
-    # the design space
-    (VARY, "vary = {}"): f"[design] vary = {{}}: {BOUNDS}",
-    (VARY, "vary = 3"): f"[design] vary = 3: {BOUNDS}",
-    (VARY, ""): f"[design] vary: missing; it {BOUNDS}",
-    (VARY, "vary = { k = [0.9, -0.9] }"): f"[design] vary.k = [0.9, -0.9]: {EXPONENTS}",
-    (VARY, "vary = { k = [0.5, 0.5] }"): f"[design] vary.k = [0.5, 0.5]: {EXPONENTS}",
-    (VARY, "vary = { k = [-1, 0.9] }"): f"[design] vary.k = [-1, 0.9]: {EXPONENTS}",
-    (VARY, "vary = { k = [-0.9, true] }"): f"[design] vary.k = [-0.9, true]: {EXPONENTS}",
-    (VARY, "vary = { k = [0.9] }"): f"[design] vary.k = [0.9]: {EXPONENTS}",
-    (VARY, "vary = { k = 0.9 }"): f"[design] vary.k = 0.9: {EXPONENTS}",
-    (VARY, "vary = { z0 = [0, 1e-3] }"): f"[design] vary.z0 = [0, 0.001]: {DEPTHS}",
-    (VARY, "vary = { z0 = [1e-5, inf] }"): f"[design] vary.z0 = [1e-05, inf]: {DEPTHS}",
-    (VARY, "vary = { E0 = [1e9, 1e9] }"): f"[design] vary.E0 = [1000000000.0, 1000000000.0]: {MODULI}",
-    (VARY, "vary = { E0 = [1e9, nan] }"): f"[design] vary.E0 = [1000000000.0, nan]: {MODULI}",
-    (VARY, "vary = { nu = [0, 0.6] }"): (
-        "[design] vary.nu = [0, 0.6]: must be [lower, upper] with -1 < lower < upper <= 0.5"
-    ),
-    (VARY, "vary = { mu = [0.1, 0.6] }"): (
-        "[design] vary.mu = [0.1, 0.6]: there is no such key; "
-        "allowed are k, z0, E0, modulus, nu, radius, normal_force, friction, depth, indenter, shape, "
-        '"material.thickness[0]", "material.modulus[0]"'
-    ),
-    (VARY, "vary = { indenter = { E = [2e9, 1e9] } }"): (
-        "[design] vary.indenter.E = [2000000000.0, 1000000000.0]: must be [lower, upper] with 0 < lower < upper, "
-        "finite, in Pa"
-    ),
-    (VARY, "vary = { indenter.E = [1e9, 2e9] }"): (
-        "[design] vary.indenter = { E = [1000000000.0, 2000000000.0] }: the contact has a rigid indenter"
-    ),
-    (VARY, "vary = { friction = [0.01, 0.6] }"): (
-        "[design] vary.friction = [0.01, 0.6]: at the lowest friction the whole contact slips"
-    ),
-    (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
-        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
-        "only E0/z0^k counts for the contact; leave one of both out, or limit E(z) by modulus_at"
-    ),
-    (VARY, "vary = { E0 = [1e9, 2e9] }"): (
-        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
-        "only E0/z0^k counts for the contact; leave one of both out, or limit E(z) by modulus_at"
-    ),
-    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
-        "[design] vary.E0 = [1, 2]: cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them"
-    ),
-    # the modulus at two depths
-    (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
-        'hold = "contact_radius": modulus sets both k and E0/z0^k; vary k and put the window under limits'
-    ),
-    (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
-        "k: modulus sets both k and E0/z0^k; vary k and put the window under limits"
-    ),
-    (f"{VARY}\n{HOLD}", f"vary = {{ z0 = [1, 2], modulus = {WINDOW} }}\n"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
-        "z0: modulus sets both k and E0/z0^k; vary k and put the window under limits"
-    ),
-    (VARY, "vary = { modulus = [1, 2] }"): f"[design] vary.modulus = [1, 2]: must be a window such as {EXAMPLE}",
-    (VARY, "vary = { modulus = {} }"): f"[design] vary.modulus.at: missing; it {AT}",
-    (VARY, "vary = { modulus = { at = [1, 2] } }"): f"[design] vary.modulus.between: missing; it {BETWEEN}",
-    (VARY, "vary = { modulus = { at = [1, 2], betwen = 1 } }"): (
-        "[design] vary.modulus.betwen = 1: there is no such key; did you mean between?"
-    ),
-    (VARY, "vary = { modulus = { at = [0, 2], between = [[3, 4], [3, 4]] } }"): (
-        f"[design] vary.modulus.at = [0, 2]: {AT}"
-    ),
-    (VARY, "vary = { modulus = { at = [2, 1], between = [[3, 4], [3, 4]] } }"): (
-        f"[design] vary.modulus.at = [2, 1]: {AT}"
-    ),
-    (VARY, "vary = { modulus = { at = [2, 2], between = [[3, 4], [3, 4]] } }"): (
-        f"[design] vary.modulus.at = [2, 2]: {AT}"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2, 3], between = [[3, 4], [3, 4]] } }"): (
-        "[design] vary.modulus.between = [[3, 4], [3, 4]]: must hold a pair [lower, upper] "
-        "for each of the 3 depths of at"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2], between = [[4, 3], [3, 4]] } }"): (
-        f"[design] vary.modulus.between = [[4, 3], [3, 4]]: {BETWEEN}"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2], between = [[3, 4], [4, 4]] } }"): (
-        f"[design] vary.modulus.between = [[3, 4], [4, 4]]: {BETWEEN}"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2], between = [[3, 4], [3, inf]] } }"): (
-        f"[design] vary.modulus.between = [[3, 4], [3, inf]]: {BETWEEN}"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2], between = [3, 4] } }"): (
-        f"[design] vary.modulus.between = [3, 4]: {BETWEEN}"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 2], between = [[1, 2], [1, 2]] } }"): (
-        "[design] vary.modulus.between = [[1, 2], [1, 2]]: reaches from k = -1 to 1, "
-        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 4], between = [[1, 2], [2, 8]] } }"): (
-        "[design] vary.modulus.between = [[1, 2], [2, 8]]: reaches from k = 0 to 1.5, "
-        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
-    ),
-    (VARY, "vary = { modulus = { at = [1, 4], between = [[2, 8], [1, 2]] } }"): (
-        "[design] vary.modulus.between = [[2, 8], [1, 2]]: reaches from k = -1.5 to 0, "
-        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
-    ),
-    (VARY, "vary = { modulus = { at = [1e300, 1.0000000000000002e300], between = [[1, 2], [2, 3]] } }"): (
-        "[design] vary.modulus.between = [[1, 2], [2, 3]]: reaches from k = 0 to 4.937e+307, "
-        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
-    ),
-    # what is held
-    (HOLD, "hold = 'contact_radius_by_z0'\n"): f'[design] hold = "contact_radius_by_z0": {HELD}',
-    (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
-    (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
-    (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
-    # what is to be small, and over which part of the load
-    (MINIMISE, 'minimise = "depth"'): (
-        '[design] minimise = "depth": depth is no quantity of a fretting contact; did you mean wear_depth?'
-    ),
-    (MINIMISE, "minimise = ['wear_volume']"): (f'[design] minimise = ["wear_volume"]: {GOAL}'),
-    (MINIMISE, "minimise = 'force_drop'"): (
-        f'[design] minimise = "force_drop": force_drop is no quantity of a fretting contact; allowed are {SOME}'
-    ),
-    (MINIMISE, ""): (f"[design] minimise: missing; it {GOAL}"),
-    (MINIMISE, "minimise = 'edge_pressure'"): (
-        '[design] minimise = "edge_pressure": must be a finite number, '
-        "as edge_pressure needs the distance from the stick edge in m"
-    ),
-    (MINIMISE, "minimise = { edge_pressure = { r = 1e-6 } }"): (
-        "[design] minimise = { edge_pressure = { r = 1e-06 } }: must be a finite number, "
-        "as edge_pressure needs the distance from the stick edge in m"
-    ),
-    (MINIMISE, f"{MINIMISE}\nover = 'most'"): f'[design] over = "most": {OVER}',
-    (MINIMISE, f"{MINIMISE}\nover = 0.9"): f"[design] over = 0.9: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = {{}}"): f"[design] over = {{}}: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 1 }}"): f"[design] over = {{ cvar = 1 }}: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = -0.1 }}"): f"[design] over = {{ cvar = -0.1 }}: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = nan }}"): f"[design] over = {{ cvar = nan }}: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9, x = 1 }}"): f"[design] over = {{ cvar = 0.9, x = 1 }}: {OVER}",
-    (MINIMISE, f"{MINIMISE}\nover = 'mean'"): (
-        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights, '
-        "or for scenarios"
-    ),
-    # the limits
-    (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
-    (MINIMISE, f"{MINIMISE}\nlimits = 1"): f"[design] limits = 1: {LIMITS}",
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (f"[design] limits.worn_radius = [1, 2]: {LENGTH}"),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ depth = 1 }}"): (
-        "[design] limits.depth = 1: there is no such key; did you mean wear_depth?"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (f"[design] limits.penetration = 2e-06: {LENGTH}"),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 0 }} }}"): (
-        f"[design] limits.penetration.below = 0: {HIGHEST}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = inf }} }}"): (
-        f"[design] limits.penetration.below = inf: {HIGHEST}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ most = 1 }} }}"): (
-        "[design] limits.penetration.most = 1: there is no such key; allowed are above, below, between, distance, r, z"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, r = 1 }} }}"): (
-        "[design] limits.penetration.r = 1: there is no such argument: penetration has one value for the contact"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ wear_depth = {{ below = 1 }} }}"): (
-        "[design] limits.wear_depth.r: missing; "
-        "it must be a finite number, as wear_depth needs the distance from the axis in m"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ pressure = {{ below = 1, r = 1, distance = 1 }} }}"): (
-        "[design] limits.pressure.r = 1: there is no such argument: edge_pressure takes distance alone"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ force_drop = {{ below = 1 }} }}"): (
-        "[design] limits.force_drop = { below = 1 }: force_drop is no quantity of a fretting contact; "
-        f"allowed are {SOME}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, between = [1, 2] }} }}"): (
-        "[design] limits.penetration.between = [1, 2]: cannot be combined with below"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
-        "[design] limits.edge_pressure = 1000000000.0: must be { below = ..., distance = ... } in Pa, "
-        "or with above, or with between = [lowest, highest]"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1 }} }}"): (
-        "[design] limits.edge_pressure.distance: missing; "
-        "it must be a finite number, as edge_pressure needs the distance from the stick edge in m"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ distance = 1 }} }}"): (
-        "[design] limits.edge_pressure = { distance = 1 }: must be { below = ..., distance = ... } in Pa, "
-        "or with above, or with between = [lowest, highest]"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = -1, distance = 1 }} }}"): (
-        f"[design] limits.edge_pressure.below = -1: {HIGHEST}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = inf }} }}"): (
-        "[design] limits.edge_pressure.distance = inf: "
-        "must be a finite number > 0, the distance from the stick edge in m"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = 1, above = 0 }} }}"): (
-        f"[design] limits.edge_pressure.above = 0: {LOWEST}"
-    ),
-    **{
-        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
-            f"[design] limits.contact_radius = {radii}: {LENGTH}"
-        )
-        for radii in ("[1, 2]", "1", "{}")
-    },
-    **{
-        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
-            f"[design] limits.contact_radius = {radii}: the lowest value must be below the highest"
-        )
-        for radii in ("{ above = 2, below = 1 }", "{ above = 1, below = 1 }")
-    },
-    **{
-        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = {lowest} }} }}"): (
-            f"[design] limits.contact_radius.above = {lowest}: {LOWEST}"
-        )
-        for lowest in ("0", "-1", "nan", "inf")
-    },
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [1, 2] }} }}"): (
-        "[design] limits.contact_radius = { between = [1, 2] }: "
-        'cannot be limited while hold = "contact_radius" fixes it'
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [2, 1] }} }}"): (
-        "[design] limits.contact_radius.between = [2, 1]: must be [lowest, highest] with 0 < lowest < highest, "
-        "finite, in the SI unit of the quantity"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = 5e-5 }} }}"): (
-        '[design] limits.contact_radius = { above = 5e-05 }: cannot be limited while hold = "contact_radius" fixes it'
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [2, 1], between = [[3, 4], [3, 4]] }} }}"): (
-        f"[design] limits.modulus.at = [2, 1]: {AT}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [1, 2], between = [[3, 4], [4, 3]] }} }}"): (
-        f"[design] limits.modulus.between = [[3, 4], [4, 3]]: {BETWEEN}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = 3 }}"): (
-        f"[design] limits.modulus = 3: must be a window such as {EXAMPLE}"
-    ),
-    # the quantities
-    (QUANTITIES, 'quantities = ["wear_volum"]'): (
-        '[output] quantities = ["wear_volum"]: "wear_volum" is not a quantity of a fretting contact; '
-        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean wear_volume?"
-    ),
-    (QUANTITIES, 'quantities = ["edge_pressure"]'): (
-        '[output] quantities = ["edge_pressure"]: "edge_pressure" needs a distance from the stick edge; '
-        "give it in m, as distance = 1e-6 under [output]"
-    ),
-    (QUANTITIES, f"{QUANTITIES}\ndistance = 0"): (
-        "[output] distance = 0: must be a finite number > 0, "
-        "the distance inside the edge at which pressures are given, in m"
-    ),
-    (QUANTITIES, 'quantities = ["initial_force"]'): (
-        '[output] quantities = ["initial_force"]: "initial_force" is not a quantity of a fretting contact; '
-        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean initial_pressure?"
-    ),
-    (QUANTITIES, 'quantities = ["profile", "wear_volume", "profile"]'): (
-        '[output] quantities = ["profile", "wear_volume", "profile"]: "profile" is asked for more than once'
-    ),
-    (QUANTITIES, "quantities = []"): f"[output] quantities = []: {NAMES}",
-    (QUANTITIES, 'quantities = "profile"'): f'[output] quantities = "profile": {NAMES}',
-    (QUANTITIES, "quantities = [1]"): f"[output] quantities = [1]: {NAMES}",
-    (QUANTITIES, "points = 11"): f"[output] quantities: missing; it {NAMES}",
-    (QUANTITIES, f"{QUANTITIES}\npoints = 1"): f"[output] points = 1: {POINTS}",
-    (QUANTITIES, f"{QUANTITIES}\npoints = 10.0"): f"[output] points = 10.0: {POINTS}",
-    (QUANTITIES, f"{QUANTITIES}\npoints = 100001"): f"[output] points = 100001: {POINTS}",
-}
+REFUSED = Path(__file__).with_name("refused.toml")
 
 
-@pytest.mark.parametrize("change, line", REFUSED.items(), ids=[line[:50] for line in REFUSED.values()])
-def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, line):
-    assert complaint(file, changed(FRETTING, change)) == f"scene.toml: {line}"
+@cases(REFUSED, "fretting")
+def test_refusal_says_file_section_key_value_and_what_is_allowed(file, case):
+    assert is_told(complaint(file, changed(FRETTING, (case["old"], case["new"]))), case, "scene.toml")
 
 
-@pytest.mark.parametrize(
-    "text, line",
-    [
-        (f"{GROSS_SLIP}\n[load]\ntangential_force = 1.0\n",
-         '[load]: only a contact with kind = "fretting" has a tangential force'),
-        (f'{GROSS_SLIP}\n[load]\nhistory = "missing.csv"\n',
-         '[load]: only a contact with kind = "fretting" has a tangential force'),
-        (f'{GROSS_SLIP}\n[design]\nvary = {{ k = [0, 0.5] }}\nminimise = "wear_volume"\n',
-         '[design] minimise = "wear_volume": wear_volume is no quantity of a gross-slip contact; '
-         f"allowed are {', '.join((*GROSS_SLIP_QUANTITIES, 'modulus_at'))}"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", "z0 = [1, 2]"),
-         "[design] vary.z0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("0.5]", "0.5], E0 = [1, 2]"),
-         "[design] vary.E0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", f"modulus = {WINDOW}"),
-         f"[design] vary.modulus = {WINDOW}: "
-         "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius"',
-         '[design] hold = "contact_radius": only for a fretting contact: '
-         "what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
-         "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
-         f"allowed are {', '.join((*GROSS_SLIP_QUANTITIES, 'modulus_at'))}"),
-        (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
-         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, '
-         'or for scenarios'),
-        (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
-         '[output] quantities = ["wear_volume"]: "wear_volume" is not a quantity of a gross-slip contact; '
-         f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
-        (changed(GROSS_SLIP, ("depth = 1e-6", "depht = 1e-6")),
-         "[contact] depht = 1e-06: there is no such key; did you mean depth?"),
-        (changed(GROSS_SLIP, ("depth = 1e-6", "depth = 0")),
-         "[contact] depth = 0: must be a finite number > 0, the indentation depth in m"),
-    ],
-)  # fmt: skip
-def test_refusal_for_gross_slip(file, text, line):
-    assert complaint(file, text) == f"scene.toml: {line}"
+@cases(REFUSED, "punch")
+def test_refusal_for_gross_slip(file, case):
+    text = GROSS_SLIP.replace("depth = 1e-6", case.get("depth", "depth = 1e-6"))
+    assert is_told(complaint(file, f"{text}{case['more']}"), case, "scene.toml")
 
 
 def with_files(text: str, load: str, **files: str) -> str:
@@ -606,7 +181,6 @@ def test_tables_lie_beside_the_scene(file):
     inside = Path("inside/scene.toml")
     assert complaint(inside, text) == "inside/below/loads.csv: there is no such file"
     Path("inside/below/loads.csv").write_text(LOADS)
-    assert scene.load(inside) == scene.load("inside/scene.toml") != scene.load(inside.absolute())
     absolute = changed(text, ("below/loads.csv", str(Path("inside/below/loads.csv").absolute())))
     for found in (scene.load(inside), scene.load(inside.absolute()), read(file, absolute)):
         assert found.load is not None and found.load.amplitudes.tolist() == [0.1, 0.4, 0.2]
@@ -620,16 +194,12 @@ def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     )
 
 
-@pytest.mark.parametrize(
-    "load, line",
-    [
-        ("history", '[design] over = "worst": only for a load with a table, which gives the amplitudes and '
-         "their weights, or for scenarios"),
-    ],
-)  # fmt: skip
-def test_refusal_of_what_does_not_go_with_a_load(file, load, line):
-    text = with_files(FRETTING, f'{load} = "amplitudes.csv"', amplitudes=LOADS if load == "table" else CYCLES)
-    assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: {line}"
+def test_refusal_of_what_does_not_go_with_a_load(file):
+    text = with_files(FRETTING, 'history = "amplitudes.csv"', amplitudes=CYCLES)
+    line = (
+        'over = "worst": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'
+    )
+    assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: [design] {line}"
 
 
 def test_refusal_of_profiles_over_a_table(file):
@@ -727,54 +297,37 @@ def test_contact_has_the_numbers_of_the_file(file):
     assert read(file, GROSS_SLIP).build_contact() == GrossSlipContact(material, 2e-3, 1e-6)
 
 
-def test_design_has_what_the_search_takes(file):
-    def designed(*changes: tuple[str, str], table: bool = False):
-        text = with_files(FRETTING, 'table = "loads.csv"', loads=LOADS) if table else FRETTING
-        text = changed(text.partition("[output]")[0], *changes)
-        found = read(file, text).design_space
-        assert found is not None
-        return found
-
-    plain = designed()
-    assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
-    assert plain.hold == "contact_radius" and plain.level == 0.0 and plain.allowed is None
-    free = designed(
-        (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
-    )
-    assert free.hold is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
-    assert free.minimise == "worn_radius"
-    # the modulus at two depths
-    window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
-    plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
-    assert window.variables == {"modulus": plain_window} and window.hold is None
-    steepest = np.log(400 / 60) / np.log(100)
-    np.testing.assert_allclose(rules.exponents(**plain_window), [-steepest, steepest], rtol=1e-14)
-    # over which part of the load
-    for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
-        assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
-    assert designed(table=True).level == 0.0
-    # the limits
-    limits = (
-        f"edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }}, modulus = {EXAMPLE}"
-    )
-    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {{ {limits} }}")).allowed == {
-        "edge_pressure": {"below": 5e8, "distance": 1e-6}, "penetration": {"below": 2e-6}, "modulus": plain_window
-    }  # fmt: skip
-    for radii, ends in (
-        ("above = 5e-5, below = 8e-5", {"above": 5e-5, "below": 8e-5}),
-        ("below = 8e-5", {"below": 8e-5}),
-        ("between = [5e-5, 8e-5]", {"between": (5e-5, 8e-5)}),
-    ):
-        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ {radii} }} }}"))
-        assert limited.allowed == {"contact_radius": ends}
+PLAIN_WINDOW = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
+DESIGNED = {"variables": {"k": (-0.9, 0.9)}, "minimise": "wear_volume", "hold": "contact_radius", "level": 0.0}
+FREE_HOLD = (HOLD, "")
 
 
-def test_design_of_gross_slip(file):
-    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design_space
-    assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
-    assert design.hold is None and design.level == 0.0 and design.allowed is None
-    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design_space
-    assert volume is not None and volume.minimise == "volume_change"
+def limited(text: str) -> tuple[str, str]:
+    return MINIMISE, f"{MINIMISE}\nlimits = {{ {text} }}"
+
+
+@pytest.mark.parametrize(
+    "changes, told",
+    [
+        ([], DESIGNED | {"allowed": None}),
+        ([(VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), FREE_HOLD, (MINIMISE, "minimise='worn_radius'")],
+         {"hold": None, "variables": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}, "minimise": "worn_radius"}),
+        ([(VARY, f"vary = {{ modulus = {EXAMPLE} }}"), FREE_HOLD], {"variables": {"modulus": PLAIN_WINDOW}}),
+        *(([(MINIMISE, f"{MINIMISE}\nover = {over}")], DESIGNED | {"level": level})
+          for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0))),
+        ([limited("edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = { below = 2e-6 }, "
+                  f"modulus = {EXAMPLE}")],
+         {"allowed": {"edge_pressure": {"below": 5e8, "distance": 1e-6}, "penetration": {"below": 2e-6},
+                      "modulus": PLAIN_WINDOW}}),
+        *(([FREE_HOLD, limited(f"contact_radius = {{ {radii} }}")], {"allowed": {"contact_radius": ends}})
+          for radii, ends in (("above = 5e-5, below = 8e-5", {"above": 5e-5, "below": 8e-5}),
+                              ("between = [5e-5, 8e-5]", {"between": (5e-5, 8e-5)}))),
+    ],
+)  # fmt: skip
+def test_design_has_what_the_search_takes(file, changes, told):
+    text = with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=LOADS)
+    found = read(file, changed(text, *changes)).design_space
+    assert {name: getattr(found, name) for name in told} == told
 
 
 def test_load_has_the_amplitudes_of_the_file(file):
@@ -902,7 +455,9 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
         else:
             np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
             expected = expected(quantity.radii)
-        np.testing.assert_allclose(quantity.value, expected, rtol=1e-12, atol=1e-30)
+        # A peak is searched for, and rounding decides where it is found.
+        rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
+        np.testing.assert_allclose(quantity.value, expected, rtol=rtol, atol=1e-30)
 
 
 def test_without_output_all_single_numbers_are_computed(file):
@@ -1002,7 +557,7 @@ def test_the_initial_pressure_has_its_peak_in_the_middle(k):
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:
     """The names of the compiled functions in what is traced for these quantities."""
-    evaluate = functools.partial(solving.evaluate, names, 11, None)
+    evaluate = functools.partial(solving.scene_values, names, 11, None)
     force = None if given.load is None else given.load.tangential_force
     return set(re.findall(r"name=(\w+)", str(jax.make_jaxpr(evaluate)(given.build_contact(), force, None))))
 
@@ -1030,126 +585,18 @@ def test_fewer_digits_are_still_right(file):
 # --- whatever a file holds ------------------------------------------------------------------------------------------
 
 
-def toml(value) -> str:
-    """A value in TOML."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        escaped = "".join(f"\\U{ord(char):08x}" if not char.isalnum() else char for char in value)
-        return f'"{escaped}"'
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(toml, value))}]"
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{toml(key)} = {toml(item)}' for key, item in value.items())} }}"
-    return repr(value)
+DESIGNS = Path(__file__).parents[2] / "design"
+WHOLE = [tomllib.loads(file.read_text()) for file in DESIGNS.glob("*.toml")]
+WHOLE += [tomllib.loads(text) for text in (FRETTING, f"{GROSS_SLIP}{PUNCH_DESIGN}")]
 
 
-def document(sections: dict) -> str:
-    return "\n".join(f"{toml(name)} = {toml(body)}" for name, body in sections.items()) + "\n"
-
-
-positive = st.floats(1e-12, 1e12)
-exponents = st.floats(-1, 1, exclude_min=True, exclude_max=True)
-materials = st.fixed_dictionaries(
-    {
-        "E0": positive,
-        "z0": positive,
-        "k": exponents,
-        "nu": st.just("holl") | st.floats(-1, 0.5, exclude_min=True),
-    }
-)
-
-
-def pairs(values: st.SearchStrategy[float]) -> st.SearchStrategy[list[float]]:
-    return st.lists(values, min_size=2, max_size=2, unique=True).map(sorted)
-
-
-@st.composite
-def windows(draw, within_exponents: bool = True) -> dict:
-    """Moduli at two depths that differ by less than the depths do, or by any ratio."""
-    at, factor = draw(pairs(st.floats(1e-9, 1e3))), draw(positive)
-    moduli = pairs(st.floats(0.0, 0.999) if within_exponents else st.floats(0.0, 9.0))
-    bounds = [[factor * (at[1] / at[0]) ** power for power in draw(moduli)] for _ in at]
-    assume(at[1] / at[0] > 1.001 and all(lower < upper for lower, upper in bounds))
-    return {"at": at, "between": bounds}
-
-
-def radii() -> st.SearchStrategy[dict]:
-    """Limits of the contact radius."""
-    both = pairs(positive).map(lambda ends: dict(zip(("above", "below"), ends, strict=True)))
-    return both | st.fixed_dictionaries({"above": positive}) | st.fixed_dictionaries({"below": positive})
-
-
-@st.composite
-def designs(draw) -> dict:
-    """Design spaces of a fretting contact as they should be, without what is taken of the load."""
-    held = draw(st.sampled_from([None, "contact_radius"]))
-    k = draw(pairs(exponents))
-    space = {"k": k} | ({} if held else draw(st.sampled_from([{}, {"z0": [1e-5, 1e-3]}, {"E0": [1e9, 2e9]}])))
-    space = draw(st.just(space) if held else st.just(space) | windows().map(lambda window: {"modulus": window}))
-    objective = draw(st.sampled_from(["wear_volume", "worn_radius", "deepest_wear"]))
-    found = {"vary": space, "minimise": objective} | ({"hold": held} if held else {})
-    limits = {
-        "edge_pressure": st.fixed_dictionaries({"below": positive, "distance": positive}),
-        "penetration": st.fixed_dictionaries({"below": positive}),
-        "modulus": windows(within_exponents=False),
-    } | ({} if held else {"contact_radius": radii()})
-    limited = draw(st.fixed_dictionaries({}, optional=limits))
-    return found | ({"limits": limited} if limited else {})
-
-
-overs = st.sampled_from(["mean", "worst"]) | st.fixed_dictionaries({"cvar": st.floats(0, 1, exclude_max=True)})
-
-
-@st.composite
-def scenes(draw) -> dict:
-    """Scenes as they should be, beside tables of no load at all."""
-    found = {"material": draw(materials)}
-    if draw(st.booleans()):
-        found["contact"] = {"kind": "gross-slip", "radius": draw(positive), "depth": draw(positive)}
-        names = GROSS_SLIP_QUANTITIES
-        if draw(st.booleans()):
-            objective = draw(st.sampled_from(["volume_change", "force_drop"]))
-            found["design"] = {"vary": {"k": draw(pairs(exponents))}, "minimise": objective}
-    else:
-        force, friction = draw(positive), draw(positive)
-        found["contact"] = {"kind": "fretting", "radius": draw(positive), "normal_force": force, "friction": friction}
-        amplitude = {"tangential_force": draw(st.floats(0, 0.999)) * friction * force}
-        found["load"] = draw(st.sampled_from([amplitude, {"table": "none.csv"}, {"history": "nothing.csv"}]))
-        names = FRETTING_QUANTITIES
-        if "table" in found["load"]:
-            names = [name for name in names if name not in DEPEND_ON_RADIUS_AND_LOAD]
-        if draw(st.booleans()):
-            found["design"] = draw(designs())
-            if "table" in found["load"] and draw(st.booleans()):
-                found["design"]["over"] = draw(overs)
-    if draw(st.booleans()):
-        asked = draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))
-        with_limit = "edge_pressure" in found.get("design", {}).get("limits", {})
-        if draw(st.booleans()) or ("edge_pressure" in asked and not with_limit):
-            found["output"] = {"quantities": asked, "distance": draw(positive)}
-        else:
-            found["output"] = {"quantities": asked}
-    return found
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> Path:
-    """A folder with tables of no load at all, which go with every contact."""
-    folder = tmp_path_factory.mktemp("scenes")
-    (folder / "none.csv").write_text("tangential_force,weight\n0,1\n0,2\n")
-    (folder / "nothing.csv").write_text("tangential_force\n0\n")
-    return folder
-
-
-@given(scenes())
-def test_round_trip(folder, sections):
-    file = folder / "round-trip.toml"
-    file.write_text(document(sections))
-    read_back = scene.load(file)
-    dumped = read_back.model_dump(mode="json", exclude_unset=True, by_alias=True)
-    assert dumped == sections
-    assert scene.Scene.model_validate(sections, context={"folder": folder}) == read_back
+@pytest.mark.parametrize("sections", WHOLE, ids=lambda sections: sections["contact"]["kind"])
+def test_a_scene_holds_what_its_file_holds(sections):
+    found = scene.scene_of(sections, folder=DESIGNS)
+    for name, body in sections.items():
+        told = vars(getattr(found, "design_space" if name == "design" else name))
+        for key in body.keys() - {"vary", "limits", "over", "indenter", "shape", "table"}:
+            assert told[key] == (tuple(body[key]) if isinstance(body[key], list) else body[key])
 
 
 junk = st.recursive(
@@ -1163,22 +610,20 @@ keys = st.text(max_size=6) | st.sampled_from(
 )  # fmt: skip
 
 
-@given(scenes(), st.data())
-def test_junk_is_refused_in_one_line_or_read(folder, sections, data):
-    spot = sections
+@given(st.sampled_from(WHOLE), st.data())
+def test_junk_is_refused_in_one_line_or_read(sections, data):
+    spot = sections = copy.deepcopy(sections)
     for _ in range(data.draw(st.integers(0, 4))):
         nested = [item for item in spot.values() if isinstance(item, dict)]
         if nested:
             spot = data.draw(st.sampled_from(nested))
     spot[data.draw(st.sampled_from(list(spot)) | keys)] = data.draw(junk)
-    file = folder / "junk.toml"
-    file.write_text(document(sections), encoding="utf-8")
     try:
-        scene.load(file)
+        scene.scene_of(sections, "scene.toml", DESIGNS)
     except scene.SceneError as error:
         line = str(error)
-        assert line.startswith(f"{file}: ") or "table" in spot or "history" in spot  # which are files of their own
-        assert line.isprintable() and len(line) < len(str(file)) + 400
+        assert line.startswith("scene.toml: ") or "table" in spot or "history" in spot or "scenarios" in spot
+        assert line.isprintable() and len(line) < 410
 
 
 @given(st.binary(max_size=60) | st.text(alphabet="[]{}=\"'#.\n abk01_-", max_size=60).map(str.encode))

@@ -1,12 +1,12 @@
 """Tables of amplitudes: how they may be written, what is refused, in which words, and how large ones are read."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import cases, is_told
 
 from plgwear_jax import tables
 
@@ -76,15 +76,6 @@ def test_history_is_read(file, content, rows):
     assert "weight" not in found.columns
 
 
-def test_tables_are_equal_where_all_numbers_are(file):
-    table, history = read(file, TABLE), read(file, HISTORY, columns=1)
-    assert table == read(file, TABLE.replace(",", ";")) and history == read(file, HISTORY, columns=1)
-    for other in ("0.3,2", "0.1,3", "\n0.1,2"):
-        assert table != read(file, TABLE.replace("0.1,2", other))
-    assert table != history and history != table and table != TABLE
-    assert table != dataclasses.replace(table, name="other.csv")
-
-
 @pytest.mark.parametrize(
     "heading, factor",
     [("volume", 1.0), ("volume (mm^3)", 1e-9), ("volume [um3]", 1e-18), ("volume_mm3", 1e-9), ("volume(nm^3)", 1e-27),
@@ -142,7 +133,7 @@ def test_round_trip(tmp_path_factory, rows):
 
 
 @pytest.mark.parametrize("rows", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
-def test_large_tables_are_read_in_blocks(file, rows):
+def test_large_tables_are_read(file, rows):
     expected = np.random.default_rng(1).random((rows, 2))
     content = "tangential_force,weight\n" + "".join(f"{force!r},{weight!r}\n" for force, weight in expected.tolist())
     np.testing.assert_array_equal(numbers(read(file, content)), expected)
@@ -154,113 +145,25 @@ def test_large_tables_are_read_in_blocks(file, rows):
 
 FORCE = "must be a finite number >= 0, the amplitude of the force in N"
 WEIGHT = "must be a finite number >= 0"
-POINT = "; decimals are set off by a point"
-
-REFUSED = {
-    # the columns
-    "": "is empty; it must begin with the row tangential_force,weight",
-    " \n\n# tangential_force,weight\n": "is empty; it must begin with the row tangential_force,weight",
-    "#\ntangential_force,weight\n\n": "row 2: names the columns, and no rows follow; there must be at least one",
-    "tangential_force,wieght\n0.1,1": "row 1: column wieght: there is no such column; did you mean weight?",
-    "Tangential_Force,weight\n0.1,1": (
-        "row 1: column Tangential_Force: there is no such column; did you mean tangential_force?"
-    ),
-    "\ntangential_force,weight,x\n0.1,1,2": (
-        "row 2: column x: there is no such column; allowed are tangential_force, displacement, weight"
-    ),
-    "tangential_force,weight,\n0.1,1,": (
-        'row 1: column "": there is no such column; allowed are tangential_force, displacement, weight'
-    ),
-    'tangential_force,"a\tb"\n0.1,1': (
-        'row 1: column "a\\tb": there is no such column; allowed are tangential_force, displacement, weight'
-    ),
-    "tangential_force weight\n0.1 1": (
-        'row 1: column "tangential_force weight": there is no such column; did you mean tangential_force?'
-    ),
-    "tangential_force,weight,weight\n0.1,1,1": "row 1: column weight: stands there more than once",
-    "tangential_force\n0.1": "row 1: column weight: missing; the first row must be tangential_force,weight",
-    "weight\n1": (
-        "row 1: column tangential_force or displacement: missing; the first row must be tangential_force,weight"
-    ),
-    "displacement,tangential_force,weight\n1,1,1": (
-        "row 1: column tangential_force: cannot be combined with displacement; only one of them can be the amplitude"
-    ),
-    "# tangential_force,weight\n0.1,1\n": (
-        "row 2: holds numbers; the first row must name the columns, tangential_force,weight"
-    ),
-    'tangential_force,"weight\n0.1,1\n': "row 1: is not valid CSV: unexpected end of data",
-    # the cells
-    "tangential_force,weight\n0.1,1\n0.2\n": f"row 3: weight: missing; it {WEIGHT}",
-    "tangential_force,weight\n0.1,1\n0.2,\n": f"row 3: weight: missing; it {WEIGHT}",
-    "tangential_force,weight\n0.1,1\n,2\n": f"row 3: tangential_force: missing; it {FORCE}",
-    "weight,tangential_force\n1,0.1\n2\n": f"row 3: tangential_force: missing; it {FORCE}",
-    "tangential_force,weight\n0.1,1\n,\n": f"row 3: tangential_force: missing; it {FORCE}",
-    "tangential_force;weight\n0.1,1\n": f"row 2: tangential_force = 0.1,1: {FORCE}{POINT}",
-    "tangential_force,weight\n0.1;1\n": f"row 2: tangential_force = 0.1;1: {FORCE}",
-    "tangential_force,weight\n0.1,1,3\n": f"row 2: has 3 cells, more than the 2 of the first row{POINT}",
-    "tangential_force;weight\n0.1;1;;\n": "row 2: has 4 cells, more than the 2 of the first row",
-    "tangential_force;weight\n0,1;0,5\n": f"row 2: tangential_force = 0,1: {FORCE}{POINT}",
-    "tangential_force,weight\n0.1,1\n\n0.2,much\n": f"row 4: weight = much: {WEIGHT}",
-    "tangential_force,weight\n0.3 N,1\n": f"row 2: tangential_force = 0.3 N: {FORCE}",
-    "tangential_force,weight\n0.3,1 # one\n": f"row 2: weight = 1 # one: {WEIGHT}",
-    "tangential_force,weight\n0.3,\x00\a\n": f"row 2: weight = \\x00\\x07: {WEIGHT}",
-    f"tangential_force,weight\n0.3,{100 * 'x'}\n": f"row 2: weight = {57 * 'x'}...: {WEIGHT}",
-    "tangential_force,weight\nnan,1\n": f"row 2: tangential_force = nan: {FORCE}",
-    "tangential_force,weight\n0.3,NaN\n": f"row 2: weight = NaN: {WEIGHT}",
-    "tangential_force,weight\n0.3,inf\n": f"row 2: weight = inf: {WEIGHT}",
-    "tangential_force,weight\n1e400,1\n": f"row 2: tangential_force = 1e400: {FORCE}",
-    "tangential_force,weight\n0.1,1\n0.2,-0.5\n": f"row 3: weight = -0.5: {WEIGHT}",
-    "tangential_force,weight\n0.1,1\n-0.2,0.5\n": f"row 3: tangential_force = -0.2: {FORCE}",
-    'tangential_force,weight\n0.1,1\n0.2,"1\n0.3,-1\n': "row 3: is not valid CSV: unexpected end of data",
-    'tangential_force,weight\n0.1,1\n"0.2\n",1\n0.3,-1\n': "row 3: is not valid CSV: unexpected end of data",
-    'tangential_force\tweight\n"0.1"2\t1\n': "row 2: is not valid CSV: '\\t' expected after '\"'",
-    'tangential_force,weight\n0.1,"1"2\n': "row 2: is not valid CSV: ',' expected after '\"'",
-    f"tangential_force,weight\n0.1,{200_000 * '1'}\n": (
-        "row 2: is not valid CSV: field larger than field limit (131072)"
-    ),
-    # the first mistake is told, whatever it is
-    "tangential_force,weight\n0.1,1\n-1,1\n0.1\n1,1,1\nx,y\n": f"row 3: tangential_force = -1: {FORCE}",
-    "tangential_force,weight\n0.1,1\n0.1\n-1,1\n1,1,1\nx,y\n": f"row 3: weight: missing; it {WEIGHT}",
-    "tangential_force,weight\n0.1,1\nx,y\n0.1\n-1,1\n1,1,1\n": f"row 3: tangential_force = x: {FORCE}",
-    # the weights
-    "tangential_force,weight\n0.1,0\n\n0.2,0.0\n": (
-        "rows 2 to 4: weight = 0 throughout; at least one weight must be > 0"
-    ),
-    "tangential_force,weight\n0.1,-0.0\n": "row 2: weight = 0 throughout; at least one weight must be > 0",
-}  # fmt: skip
+REFUSED = Path(__file__).with_name("refused_tables.toml")
 
 
-@pytest.mark.parametrize("content, line", REFUSED.items(), ids=[line[:60] for line in REFUSED.values()])
-def test_refusal_says_file_row_column_value_and_what_is_allowed(file, content, line):
-    assert complaint(file, content) == f"loads.csv: {line}"
+@cases(REFUSED, "loads")
+def test_refusal_says_file_row_column_value_and_what_is_allowed(file, case):
+    assert is_told(complaint(file, case["content"]), case, "loads.csv")
 
 
-COLUMNS = "tangential_force, displacement, cycles, normal_force, friction"
+def test_refusal_of_a_cell_that_is_too_long(file):
+    line = complaint(file, f"tangential_force,weight\n0.1,{200_000 * '1'}\n")
+    assert line == "loads.csv: row 2: is not valid CSV: field larger than field limit (131072)"
 
 
-@pytest.mark.parametrize(
-    "content, line",
-    [
-        ("", "is empty; it must begin with the row tangential_force"),
-        ("tangential_force\n", "row 1: names the columns, and no rows follow; there must be at least one"),
-        (TABLE, f"row 1: column weight: there is no such column; allowed are {COLUMNS}"),
-        (
-            "force\n0.1\n",
-            f"row 1: column force: there is no such column; allowed are {COLUMNS}",
-        ),
-        ("tangential\n0.1\n", "row 1: column tangential: there is no such column; did you mean tangential_force?"),
-        ("0.1\n0.2\n", "row 1: holds numbers; the first row must name the columns, tangential_force"),
-        ("tangential_force\n0.1\n0,2\n", f"row 3: has 2 cells, more than the 1 of the first row{POINT}"),
-        ("tangential_force\n0.1\n-0.2\n", f"row 3: tangential_force = -0.2: {FORCE}"),
-        ('tangential_force\n0.1\n""\n', f"row 3: tangential_force: missing; it {FORCE}"),
-    ],
-)
-def test_refusal_of_a_history(file, content, line):
-    assert complaint(file, content, columns=1) == f"loads.csv: {line}"
+@cases(REFUSED, "history")
+def test_refusal_of_a_history(file, case):
+    assert is_told(complaint(file, case["content"], columns=1), case, "loads.csv")
 
 
-def test_refusal_far_down_the_file(file, monkeypatch):
-    monkeypatch.setattr(tables, "_BLOCK", 3)
+def test_refusal_far_down_the_file(file):
     rows = 10 * ["0.1,1"]
     assert read(file, "\n".join(["tangential_force,weight", *rows])).row.tolist() == list(range(2, 12))
     for row in range(2, 12):

@@ -76,8 +76,8 @@ def questions():
 
 
 EXPECTED = {
-    "an amplitude": ["_directions", "_wear"],
-    "a design": ["_directions"],
+    "an amplitude": ["_next_directions", "_wear"],
+    "a design": ["_next_directions"],
     "a design for a life": ["_at_once", "_shares"],
 }
 
@@ -167,9 +167,9 @@ def test_an_evaluation_of_a_life_grows_no_further():
 
 
 def test_what_is_asked_once_takes_few_steps(monkeypatch):
-    monkeypatch.setattr(solving.evaluate, "known", {})
+    monkeypatch.setattr(solving.scene_values, "known", {})
     scene.load(Path(__file__).parents[2] / "design" / "electrical_contact.toml").solve()
-    (steps,) = solving.evaluate.known.values()
+    (steps,) = solving.scene_values.known.values()
     assert len(steps._block.steps) <= 9500, len(steps._block.steps)
 
 

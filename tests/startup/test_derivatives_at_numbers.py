@@ -21,7 +21,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
 
     def by(itself, static, numbers):
         made = plain(itself, static, numbers)
-        found.append(isinstance(made, programs.Steps))
+        found.append(isinstance(made, programs.SteppedProgram))
         return made
 
     monkeypatch.setattr(programs.Program, "by", by)
@@ -109,7 +109,7 @@ def test_many_numbers_and_those_on_a_device_of_their_own_are_left_to_xla(ran):
 def test_who_asks_often_gets_a_compiled_program(ran, monkeypatch):
     ask = jax.grad(fretting.stick_radius, 1)
     first = ask(0.3, 0.4, digits=5)
-    monkeypatch.setattr(programs.Steps, "worthwhile", False)
+    monkeypatch.setattr(programs.SteppedProgram, "worthwhile", False)
     again = ask(0.3, 0.4, digits=5)
     assert ran == [True, False]
     np.testing.assert_allclose(first, again, rtol=64 * EPS)

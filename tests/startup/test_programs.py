@@ -238,7 +238,7 @@ POINTS = 37  # of no other test, and no series has as many terms
 
 
 def asking_for(kind: str, *names: str) -> scene.Scene:
-    return scene.Scene.model_validate(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
+    return scene.scene_of(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
 
 
 def along_radius(kind: str, name: str) -> bool:
@@ -306,7 +306,7 @@ def test_the_traps_do_catch(monkeypatch, kind, name):
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
     """The program that solving a scene comes down to, not run."""
-    lower, programs = solving.evaluate.jitted.lower, []
+    lower, programs = solving.scene_values.jitted.lower, []
 
     class LoweredError(Exception):
         pass
@@ -315,7 +315,7 @@ def program_of(monkeypatch, given: scene.Scene) -> Made:
         programs.append(made_of(lower(*args, **kwargs)))
         raise LoweredError
 
-    monkeypatch.setattr(solving, "evaluate", lowered)
+    monkeypatch.setattr(solving, "scene_values", lowered)
     with pytest.raises(LoweredError):
         given.solve()
     return programs[0]

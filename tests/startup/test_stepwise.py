@@ -9,7 +9,7 @@ import pytest
 
 from plgwear_jax import fretting
 from plgwear_jax._startup import programs
-from plgwear_jax._startup.stepwise import Steps, stepwise
+from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
 from plgwear_jax.special import cholesky
 
 ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])
@@ -109,7 +109,7 @@ CASES += [
 CASES.append(pytest.param(powers, np.geomspace(1e-3, 30.0, 40), 4 * EPS, 0.0, id="powers"))
 
 
-def steps_of(function, *at) -> Steps | None:
+def steps_of(function, *at) -> SteppedProgram | None:
     return stepwise(jax.jit(function).trace(*at))
 
 
@@ -191,7 +191,7 @@ def repeated(x):
 def test_xla_has_the_rest(function):
     x, asked = np.array([0.5, 1.5, 2.5]), programs.program()(function)
     np.testing.assert_array_equal(asked(x), jax.jit(function)(x))
-    assert not isinstance(asked.by((), (x,)), Steps)
+    assert not isinstance(asked.by((), (x,)), SteppedProgram)
 
 
 @programs.program(static=1)
@@ -220,9 +220,9 @@ def test_a_table_that_a_program_has_twice_is_kept_once():
 def test_what_is_asked_very_often_is_compiled():
     of = {"x": np.linspace(0.0, 1.0, 7)}
     steps = scaled.by(("x",), (of, 2.0))
-    assert isinstance(steps, Steps)
+    assert isinstance(steps, SteppedProgram)
     made = []
     while steps.worthwhile:
         made.append(scaled("x", of, 2.0))
-    assert 100 <= len(made) <= 1000 and not isinstance(scaled.by(("x",), (of, 2.0)), Steps)
+    assert 100 <= len(made) <= 1000 and not isinstance(scaled.by(("x",), (of, 2.0)), SteppedProgram)
     assert all(np.array_equal(one, made[0]) for one in [scaled("x", of, 2.0), *made])

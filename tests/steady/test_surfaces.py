@@ -1,5 +1,7 @@
-"""Elastic indenters and any E(z): against closed forms, against rings of constant pressure, and what they refuse."""
+"""Elastic indenters, layers and any E(z): against the plane-strain equations, similarity and closed forms."""
 
+import dataclasses
+import functools
 import subprocess
 import sys
 
@@ -8,59 +10,194 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import surface_oracle
-from half_spaces import A, graded_compliance, layers_under_steel
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
 from scipy.interpolate import PchipInterpolator
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape, coating, material
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
+from plgwear_jax.special.pchip import pchip
+from plgwear_jax.surfaces.half_space import excess_compliance
 
-STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume")
+A = 1e-4  # about a contact radius
+THICKNESS, MODULUS, NU, F_X = np.array([2e-5, 3e-5]), np.array([50e9, 300e9, 100e9]), 0.3, 2.0
+LAYERS = Layered(THICKNESS, MODULUS, NU)
+STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
 
 
-# --- against rings ----------------------------------------------------------------------------------------------------
+def every(contact):
+    steady = contact.steady(F_X)
+    return np.stack([getattr(steady, name) for name in STEADY])
 
 
-def of_rings(compliance, coating, indenter, share, most, exponent=None):
-    """The library against the rings, at 5 digits, for a stick radius of a share of the contact radius."""
-    steady = surface_oracle.steady(compliance, A, share * A, n=exponent or 2.0)
-    shape = None if exponent is None else PowerShape(exponent)
-    contact = FrettingContact(coating, 1.0, steady.force, 0.5, indenter, shape)
-    found = contact.steady(0.5 * steady.force * steady.phi, digits=5)
-    expected = A, share * A, steady.worn_radius, steady.penetration, steady.volume
-    for name, other in zip(STEADY, expected, strict=True):
-        np.testing.assert_allclose(getattr(found, name), other, rtol=most, err_msg=name)
+# --- the compliance ---------------------------------------------------------------------------------------------------
+
+Q = np.array([0.2, 1.0, 3.0, 12.0])  # in 1/m, of layers of 0.3 m and 0.7 m
+
+
+def by_the_equations(modulus, depth, q=Q):
+    """m(q) by the Riccati equation, which knows nothing of layers but where the modulus jumps."""
+    return np.array([surface_oracle.excess(modulus, NU, depth[-1], list(depth), float(x)) for x in q])
+
+
+def equations_of_layers(thickness, modulus):
+    below = np.cumsum(thickness)
+    return by_the_equations(lambda z: modulus[np.searchsorted(below, z, "right")], below)
+
+
+def by_layers(thickness, modulus):
+    return excess_compliance(Layered.by_depth(thickness, modulus), jnp.asarray(NU), jnp.asarray(Q), 4)
+
+
+def by_differences(function, at, step=2e-3):
+    """Of fifth order, by the logarithm of each number, along a last axis."""
+    moves = [np.exp(step * row) for row in np.eye(at.size)]
+    near = [function(at * move) - function(at / move) for move in moves]
+    far = [function(at * move**2) - function(at / move**2) for move in moves]
+    return (8.0 * np.stack(near, -1) - np.stack(far, -1)) / (12.0 * step)
+
+
+def test_the_compliance_and_its_slopes_are_those_of_the_equations():
+    at = np.array([0.3, 0.7]), MODULUS / 1e9
+    np.testing.assert_allclose(by_layers(*at), equations_of_layers(*at), rtol=1e-7)
+    by_thickness, by_modulus = jax.jacfwd(by_layers, argnums=(0, 1))(*at)
+    equations = by_differences(lambda thickness: equations_of_layers(thickness, at[1]), at[0])
+    np.testing.assert_allclose(by_thickness * at[0], equations, atol=1e-6)
+    equations = by_differences(lambda modulus: equations_of_layers(at[0], modulus), at[1])
+    np.testing.assert_allclose(by_modulus * at[1], equations, atol=1e-6)
+    np.testing.assert_allclose(by_modulus @ at[1], 0.0, atol=1e-12)  # m depends on ratios of moduli alone
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("k", [-0.6, -0.3, 0.3, 0.6])
-def test_a_power_law_under_steel_is_that_of_rings(k):
-    g = surface_oracle.power_compliance(110e9, 1e-4, k, float(material.h_N(k, 0.3)), 0.3)
-    compliance = surface_oracle.Compliance([(g, k), (2.0 * (1.0 - 0.3**2) / 210e9, 0.0)])
-    of_rings(compliance, PowerLawGraded(110e9, 1e-4, k, 0.3), STEEL, 0.6, 2e-5)
+def test_second_derivatives_by_the_thicknesses_are_symmetric_and_those_of_differences():
+    def slope(thickness):
+        return jax.jacrev(by_layers)(thickness, MODULUS / 1e9) * thickness
+
+    at = np.array([0.3, 0.7])
+    found = np.asarray(jax.jacfwd(slope)(at)) * at
+    np.testing.assert_allclose(found, by_differences(slope, at), atol=1e-8)
+    np.testing.assert_allclose(found, np.swapaxes(found, 1, 2), atol=1e-11)
+
+
+@pytest.mark.parametrize("factor, modulus", [(1e9, MODULUS[0]), (1e-9, MODULUS[-1])])
+def test_very_thick_and_very_thin_layers_are_homogeneous(factor, modulus):
+    """The surface's compliance over 2/q is that of the layer, or of the substrate."""
+    found = (1.0 + by_layers(factor * np.array([0.3, 0.7]), MODULUS)) / MODULUS[0]
+    np.testing.assert_allclose(found, 1.0 / modulus, rtol=1e-6)
+    slopes = jax.jacfwd(by_layers)(factor * np.array([0.3, 0.7]), MODULUS)
+    assert np.all(np.isfinite(slopes))
+
+
+def test_a_steep_table_has_the_compliance_of_the_equations():
+    depth = np.array([0.142, 0.27, 0.324, 0.541, 3.162, 9.672])
+    modulus = np.array([0.229, 3.444, 3.273, 4.189, 1.007, 0.706])
+    q, cubic = np.array([0.12, 1.5, 6.0, 18.0]), PchipInterpolator(depth, modulus)
+    exact = by_the_equations(lambda z: float(cubic(np.clip(z, depth[0], depth[-1]))), depth, q)
+    table = pchip(jnp.asarray(depth), jnp.asarray(modulus))
+    for digits, error in ((3, 1e-3), (4, 3e-4), (5, 3e-5)):
+        found = excess_compliance(table, jnp.asarray(NU), jnp.asarray(q), digits)
+        np.testing.assert_allclose(1.0 + found, 1.0 + exact, rtol=error)
+
+
+# --- contacts ---------------------------------------------------------------------------------------------------------
+
+
+def test_slopes_of_the_wear_keep_the_similarity_of_contacts_and_are_those_of_differences():
+    """Lengths times x and forces times x^2 give x^3 times the volume, moduli and forces times x the same volume."""
+
+    def log_volume(contact, force):
+        return jnp.log(contact.steady(force).wear_volume)
+
+    contact = contact_of(LAYERS, STEEL)
+    by, by_force = jax.grad(log_volume, argnums=(0, 1))(contact, F_X)
+    lengths = by.material.thickness @ THICKNESS + by.radius * RADIUS
+    forces = by.normal_force * FORCE + by_force * F_X
+    moduli = by.material.modulus @ MODULUS + by.indenter.E * STEEL.E
+    assert lengths + 2.0 * forces == pytest.approx(3.0, abs=2e-4)
+    assert moduli + forces == pytest.approx(0.0, abs=1e-7)
+
+    def of_thickness(thickness):
+        return log_volume(dataclasses.replace(contact, material=Layered(thickness, MODULUS, NU)), F_X)
+
+    np.testing.assert_allclose(by.material.thickness * THICKNESS, by_differences(of_thickness, THICKNESS), atol=2e-6)
+    assert np.all(abs(by.material.thickness * THICKNESS) > 0.1)
+
+
+def test_layers_are_a_table_with_jumps():
+    at = np.cumsum(THICKNESS)
+    table = DepthGraded(np.repeat(at, 2), np.repeat(MODULUS, 2)[1:-1], NU)
+    depths = np.array([0.0, 1e-5, 2e-5, 3e-5, 5e-5, 1e-3, np.inf])
+    np.testing.assert_array_equal(LAYERS.modulus_at(depths), [50e9, 50e9, 300e9, 300e9, 100e9, 100e9, 100e9])
+    np.testing.assert_array_equal(LAYERS.modulus_at(depths), table.modulus_at(depths))
+    np.testing.assert_allclose(every(contact_of(LAYERS, STEEL)), every(contact_of(table, STEEL)), rtol=2e-6)
+
+
+@pytest.mark.parametrize(
+    "layers",
+    [pytest.param(Layered([], [110e9], NU), marks=pytest.mark.compiled), Layered([1e-5, 3e-5], [110e9] * 3, NU)],
+)
+def test_one_modulus_is_a_homogeneous_half_space(layers):
+    closed = every(contact_of(Elastic(110e9, NU), STEEL))
+    np.testing.assert_allclose(every(contact_of(layers, STEEL)), closed, rtol=1e-5)
+    slope = jax.grad(lambda contact: jnp.log(contact.steady(F_X).wear_volume))
+    material = slope(contact_of(layers, STEEL)).material
+    alone = slope(contact_of(Elastic(110e9, NU), STEEL)).material
+    np.testing.assert_allclose(material.thickness * 1e-5, 0.0, atol=1e-9)
+    assert material.thickness.shape == layers.thickness.shape
+    np.testing.assert_allclose(np.sum(material.modulus), alone.E, rtol=1e-4)
+    np.testing.assert_allclose(layers.modulus_at([0.0, 1e-5, 1.0]), 110e9)
+
+
+def test_what_a_thin_layer_adds_is_in_proportion_to_its_thickness():
+    """A layer of 1/20 and of 20 times the modulus: the volume is that of the substrate and a term in t."""
+    closed, share = every(contact_of(Elastic(110e9, NU), STEEL))[:, None, None], np.array([1e-9, 1e-7, 1e-5])
+    modulus = np.array([[5.5e9, 110e9], [2200e9, 110e9]])[:, None]
+    found = every(contact_of(Layered(8e-5 * share[:, None], modulus, NU), STEEL)) / closed - 1.0
+    volume = found[STEADY.index("wear_volume")]
+    assert np.all(abs(found[..., 0]) < 2e-4) and np.all(abs(volume) < 100.0 * share + 5e-5)
+    assert volume[0, -1] > 0.0 > volume[1, -1]
+
+
+def test_batches_of_layers_are_their_members():
+    thickness, softer = np.array([[[1e-5, 3e-5]], [[2e-5, 4e-5]], [[5e-5, 1e-6]]]), np.array([1.0, 0.8])
+    several = Layered(thickness, softer[:, None] * MODULUS, NU)
+    found = every(contact_of(several, STEEL))
+    assert found.shape == (len(STEADY), 3, 2)
+    for i, j in ((0, 0), (1, 1), (2, 0)):
+        one = Layered(thickness[i, 0], softer[j] * MODULUS, NU)
+        np.testing.assert_allclose(found[:, i, j], every(contact_of(one, STEEL)), rtol=1e-9)
+    none = every(contact_of(Layered(np.zeros((2, 0)), np.array([[110e9], [220e9]]), NU)))
+    np.testing.assert_allclose(none[0, 0] / none[0, 1], 2.0 ** (1.0 / 3.0), rtol=1e-5)
+    assert every(contact_of(Layered(np.zeros((0, 2)), MODULUS, NU))).shape == (len(STEADY), 0)
 
 
 @pytest.mark.compiled
-def test_layers_under_steel_are_those_of_rings():
-    coating, compliance = layers_under_steel()
-    of_rings(compliance, coating, STEEL, 0.6, 2e-5)
-    for exponent, most in ((3.0, 5e-5), (6.0, 2e-5)):
-        of_rings(compliance, coating, STEEL, 0.6, most, exponent)
+def test_traced_layers_that_are_none_are_nan_and_so_are_their_slopes():
+    def volume(thickness):
+        return contact_of(Layered(thickness, MODULUS, NU), STEEL).steady(F_X).wear_volume
+
+    bad = [1e-5, -1e-5], [0.0, 1e-5], [np.nan, 1e-5], [np.inf, 1e-5]
+    values, slopes = jax.jit(jax.vmap(jax.value_and_grad(volume)))(np.stack([THICKNESS, *bad]))
+    np.testing.assert_allclose(values, [volume(THICKNESS), *[np.nan] * 4], rtol=1e-9)
+    np.testing.assert_allclose(slopes[0], jax.grad(volume)(THICKNESS), rtol=1e-6)
+    assert np.all(np.isnan(slopes[1:]))
 
 
 @pytest.mark.compiled
-def test_a_table_under_steel_is_that_of_rings():
-    depth, modulus = np.array([0.15, 0.4, 1.0, 2.5]) * A, np.array([400e9, 150e9, 300e9, 210e9])
-    cubic = PchipInterpolator(depth, modulus)
-    assert np.max(abs(DepthGraded(depth, modulus, 0.25).modulus_at(np.linspace(0.1, 3.0, 40) * A) / 1e9)) <= 400.0
-    np.testing.assert_allclose(
-        DepthGraded(depth, modulus, 0.25).modulus_at(np.linspace(0.15, 2.5, 40) * A),
-        cubic(np.linspace(0.15, 2.5, 40) * A),
-        rtol=1e-12,
-    )
-    compliance = graded_compliance(
-        lambda z: float(cubic(np.clip(z, depth[0], depth[-1]))), 0.25, depth[-1], list(depth), STEEL
-    )
-    of_rings(compliance, DepthGraded(depth, modulus, 0.25), STEEL, 0.6, 2e-5)
+def test_slopes_by_the_thickness_in_single_precision_and_of_a_list_of_numbers():
+    def slope(layers, force=F_X):
+        by = jax.grad(lambda layers: contact_of(layers, STEEL).steady(force).wear_volume)
+        return by(layers).thickness
+
+    found = slope(jax.tree.map(jnp.float32, LAYERS), jnp.float32(F_X))
+    assert found.dtype == np.float32
+    np.testing.assert_allclose(found, slope(LAYERS), rtol=2e-2)
+
+    def volume(thickness):
+        return contact_of(Layered([thickness, 3e-5], MODULUS, NU), STEEL).steady(F_X).wear_volume
+
+    np.testing.assert_allclose(jax.grad(volume)(2e-5), slope(LAYERS)[0], rtol=1e-12)
+
+
+# --- what is published ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.compiled
@@ -120,40 +257,52 @@ def test_derivatives_are_finite_where_there_is_no_gradient():
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 
-def test_what_is_refused():
-    E = [1e11, 2e11, 3e11]
-    for depth, modulus, told in (
-        ([0.0, 2e-5, 1e-5], E, "depths must increase"),
-        ([0.0, 1e-5, 1e-5, 1e-5], [*E, 1e11], "not three times"),
-        ([0.0, -1e-5, 1e-5], E, r"depth = -1e-05 at index 1 is outside"),
-        ([0.0, np.nan, 1e-5], E, "depth = nan"),
-        ([0.0, 1e-5, 2e-5], [1e11, -1.0, 1e11], "modulus = -1.0"),
-        ([0.0], [1e11], "two points or more"),
-        ([0.0, 1e-5], E, "two points or more"),
-    ):
-        with pytest.raises(ValueError, match=told) as error:
-            DepthGraded(depth, modulus, 0.3)
-        assert "\n" not in str(error.value)
-    for thickness, modulus, told in (
-        ([1e-5], [1e11], r"thickness of shape \(1,\) and modulus of shape \(1,\): there must be one modulus more"),
-        ([[1e-5]], [1e11, 2e11, 3e11], r"shape \(1, 1\) and modulus of shape \(3,\): there must be one modulus more"),
-        (1e-5, [1e11, 2e11], r"thickness of shape \(\) and modulus of shape \(2,\)"),
-        ([], [], r"thickness of shape \(0,\) and modulus of shape \(0,\)"),
-        ([0.0], [1e11, 2e11], r"thickness = 0.0 at index 0 is outside the allowed range > 0 and finite"),
-        ([1e-5, -1e-6], E, r"thickness = -1e-06 at index 1 is outside"),
-        ([np.inf], [1e11, 2e11], r"thickness = inf at index 0 is outside"),
-        ([np.nan], [1e11, 2e11], r"thickness = nan at index 0 is outside"),
-        ([1e-5], [1e11, 0.0], r"modulus = 0.0 at index 1 is outside"),
-    ):
-        with pytest.raises(ValueError, match=told) as error:
-            Layered(thickness, modulus, 0.3)
-        assert "\n" not in str(error.value)
-    with pytest.raises(ValueError, match=r"nu = 0\.6"):
-        Layered([1e-5], [1e11, 2e11], 0.6)
-    with pytest.raises(TypeError, match="thickness takes real numbers"):
-        Layered(["a"], [1e11, 2e11], 0.3)
+E = [1e11, 2e11, 3e11]
+ONE_MORE = "there must be one modulus more"
+
+
+@pytest.mark.parametrize(
+    "make, first, modulus, told",
+    [
+        *(
+            (DepthGraded, *given)
+            for given in (
+                ([0.0, 2e-5, 1e-5], E, "depths must increase"),
+                ([0.0, 1e-5, 1e-5, 1e-5], [*E, 1e11], "not three times"),
+                ([0.0, -1e-5, 1e-5], E, r"depth = -1e-05 at index 1 is outside"),
+                ([0.0, np.nan, 1e-5], E, "depth = nan"),
+                ([0.0, 1e-5, 2e-5], [1e11, -1.0, 1e11], "modulus = -1.0"),
+                ([0.0], [1e11], "two points or more"),
+                ([0.0, 1e-5], E, "two points or more"),
+            )
+        ),
+        *(
+            (Layered, *given)
+            for given in (
+                ([1e-5], [1e11], rf"thickness of shape \(1,\) and modulus of shape \(1,\): {ONE_MORE}"),
+                ([[1e-5]], E, rf"shape \(1, 1\) and modulus of shape \(3,\): {ONE_MORE}"),
+                (1e-5, E[:2], r"thickness of shape \(\) and modulus of shape \(2,\)"),
+                ([], [], r"thickness of shape \(0,\) and modulus of shape \(0,\)"),
+                ([0.0], E[:2], r"thickness = 0.0 at index 0 is outside the allowed range > 0 and finite"),
+                ([1e-5, -1e-6], E, r"thickness = -1e-06 at index 1 is outside"),
+                ([np.inf], E[:2], r"thickness = inf at index 0 is outside"),
+                ([np.nan], E[:2], r"thickness = nan at index 0 is outside"),
+                ([1e-5], [1e11, 0.0], r"modulus = 0.0 at index 1 is outside"),
+                (["a"], E[:2], "thickness takes real numbers"),
+            )
+        ),
+        (functools.partial(Layered, nu=0.6), [1e-5], E[:2], r"nu = 0\.6"),
+    ],
+)
+def test_what_is_refused(make, first, modulus, told):
+    with pytest.raises((TypeError, ValueError), match=told) as error:
+        make(first, modulus, **({} if isinstance(make, functools.partial) else {"nu": 0.3}))
+    assert "\n" not in str(error.value)
+
+
+def test_an_indenter_that_is_none_is_refused():
     with pytest.raises(TypeError, match="takes an Elastic"):
-        FrettingContact(DepthGraded([0.0, 1e-5], [1e11, 2e11], 0.3), RADIUS, FORCE, FRICTION, "rigid")
+        FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, "rigid")  # pyright: ignore[reportArgumentType]
 
 
 def test_closed_forms_pay_nothing_for_numerical_solutions():

@@ -1,11 +1,13 @@
 """The values of an axis as they are written on a command line."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import cases, is_told
 
 from plgwear_jax.catalogue import AXES
 from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
@@ -52,49 +54,14 @@ def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
     np.testing.assert_array_equal(read_axis("phi", "./0:1"), [0.5])
 
 
-FORMS = (
-    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
-)
-
-
-@pytest.mark.parametrize(
-    "name, text, line",
-    [
-        ("k", "0:0.5:0", "k = 0:0.5:0: the count must be a whole number from 1 to 100000000"),
-        ("k", "0:0.5:-3", "k = 0:0.5:-3: the count must be a whole number from 1 to 100000000"),
-        ("k", "0:0.5:2.5", "k = 0:0.5:2.5: the count must be a whole number from 1 to 100000000"),
-        ("k", "0:0.5:1000000000", "k = 0:0.5:1000000000: the count must be a whole number from 1 to 100000000"),
-        ("k", "0:0.5:1", "k = 0:0.5:1: a count of 1 leaves out an end; write a single value as a number"),
-        ("k", "0:0.5", f"k = 0:0.5: {FORMS}"),
-        ("k", "0:0.5:3:log:2", f"k = 0:0.5:3:log:2: {FORMS}"),
-        ("k", "0:nan:3", "k = 0:nan:3: start and stop must be finite numbers"),
-        ("k", "0:x:3", "k = 0:x:3: start and stop must be finite numbers"),
-        ("k", "x:0:3", "k = x:0:3: start and stop must be finite numbers"),
-        ("k", "0:0.5:3:cubic", "k = 0:0.5:3:cubic: the spacing must be one of linear, log, logit"),
-        ("k", "-0.5:0.5:3:log", "k = -0.5:0.5:3:log: with log both ends must be > 0"),
-        ("k", "-1:0.5:3:logit", "k = -1:0.5:3:logit: with logit both ends must be between -1 and 1"),
-        ("phi", "0:0.5:3:logit", "phi = 0:0.5:3:logit: with logit both ends must be between 0 and 1"),
-        ("nu", "0.1:0.4:3:logit", "nu = 0.1:0.4:3:logit: logit is only for k, phi, share"),
-        ("k", "-1:0.5:3", "k = -1.0 at index 0: must be -1 < k < 1"),
-        ("phi", "0:1:3", "phi = 1.0 at index 2: must be 0 <= phi < 1"),
-        ("phi", "nan", "phi = nan: must be 0 <= phi < 1"),
-        ("z0", "0", "z0 = 0.0: must be > 0 and finite"),
-        ("tangential_force", "inf", "tangential_force = inf: must be finite and >= 0"),
-        ("k", "missing.txt", f"k = missing.txt: {FORMS}; there is no such file"),
-        ("k", "", f"k = : {FORMS}; there is no such file"),
-        ("k", "nan.txt", "nan.txt: row 2: k = nan: must be -1 < k < 1"),
-        ("k", "word.txt", "word.txt: row 1: k = soft: must be -1 < k < 1"),
-        ("k", "empty.txt", "empty.txt: holds no values of k; there must be at least one"),
-        ("k", "folder", "folder: is a folder; the values of an axis come from a file, one per line"),
-    ],
-)
-def test_refusals(tmp_path, monkeypatch, name, text, line):
+@cases(Path(__file__).with_name("refused.toml"), "axes")
+def test_refusals(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "nan.txt").write_text("0.1\nnan\n")
     (tmp_path / "word.txt").write_text("soft\n")
     (tmp_path / "empty.txt").write_text("# nothing\n\n")
     (tmp_path / "folder").mkdir()
-    assert complaint(name, text) == line
+    assert is_told(complaint(case["name"], case["text"]), case)
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 import transient_oracle
 from reduced import Reduced, first_rate, unit_of
-from transient_energy import rates_of_marches
 
 from plgwear_jax import fretting
-from plgwear_jax.wear.closed_ring import curves_of, rings_of
+from plgwear_jax.wear.closed_ring import curves_of
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution
 from plgwear_jax.wear.ring_curves import volume_of
-from plgwear_jax.wear.ring_march import marches_of
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
 
@@ -98,14 +96,12 @@ def test_digits_are_kept_over_the_whole_domain():
     final = np.asarray(fretting.wear_volume(k, phi))
     at = np.asarray(unit_of(k, phi)) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
-    finer = MarchResolution(12, 32, 7.0, (3, 4, 5, 6))
-    finest = volumes(finer, k, phi, at)
-    most = np.where(phi > 0.99, 2.5, 1.0) * final
-    worst = {
-        digits: np.max(abs(volumes(resolution, k, phi, at) - finest) / most)
-        for digits, resolution in RESOLUTIONS.items()
-    }
-    assert all(worst[digits] < ERROR[digits] for digits in RESOLUTIONS), worst
+    finest, most = (
+        volumes(MarchResolution(12, 32, 7.0, (3, 4, 5, 6)), k, phi, at),
+        np.where(phi > 0.99, 2.5, 1.0) * final,
+    )
+    for digits, resolution in RESOLUTIONS.items():
+        assert np.max(abs(volumes(resolution, k, phi, at) - finest) / most) < ERROR[digits], digits
 
 
 def test_nothing_is_below_what_it_begins_with():
@@ -124,40 +120,12 @@ def test_nothing_is_below_what_it_begins_with():
 
 def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
     """After n = 0 the share grows by the first rate, 1/unit, also where rounding, on some processors, goes below 0."""
-    k, phi = (
-        np.array([-0.97, -0.97, -0.808, -0.889, -0.647])[:, None],
-        np.array([0.495, 0.535, 0.899, 0.98, 0.98])[:, None],
-    )
+    pairs = np.array([[-0.97, 0.495], [-0.97, 0.535], [-0.808, 0.899], [-0.889, 0.98], [-0.647, 0.98]])
+    k, phi = pairs[:, :1], pairs[:, 1:]
     share = np.zeros((5, 1))
     n, slope = jax.jvp(Reduced(k, phi).n_to, (share,), (np.ones_like(share),))
     assert np.all(n >= 0.0)
     np.testing.assert_allclose(slope, unit_of(k, phi), rtol=1e-6)
-
-
-@long
-def test_errors_fall_with_the_size_of_a_cell():
-    """Without extrapolation as the square, and with that of three marches a thousandth of it is left."""
-    k, phi = np.zeros(1), np.full(1, 0.5)
-    at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
-
-    def share(multiples):
-        return volumes(MarchResolution(8, 12, 4.5, multiples), k, phi, at)
-
-    exact = share((2, 3, 4, 6))
-    one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
-    assert 3.0 < one / two < 6.0
-    assert np.max(np.abs(share((1, 2, 3)) - exact)) < 0.2 * two
-
-
-@pytest.mark.parametrize("i", [1, pytest.param(4, marks=long), pytest.param(0, marks=long)])
-def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
-    """The rate by p (g + h) of the cells, and by the energy of their pressures: the same without extrapolation."""
-    k, phi = float(K[i, 0]), float(PHI[i, 0])
-    rates = rates_of_marches(k, phi, 4)
-    first = float(first_rate(k, phi))
-    assert np.max(np.abs(rates.by_energy - rates.by_pressure)) < ERROR[4] * first
-    # The slope of the volume is known less well than the volume.
-    assert np.max(np.abs(rates.extrapolated - Reduced(k, phi).rate(rates.n))) < 5e-3 * first
 
 
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
@@ -166,70 +134,6 @@ def test_the_rate_goes_on_at_the_last_time_of_the_run():
     last = float(curves.volume.time[-1] * curves.scales.unit) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = np.asarray(Reduced(0.0, 0.8).rate(last))
     np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
-
-
-def test_every_step_fulfils_its_equations():
-    """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
-    resolution = MarchResolution(8, 12, 4.5, (2,))
-    ring, _ = rings_of(resolution, jnp.asarray(0.3), jnp.asarray(0.6))
-    march = jax.jit(marches_of, static_argnums=1)(ring, resolution)
-    A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))
-    for worn, pressure in zip(np.asarray(march.worn), np.asarray(march.pressure), strict=True):
-        rate = np.sum(pressure * gap * np.exp(worn))
-        assert np.sum(pressure * (gap + steady - A @ pressure)) == pytest.approx(rate, rel=1e-6)
-
-
-@long  # compiles for half a minute
-def test_derivatives_are_those_of_differences():
-    _, _, first, unit = of("some")
-    n, weights = 2.2 * unit, np.arange(1.0, 6.0)[:, None]
-
-    def total(k, phi, n):
-        return jnp.sum(Reduced(k, phi).volume(n) * weights)
-
-    by_k, by_phi, by_n = jax.grad(total, (0, 1, 2))(K, PHI, n)
-    for slope, step, moved in ((by_k, 1e-5, lambda h: (K + h, PHI)), (by_phi, 1e-5, lambda h: (K, PHI + h))):
-        ahead, behind = (np.asarray(Reduced(*moved(sign * step)).volume(n)) for sign in (1.0, -1.0))
-        np.testing.assert_allclose(slope, weights * (ahead - behind) / (2 * step), rtol=2e-4, atol=1e-9)
-    # To the rounding of a share of the volume in the same march; the derivatives by k and phi need another.
-    rate = weights * np.asarray(of("some")[0].rate(n))
-    assert np.all(np.abs(jax.grad(total, 2)(K, PHI, n) - rate) < 1e-14 * weights * first)
-    np.testing.assert_allclose(by_n, rate, rtol=1e-7)
-
-
-@compiled
-def test_fields_have_their_limits():
-    run, _, _, unit = of("some")
-    c, outer = np.asarray(fretting.stick_radius(K, PHI)), np.asarray(fretting.worn_radius(K, PHI))
-    r = np.concatenate([c * np.array([0.0, 0.5, 0.9]), c + (outer - c) * np.array([0.1, 0.5, 0.9, 1.2])], axis=1)
-    begin, end = 0.0 * unit, 1e3 * unit
-    depth = np.asarray(run.depth(r, end))
-    np.testing.assert_allclose(depth, fretting.wear_depth(r, K, PHI), atol=1e-7 * depth.max())
-    np.testing.assert_array_equal(run.depth(r, begin), 0.0)
-    np.testing.assert_allclose(run.pressure(r, end), fretting.steady_pressure(r, K, PHI), rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(run.pressure(r, begin), fretting.initial_pressure(r, K), rtol=5e-4, atol=1e-12)
-    assert np.all(np.asarray(run.pressure(r, unit)) >= 0.0)
-    radius = np.asarray(run.radius(np.concatenate([begin, unit, end], axis=1)))
-    np.testing.assert_allclose(radius[:, :1], 1.0, atol=1e-12)
-    np.testing.assert_allclose(radius[:, 2:], outer, rtol=1e-9)
-    assert np.all(np.diff(radius, axis=1) >= 0.0)
-
-
-@compiled
-@pytest.mark.parametrize("part", [0.1, pytest.param(0.5, marks=long), 1.0])
-def test_the_rate_is_that_of_the_pressures_and_of_their_energy(part):
-    """By the pressure times the gap that wear has opened, and by the energy in the one-dimensional picture."""
-    run, final, first, unit = of("some")
-    n = part * unit
-    c, outer = (np.asarray(x)[:, 0] for x in (fretting.stick_radius(K, PHI), run.radius(n)))
-    edges = np.stack([transient_oracle.rings_between(*at) for at in zip(c, outer, strict=True)])
-    r = np.sqrt(0.5 * (edges[:, 1:] + edges[:, :-1]))
-    p, h, rate = (np.asarray(x) for x in (run.pressure(r, n), run.depth(r, n), run.rate(n)))
-    for i in range(5):
-        found = np.array(transient_oracle.rates(float(K[i, 0]), float(PHI[i, 0]), edges[i], p[i], h[i]))
-        np.testing.assert_allclose(found / first[i], np.full(2, rate[i] / first[i]), atol=0.013)
-    missing = np.pi * np.sum(h * np.diff(edges), 1) - np.asarray(run.volume(n))[:, 0]
-    assert np.all(np.abs(missing) < 2e-3 * final[:, 0])
 
 
 @compiled

@@ -7,6 +7,6 @@ text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 from plgwear_jax.plots.figures import section_2, section_3  # noqa: F401  they enter their figures into `FIGURES`
 from plgwear_jax.plots.figures.claims import FIGURES, Claim, PaperFigure, verdict
 from plgwear_jax.plots.figures.pages import contact_sheet, report
-from plgwear_jax.plots.figures.text_numbers import NUMBERS, Asked, numbers
+from plgwear_jax.plots.figures.text_numbers import NUMBERS, TextNumber, numbers
 
-__all__ = ["FIGURES", "NUMBERS", "Asked", "Claim", "PaperFigure", "contact_sheet", "numbers", "report", "verdict"]
+__all__ = ["FIGURES", "NUMBERS", "Claim", "PaperFigure", "TextNumber", "contact_sheet", "numbers", "report", "verdict"]

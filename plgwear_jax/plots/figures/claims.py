@@ -4,6 +4,7 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure, FigureBase
 
@@ -54,6 +55,11 @@ class PaperFigure(NamedTuple):
 
 
 FIGURES: dict[str, PaperFigure] = {}
+
+
+def rising(values: np.ndarray, axis: int = 0) -> bool:
+    """Whether values rise along an axis."""
+    return bool(np.all(np.diff(values, axis=axis) > 0.0))
 
 
 def verdict(claims: Sequence[Claim]) -> str:

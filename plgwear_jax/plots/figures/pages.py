@@ -17,8 +17,8 @@ def report(figures: Sequence[PaperFigure]) -> str:
         "# The figures of the paper, from the library",
         "Written by `plgwear figures`. Each statement of the paper is compared with the result of the library; φ is "
         "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws: Fig. 5 "
-        f"is drawn for z0/a = {_listed(DEPTHS)}, Figs. 8 and 10 for φ = {_listed(AMPLITUDES)}, Fig. 9 for |k| = "
-        f"{_listed((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
+        f"is drawn for z0/a = {_in_a_row(DEPTHS)}, Figs. 8 and 10 for φ = {_in_a_row(AMPLITUDES)}, Fig. 9 for |k| = "
+        f"{_in_a_row((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
         "![All of them](contact-sheet.png)",
     ]
     for figure in figures:
@@ -29,20 +29,20 @@ def report(figures: Sequence[PaperFigure]) -> str:
             f"## {figure.label}: {figure.title}",
             f"![{figure.label}]({figure.stem}.png)",
             f"{notes[0].upper()}{notes[1:]} ([PDF]({figure.stem}.pdf))",
-            _table(("The paper", "The library", ""), rows),
+            _markdown_table(("The paper", "The library", ""), rows),
         ]
     rows = [
         (asked.where, asked.words, asked.printed or "—", f"{numbers()[name]:.8g}") for name, asked in NUMBERS.items()
     ]
-    parts += ["## Numbers", _table(("", "", "The paper", "The library"), rows)]
+    parts += ["## Numbers", _markdown_table(("", "", "The paper", "The library"), rows)]
     return "\n\n".join(parts) + "\n"
 
 
-def _listed(values: Sequence[float]) -> str:
+def _in_a_row(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def _markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
@@ -59,7 +59,7 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
             rows.append([figure])
     heights = [max(figure.size[1] for figure in row) + 0.7 for row in rows]
     with rc_context(STYLE):
-        sheet = page(PAGE, sum(heights), dpi=200)
+        sheet = page(PAGE, sum(heights), dpi=110)
         for part, row in zip(
             sheet.subfigures(len(rows), 1, height_ratios=heights, squeeze=False).flat, rows, strict=True
         ):

@@ -2,13 +2,12 @@
 
 import functools
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import FigureBase
 
-from plgwear_jax import gross_slip
-from plgwear_jax.plots.figures.claims import Claim, of_paper
+from plgwear_jax import gross_slip as laws
+from plgwear_jax.plots.figures.claims import Claim, of_paper, rising
 from plgwear_jax.plots.figures.sketch import (
     ALMOST,
     COLUMN,
@@ -21,19 +20,22 @@ from plgwear_jax.plots.figures.sketch import (
     of_k,
     sketch,
 )
-from plgwear_jax.plots.figures.text_numbers import balance_of, listed, numbers, root, stiffness_of
-from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, legend_above, letters
+from plgwear_jax.plots.figures.text_numbers import OfNumbers, balance_of, listed, numbers, root, stiffness_of
+from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
+
+gross_slip = OfNumbers(laws)
+_OVER_K: Style = {"xlim": (-1.0, 1.0), "xlabel": "exponent $k$", "xticks": (-1.0, -0.5, 0.0, 0.5, 1.0)}
 
 
 def _check_flat() -> list[Claim]:
     r, k = np.linspace(0.0, 0.999, 200), np.array(EXPONENTS)[:, None]
-    pressure = np.asarray(gross_slip.initial_pressure(r, k))
+    pressure = gross_slip.initial_pressure(r, k)
     edge = pressure[:, -1]
     return [
         Claim(
             "the pressure is greatest at the edge, where it is singular, the milder the greater the exponent",
             f"p0 at r = 0.999 a for {listed(edge, '.3g')} F_N0/(π a²)",
-            bool(np.all(np.diff(pressure, axis=1) > 0.0) and np.all(np.diff(edge) < 0.0)),
+            rising(pressure, 1) and rising(-edge),
         )
     ]
 
@@ -47,11 +49,9 @@ def gross_slip_set_up(page: FigureBase) -> None:
     axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
     x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
     for k, style in OF_EXPONENT.items():
-        pressures.plot(
-            [*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=f"initial, {of_k(k)}", **style
-        )
+        pressures.plot([*x, 1.0], [*gross_slip.initial_pressure(x, k), 99.0], label=f"initial, {of_k(k)}", **style)
     for k, words, dashes in ((0.5, r"$k = \pm 0.5$", "-"), (0.0, "$k = 0$", DASHED)):
-        ratio = float(gross_slip.force_ratio(k))
+        ratio = gross_slip.force_ratio(k)
         pressures.plot(
             [0.0, 1.0], [ratio, ratio], color="0.6", linewidth=1.0, linestyle=dashes, label=f"steady, {words}"
         )
@@ -60,7 +60,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
     depth, sides = 0.42, 2.5
     r = np.unique([*np.linspace(0.0, sides, 401), 1.0])
     punch = [(-1.0, depth), (1.0, depth), (1.0, -0.75), (-1.0, -0.75)]
-    surface = depth * np.asarray(gross_slip.initial_displacement(r, 0.3))
+    surface = depth * gross_slip.initial_displacement(r, 0.3)
     sketch(axes, r, surface, punch, depth, (sides, -1.4, 1.55))
     arrow(axes, (0.0, -1.35), (0.0, -0.75), "$F_{N0}$", (0.3, -1.15))
     arrow(axes, (0.0, depth - 0.12), (1.0, depth - 0.12), "$a$", (0.5, depth - 0.24), "<->")
@@ -76,7 +76,7 @@ def _check_punch(k: float) -> list[Claim]:
     surfaces = gross_slip.initial_displacement, gross_slip.steady_displacement
     outside = np.stack([surface(r, np.array([[-0.5], [0.5]])) for surface in surfaces])
     depths = 1.0 - n["edge_stiff"], 1.0 - n["edge_compliant"]
-    (initial, steady), change = outside[:, :, 49], 100.0 * float(gross_slip.volume_change(k))
+    (initial, steady), change = outside[:, :, 49], 100.0 * gross_slip.volume_change(k)
     return [
         Claim(
             "the contact depth becomes larger with the exponent",
@@ -87,12 +87,12 @@ def _check_punch(k: float) -> list[Claim]:
             "the surface displacements decrease with the exponent",
             f"w0 and w∞ at r = 1.5 a fall from {initial[0]:.4f} d and {steady[0]:.4f} d "
             f"to {initial[1]:.4f} d and {steady[1]:.4f} d, and fall at all r from a to 3 a",
-            bool(np.all(outside[:, 1] < outside[:, 0])),
+            rising(-outside, 1),
         ),
         Claim(
             "the worn punch presses uniformly",
             f"p∞ = {n['ratio_graded']:.4f} F_N0/(π a²) at all r < a; shaded: ΔV = {change:.2f} % of π a² d",
-            float(np.ptp(np.asarray(gross_slip.steady_pressure(np.linspace(0.0, 0.99, 12), k)))) == 0.0,
+            not np.ptp(gross_slip.steady_pressure(np.linspace(0.0, 0.99, 12), k)),
         ),
     ]
 
@@ -100,7 +100,7 @@ def _check_punch(k: float) -> list[Claim]:
 def _draw_punch(page: FigureBase, k: float) -> None:
     axes, top = page.subplots(), -0.32
     inside, outside = np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3 * 1.05
-    worn = np.asarray(gross_slip.steady_displacement(inside, k))
+    worn = gross_slip.steady_displacement(inside, k)
     axes.fill_between(inside, top, worn, facecolor="0.93", zorder=0)
     axes.fill_between(inside, worn, 1.0, **WORN | {"zorder": 1, "label": r"worn, $\Delta V$"})
     axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8)
@@ -131,7 +131,7 @@ def punch_on_compliant_surface(page: FigureBase) -> None:
 
 def _check_change() -> list[Claim]:
     k, most = numbers()["best_k"], 100.0 * numbers()["best_change"]
-    ends = [float(gross_slip.volume_change(end)) for end in (-ALMOST, ALMOST)]
+    ends = [gross_slip.volume_change(end) for end in (-ALMOST, ALMOST)]
     return [
         Claim("its maximum is at k = 0.169", f"k = {k:.6f}", round(k, 3) == 0.169),
         Claim("it is 15.5 % there", f"{most:.4f} %", round(most, 1) == 15.5),
@@ -149,23 +149,22 @@ def effective_volume_change(page: FigureBase) -> None:
     axes = page.subplots()
     k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 401)) * ALMOST
     best, most = numbers()["best_k"], 100.0 * numbers()["best_change"]
-    axes.plot(k, 100.0 * np.asarray(gross_slip.volume_change(k)), **BEST)
+    axes.plot(k, 100.0 * gross_slip.volume_change(k), **BEST)
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
     axes.plot(best, most, "o", color=ORANGE, markersize=4.0)
     axes.text(best, most + 0.6, f"{most:.1f} % at $k = {best:.3f}$", ha="center")
-    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0), xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
-    axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
+    axes.set(ylim=(0.0, 18.0), ylabel=r"$\Delta V/(\pi a^2 d)$ (%)", **_OVER_K)
 
 
 def _check_forces() -> list[Claim]:
-    ratio = np.asarray(gross_slip.force_ratio(np.linspace(-ALMOST, ALMOST, 4001)))
-    even = float(np.max(np.abs(ratio - ratio[::-1])))
-    holl, half = ([float(stiffness_of(k, nu)) for k in (-ALMOST, ALMOST)] for nu in ("holl", 0.5))
+    ratio = gross_slip.force_ratio(np.linspace(-ALMOST, ALMOST, 4001))
+    even = np.max(np.abs(ratio - ratio[::-1]))
+    holl, half = (stiffness_of(np.array([-ALMOST, ALMOST]), nu) for nu in ("holl", 0.5))
     return [
         Claim(
             "the normal force decreases, whatever the characteristic depth (Eq. (10) is less than 1)",
             f"F_N∞/F_N0 is from {ratio.min():.6f} (π/4, at k = 0) to 1 (as |k| → 1), and z0 cancels",
-            bool(np.all(ratio < 1.0)),
+            ratio.max() < 1.0,
         ),
         Claim("the ratio is an even function of k", f"F_N∞/F_N0(k) − F_N∞/F_N0(−k) ≤ {even:.0e}", even < 1e-14),
         Claim(
@@ -186,7 +185,7 @@ def normal_forces(page: FigureBase) -> None:
     """
     panels = page.subplots(1, 2, sharey=True)
     k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 241)) * ALMOST
-    ratio = np.asarray(gross_slip.force_ratio(k))
+    ratio = gross_slip.force_ratio(k)
     for axes, nu in zip(panels, ("admissible", "holl"), strict=True):
         for depth, colour in zip(DEPTHS, (BLUE, "k", ORANGE), strict=True):
             initial = stiffness_of(k, nu) * depth**-k
@@ -194,9 +193,9 @@ def normal_forces(page: FigureBase) -> None:
             axes.plot(k, initial * ratio, color=colour, linestyle=DASHED, label=f"steady, $z_0/a = {depth:g}$")
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
-        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$", xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
+        axes.set(ylim=(0.0, 4.0), **_OVER_K)
     panels[0].set_ylabel("$F_N/(2 E_0 d a)$")
-    page.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    legend_above(page, panels[0], 3)
     letters(panels, (r"$\nu = 1/(2+k)$, at most $1/2$", r"$\nu = 1/(2+k)$, formally for all $k$"))
 
 
@@ -220,7 +219,7 @@ def _check_tendencies() -> list[Claim]:
          f"everywhere but for k < {even:.3f} and z0 up to at most {right.max():.2f} a"),
     )  # fmt: skip
     return [
-        Claim(f"F_N {way} for {where} and {depth}", found, bool(np.all(agrees)), bool(np.all(in_part)))
+        Claim(f"F_N {way} for {where} and {depth}", found, bool(agrees.all()), bool(in_part.all()))
         for way, where, depth, agrees, in_part, found in rows
     ]
 
@@ -232,9 +231,9 @@ def force_tendencies(page: FigureBase) -> None:
     Poisson's ratio is 1/2 for k < 0 and Holl's for k > 0. The arrows are those of the table.
     """
     axes, low, high = page.subplots(), 0.03, 30.0
-    up: dict[str, Any] = {"facecolor": "#FBE3C8", "label": "greater than at $k=0$"}
-    down: dict[str, Any] = {"facecolor": "#D6E8F3", "label": "smaller than at $k=0$"}
-    wrong: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.45", "hatch": r"\\\\", "label": "not as in Table 1"}
+    up: Style = {"facecolor": "#FBE3C8", "label": "greater than at $k=0$"}
+    down: Style = {"facecolor": "#D6E8F3", "label": "smaller than at $k=0$"}
+    wrong: Style = {"facecolor": "none", "edgecolor": "0.45", "hatch": r"\\\\", "label": "not as in Table 1"}
     for sign, above, below in ((-1.0, up, down), (1.0, down, up)):
         k = sign * np.sin(np.linspace(1e-4, 0.5 * np.pi - 1e-3, 401))
         edge = np.clip(balance_of(k, _LAW), low, high)
@@ -247,6 +246,5 @@ def force_tendencies(page: FigureBase) -> None:
     for x, y, way in ((-0.5, 0.45, "down"), (-0.42, 10.0, "up"), (0.32, 0.12, "up"), (0.5, 6.0, "down")):
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
     page.legend(handles=axes.collections[:3], loc="outside upper center", ncols=2, title="initial normal force $F_N$")
-    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$")
-    axes.set(xticks=(-1.0, -0.5, 0.0, 0.5, 1.0), ylabel="characteristic depth $z_0/a$")
+    axes.set(yscale="log", ylim=(low, high), ylabel="characteristic depth $z_0/a$", **_OVER_K)
     axes.yaxis.set_major_formatter("{x:g}")

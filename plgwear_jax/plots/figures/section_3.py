@@ -1,6 +1,5 @@
 """Section 3 of the paper: fretting."""
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -8,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
-from plgwear_jax import fretting
-from plgwear_jax.plots.figures.claims import Claim, of_paper
+from plgwear_jax import fretting as laws
+from plgwear_jax.plots.figures.claims import Claim, of_paper, rising
 from plgwear_jax.plots.figures.sketch import (
     AMPLITUDES,
     COLUMN,
@@ -23,15 +22,16 @@ from plgwear_jax.plots.figures.sketch import (
     of_k,
     sketch,
 )
-from plgwear_jax.plots.figures.text_numbers import listed, modulus_factor, numbers
-from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, legend_above, letters
+from plgwear_jax.plots.figures.text_numbers import OfNumbers, listed, modulus_factor, numbers
+from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, Style, legend_above, letters
 
+fretting = OfNumbers(laws)
 _K, _PHI = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
-_THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
+_THIN: Style = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
 _AMPLITUDE = r"amplitude $F_x/(\mu F_N)$"
 
 
-def _rows(values: np.ndarray, form: str) -> str:
+def _by_amplitude(values: np.ndarray, form: str) -> str:
     """Values at all pairs of k, along the columns, and φ."""
     rows = (", ".join(format(x, form) for x in row) for row in values)
     told = "; ".join(f"{row} at φ = {phi:g}" for row, phi in zip(rows, AMPLITUDES, strict=True))
@@ -39,12 +39,12 @@ def _rows(values: np.ndarray, form: str) -> str:
 
 
 def _radii() -> tuple[np.ndarray, np.ndarray]:
-    return np.asarray(fretting.stick_radius(_K, _PHI)), np.asarray(fretting.worn_radius(_K, _PHI))
+    return fretting.stick_radius(_K, _PHI), fretting.worn_radius(_K, _PHI)
 
 
 def _check_paraboloid() -> list[Claim]:
     stick, edge = _radii()
-    inside = np.asarray(fretting.wear_depth(np.linspace(0.0, 1.0, 50)[:, None, None] * stick, _K, _PHI))
+    inside = fretting.wear_depth(np.linspace(0.0, 1.0, 50)[:, None, None] * stick, _K, _PHI)
     return [
         Claim(
             "in the stick area the final profile coincides with the initial one; around it is a worn ring",
@@ -60,26 +60,26 @@ def fretting_set_up(page: FigureBase) -> None:
     panels = page.subplots(1, 2)
     k, height, sides = 0.3, 0.62, 2.35
     r = np.linspace(0.0, 1.0, 301) ** 2 * sides
-    stick, edge, deep = float(fretting.stick_radius(k, 0.7)), 1.0, 0.0
+    stick, edge, deep = fretting.stick_radius(k, 0.7), 1.0, 0.0
     for axes, phi, surface, index in zip(
         panels, (0.0, 0.7), (fretting.initial_displacement(r, k), fretting.steady_displacement(r, k, 0.7)),
         ("0", r"\infty"), strict=True,
     ):  # fmt: skip
-        deep, edge = height * float(fretting.penetration(k, phi)), float(fretting.worn_radius(k, phi))
-        profile = deep - height * np.asarray(fretting.profile(r, k, phi))
+        deep, edge = height * fretting.penetration(k, phi), fretting.worn_radius(k, phi)
+        profile = deep - height * fretting.profile(r, k, phi)
         right = [*zip(r[profile > -0.55], profile[profile > -0.55], strict=True)]
         right.append((right[-1][0], -0.62))
         body = [*right, *((-x, z) for x, z in reversed(right))]
-        sketch(axes, r, height * np.asarray(surface), body, deep, (sides, -1.15, 1.3))
+        sketch(axes, r, height * surface, body, deep, (sides, -1.15, 1.3))
         arrow(axes, (0.0, -1.1), (0.0, -0.62), "$F_N$", (0.25, -0.95))
         arrow(axes, (-0.55, -0.42), (0.55, -0.42), "$F_x$", (0.75, -0.42), "<|-|>")
         for level, radius, words in ((deep + 0.14, stick, "$c$"), (deep + 0.42, edge, f"$a_{index}$")):
-            start = deep - height * float(fretting.profile(radius, k, phi))
+            start = deep - height * fretting.profile(radius, k, phi)
             axes.vlines(radius, start, level + 0.06, color="0.2", linewidth=0.5, zorder=5)
             arrow(axes, (0.0, level), (radius, level), words, (0.5 * radius, level + 0.12), "<->")
         arrow(axes, (-1.75, 0.0), (-1.75, deep), f"$d_{index}$", (-1.55, 0.6 * deep), "<->")
     ring = np.linspace(stick, edge, 101)
-    unworn, worn = (deep - height * z for z in (0.5 * ring**2, np.asarray(fretting.profile(ring, k, 0.7))))
+    unworn, worn = (deep - height * z for z in (0.5 * ring**2, fretting.profile(ring, k, 0.7)))
     for side in (-1.0, 1.0):
         panels[1].plot(side * ring, unworn, color="k", linewidth=0.7, linestyle=DASHED, zorder=5)
         panels[1].fill_between(side * ring, unworn, worn, **WORN)
@@ -88,21 +88,21 @@ def fretting_set_up(page: FigureBase) -> None:
 
 def _check_radii() -> list[Claim]:
     n, phi = numbers(), np.concatenate([np.geomspace(1e-6, 0.01, 40), np.linspace(0.02, 0.98, 97)])
-    inner, outer = (np.asarray(radius(_K[:, None], phi)) for radius in (fretting.stick_radius, fretting.worn_radius))
+    inner, outer = fretting.stick_radius(_K[:, None], phi), fretting.worn_radius(_K[:, None], phi)
     crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
     half = int(np.flatnonzero(np.isclose(phi, 0.5))[0])
     return [
         Claim(
             "the larger the exponent the larger the stick radius c",
             f"at φ = 0.5 and {listed(inner[:, half], '.4f', 'c = ')} a0",
-            bool(np.all(np.diff(inner, axis=0) > 0.0)),
+            rising(inner),
         ),
         Claim(
             "the larger the exponent the smaller the outer radius a∞",
             f"at φ = 0.5 and {listed(outer[:, half], '.4f', 'a∞ = ')} a0; it holds below φ = {min(crossings):.5f}, "
             f"the opposite above {max(crossings):.5f}, close to gross slip",
             False,
-            bool(np.all(np.diff(outer, axis=0) < 0.0)),
+            rising(-outer),
         ),
     ]
 
@@ -113,8 +113,8 @@ def edge_radii(page: FigureBase) -> None:
     axes = page.subplots()
     phi = 1.0 - np.linspace(1.0, 0.03, 241) ** 2
     for k, style in OF_EXPONENT.items():
-        axes.plot(phi, np.asarray(fretting.worn_radius(k, phi)), label=of_k(k), **style)
-        axes.plot([*phi, 1.0], [*np.asarray(fretting.stick_radius(k, phi)), 0.0], **style)
+        axes.plot(phi, fretting.worn_radius(k, phi), label=of_k(k), **style)
+        axes.plot([*phi, 1.0], [*fretting.stick_radius(k, phi), 0.0], **style)
     axes.axhline(1.0, **GUIDE)
     axes.text(0.66, 1.92, r"$a_\infty/a_0$", ha="right", fontsize=9)
     axes.text(0.66, 0.52, "$c/a_0$", ha="right", fontsize=9)
@@ -149,28 +149,32 @@ def gradients_of_equal_contact(page: FigureBase) -> None:
 
 def _check_profiles() -> list[Claim]:
     (inner, outer), n = _radii(), numbers()
-    area, deepest = outer**2 - inner**2, np.asarray(fretting.deepest_wear(_K, _PHI))
-    bend, volume = 8.0 * deepest / (outer - inner) ** 2, np.asarray(fretting.wear_volume(_K, _PHI))
+    area, deepest = outer**2 - inner**2, fretting.deepest_wear(_K, _PHI)
+    bend, volume = 8.0 * deepest / (outer - inner) ** 2, fretting.wear_volume(_K, _PHI)
     ends = max(n["turn_stiff"], n["turn_compliant"]), min(n["return_stiff"], n["return_compliant"])
     told = f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}"
     rows = (
-        ("in all cases the wear volume grows with the amplitude", f"ΔV in a0⁴/R {_rows(volume, '.4f')}", volume.T),
+        (
+            "in all cases the wear volume grows with the amplitude",
+            f"ΔV in a0⁴/R {_by_amplitude(volume, '.4f')}",
+            volume.T,
+        ),
         (
             "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
             told,
             -volume,
         ),
-        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_rows(area, '.4f')}", -area),
+        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_by_amplitude(area, '.4f')}", -area),
         (
             "the amount of curvature of the worn area increases with the exponent",
-            f"8 (deepest wear)/(a∞ − c)² in 1/R {_rows(bend, '.3f')}",
+            f"8 (deepest wear)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
             bend,
         ),
     )
-    return [Claim(said, found, bool(np.all(np.diff(rising, axis=1) > 0.0))) for said, found, rising in rows]
+    return [Claim(said, found, rising(grows, 1)) for said, found, grows in rows]
 
 
-def _draw_column(page: FigureBase, draw: Callable[[Axes, float, float, dict[str, Any]], None], **frame: Any) -> None:
+def _draw_column(page: FigureBase, draw: Callable[[Axes, float, float, Style], None], **frame: Any) -> None:
     """A column of panels, one for each exponent, with what is drawn for each amplitude, and one legend."""
     panels = page.subplots(3, 1, sharex=True, sharey=True)
     for k, axes in zip(EXPONENTS, panels, strict=True):
@@ -190,13 +194,13 @@ def limiting_profiles(page: FigureBase) -> None:
     """
     r = np.linspace(0.0, 2.0, 401)
 
-    def draw(axes: Axes, k: float, phi: float, style: dict[str, Any]) -> None:
+    def draw(axes: Axes, k: float, phi: float, style: Style) -> None:
         if phi == AMPLITUDES[0]:
             axes.plot(r, 0.5 * r**2, **_THIN)
         ends = np.array([fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)])
         # dense close to the stick edge, where the profile rises like a power of the distance
         ring = ends[0] + np.ptp(ends) * np.linspace(0.0, 1.0, 201) ** 3
-        axes.plot(ring, np.asarray(fretting.profile(ring, k, phi)), **style)
+        axes.plot(ring, fretting.profile(ring, k, phi), **style)
         axes.plot(ends, 0.5 * ends**2, ".", color=style["color"], markersize=4.0)
 
     _draw_column(page, draw, xlim=(0.0, 2.0), ylim=(0.0, 1.6), ylabel=r"$f_\infty\, R/a_0^2$")
@@ -205,7 +209,7 @@ def limiting_profiles(page: FigureBase) -> None:
 def _check_volumes() -> list[Claim]:
     n = numbers()
     pair = n["turn_widest"], n["turn_pair"], n["turn"]
-    large = np.asarray(fretting.wear_volume(_K[:, None], np.linspace(0.3, 0.99, 139)))
+    large = fretting.wear_volume(_K[:, None], np.linspace(0.3, 0.99, 139))
     again = n["return_pair"], n["return_compliant"]
     return [
         Claim(
@@ -226,7 +230,7 @@ def _check_volumes() -> list[Claim]:
             f"of k = −0.5, 0 and 0.5 the last wears least from φ = {n['turn_compliant']:.4f} to {min(again):.4f}, "
             f"and most from {max(again):.4f} on, close to gross slip",
             False,
-            bool(np.all(np.diff(large, axis=0) < 0.0)),
+            rising(-large),
         ),
     ]
 
@@ -243,9 +247,9 @@ def wear_volumes(page: FigureBase) -> None:
     for k in (*(-k for k in PAIRS[::-1]), 0.0, *PAIRS):
         style = {"color": ORANGE if k < 0.0 else BLUE if k else "k", "linestyle": DASHED if k < 0.0 else "-"}
         style["linewidth"] = 0.7 + 1.4 * abs(k)
-        whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=of_k(k), **style)
+        whole.plot(phi, fretting.wear_volume(k, phi), label=of_k(k), **style)
         for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
-            axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)
+            axes.plot(x, fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some), **style)
     turn, ratio = numbers()["turn"], r"wear volume $\Delta V/\Delta V(k=0)$"
     low.axvline(turn, **GUIDE)
     low.text(turn, 1.95, f" {turn:.3f}: $\\pm k$ cross,\n as $k \\to 0$", va="top", fontsize=7)
@@ -262,14 +266,14 @@ def _check_pressures() -> list[Claim]:
     stick = _radii()[0]
     near, phi = np.array([1e-10, 1e-11])[:, None] * stick[1], AMPLITUDES[1]
     fields = fretting.edge_pressure(near, _K, phi), fretting.steady_traction(stick[1] - near, _K, phi)
-    orders = [np.diff(np.log(np.asarray(field)), axis=0)[0] / math.log(10.0) for field in fields]
+    orders = [np.diff(np.log10(field), axis=0)[0] for field in fields]
     told = ["; ".join(f"{x:.3f}" for x in order) for order in orders]
-    mild = [bool(np.all(np.diff(x) < 0.0) and np.allclose(x, 0.5 * (1.0 - _K), atol=1e-3)) for x in orders]
+    mild = [rising(-x) and np.allclose(x, 0.5 * (1.0 - _K), atol=1e-3) for x in orders]
     return [
         Claim(
             "the stick radius grows with the exponent, which means a lower mean pressure",
-            f"F_N/(π c²) over F_N/(π a0²) {_rows(1.0 / stick**2, '.3f')}",
-            bool(np.all(np.diff(stick, axis=1) > 0.0)),
+            f"F_N/(π c²) over F_N/(π a0²) {_by_amplitude(1.0 / stick**2, '.3f')}",
+            rising(stick, 1),
         ),
         Claim(
             "the stress singularity becomes milder with the exponent",
@@ -292,12 +296,12 @@ def worn_pressures(page: FigureBase) -> None:
     """
     r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
 
-    def draw(axes: Axes, k: float, phi: float, style: dict[str, Any]) -> None:
+    def draw(axes: Axes, k: float, phi: float, style: Style) -> None:
         if phi == AMPLITUDES[0]:
-            axes.plot(r, np.asarray(fretting.initial_pressure(r, k)), **_THIN)
-        stick = float(fretting.stick_radius(k, phi))
+            axes.plot(r, fretting.initial_pressure(r, k), **_THIN)
+        stick = fretting.stick_radius(k, phi)
         inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
-        axes.plot(inside, np.asarray(fretting.steady_pressure(inside, k, phi)), **style)
+        axes.plot(inside, fretting.steady_pressure(inside, k, phi), **style)
         axes.axvline(stick, **GUIDE | {"color": style["color"]})
 
     _draw_column(page, draw, xlim=(0.0, 1.05), ylim=(0.0, 5.0), ylabel=r"$p_\infty\, \pi a_0^2/F_N$")

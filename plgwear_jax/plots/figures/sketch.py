@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE
+from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, Style
 
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 EXPONENTS = (-0.5, 0.0, 0.5)
@@ -16,17 +16,17 @@ PAIRS = (0.2, 0.5, 0.8)  # abs(k) in Fig. 9
 ALMOST = 1.0 - 1e-9
 
 # Orange is k < 0, which is red in the paper, and blue k > 0.
-OF_EXPONENT: dict[float, dict[str, Any]] = {
+OF_EXPONENT: dict[float, Style] = {
     -0.5: {"color": ORANGE, "linestyle": DASHED},
     0.0: {"color": "k", "linestyle": DASH_DOT, "linewidth": 1.1},
     0.5: {"color": BLUE},
 }
-OF_AMPLITUDE: dict[float, dict[str, Any]] = {
+OF_AMPLITUDE: dict[float, Style] = {
     phi: {"color": colour, "linestyle": dashes, "label": rf"$F_x/(\mu F_N) = {phi:g}$"}
     for phi, colour, dashes in zip(AMPLITUDES, (GREEN, "#E69F00", "#AA4499"), ("-", DASHED, DASH_DOT), strict=True)
 }
-WORN: dict[str, Any] = {"facecolor": "#BFDDEE", "edgecolor": BLUE, "hatch": "////", "linewidth": 0.0, "zorder": 3.5}
-_THIN: dict[str, Any] = {"color": "0.3", "linewidth": 0.7, "zorder": 5}
+WORN: Style = {"facecolor": "#BFDDEE", "edgecolor": BLUE, "hatch": "////", "linewidth": 0.0, "zorder": 3.5}
+_THIN: Style = {"color": "0.3", "linewidth": 0.7, "zorder": 5}
 
 
 def of_k(k: float) -> str:
@@ -44,7 +44,7 @@ def sketch(axes: Axes, r: np.ndarray, surface: np.ndarray, body: Any, depth: flo
     x, z = np.concatenate([-r[::-1], r]), np.concatenate([surface[::-1], surface])
     ground = Polygon([*zip(x, z, strict=True), (sides, bottom), (-sides, bottom)], facecolor="none")
     axes.add_patch(ground)
-    shade, extent = np.sqrt(np.linspace(0.0, 1.0, 256))[:, None], (-sides, sides, bottom, float(z.min()))
+    shade, extent = np.sqrt(np.linspace(0.0, 1.0, 256))[:, None], (-sides, sides, bottom, z.min())
     image = axes.imshow(shade, cmap="Blues", vmin=-0.25, vmax=2.2, extent=extent, aspect="auto", zorder=0)
     image.set_clip_path(ground)
     axes.plot(x, z, color=BLUE, zorder=4)

@@ -13,13 +13,24 @@ from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.plots.figures.sketch import ALMOST, EXPONENTS
 
 
+class OfNumbers:
+    """A room of dimensionless functions, whose results are here numbers and arrays of NumPy."""
+
+    def __init__(self, room: Any):
+        self.room = room
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        function = getattr(self.room, name)
+        return lambda *at: np.asarray(function(*at))[()]
+
+
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
     """The root of a function between two places, to rounding."""
     found: Any = optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)
     return float(found)
 
 
-def _crossing(quantity: Callable[..., Any], one: float, other: float, lower: float, upper: float) -> float:
+def _equal_at(quantity: Callable[..., Any], one: float, other: float, lower: float, upper: float) -> float:
     """The amplitude between two at which a quantity is the same for both exponents."""
     return root(lambda phi: np.log(quantity(one, phi)) - np.log(quantity(other, phi)), lower, upper)
 
@@ -53,7 +64,7 @@ def listed(values: Any, form: str, name: str = "") -> str:
     return f"k = −0.5, 0, 0.5: {name}{', '.join(format(x, form) for x in values)}"
 
 
-class Asked(NamedTuple):
+class TextNumber(NamedTuple):
     """A number of the paper's text, or one that the text leaves open."""
 
     words: str
@@ -70,10 +81,10 @@ _CROSSINGS = {
 _DRAWN = "pair", "stiff", "compliant"
 
 
-def _rows_of_table() -> Iterator[tuple[str, Asked]]:
+def _rows_of_table() -> Iterator[tuple[str, TextNumber]]:
     for line in _TABLE.strip().splitlines():
         name, words, where, printed = re.split("  +", line.strip())
-        yield name, Asked(words, where, printed.strip("-"))
+        yield name, TextNumber(words, where, printed.strip("-"))
     for stem, what, how, where, printed, names in (
         ("turn", "those", "cross", "Fig. 9", "about 20 %", [*_CROSSINGS]),
         ("return", "those", "cross again", "Fig. 9", "not mentioned", _DRAWN),
@@ -81,7 +92,7 @@ def _rows_of_table() -> Iterator[tuple[str, Asked]]:
     ):
         for name in names:
             one, other = (f"{k:g}".replace("-", "−") for k in _CROSSINGS[name])
-            yield f"{stem}_{name}", Asked(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
+            yield f"{stem}_{name}", TextNumber(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
 
 
 # Names, what they are, where the paper has them, and what it prints; columns are set off by two spaces.
@@ -106,7 +117,7 @@ _TABLE = """
     modulus_compliant  factor of E0 itself, k = 0.5, Holl's ratio in both  Eq. (27)  -
     turn  φ at which the wear volumes of −k and k cross, k → 0  Fig. 9  about 20 %
 """
-NUMBERS: Mapping[str, Asked] = dict(_rows_of_table())
+NUMBERS: Mapping[str, TextNumber] = dict(_rows_of_table())
 
 
 @functools.cache
@@ -132,8 +143,8 @@ def numbers() -> Mapping[str, float]:
         factors[0] * plane[0] / plane[1],
         factors[1] * plane[2] / plane[1],
         root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        *(_crossing(fretting.wear_volume, *_CROSSINGS[name], 0.05, 0.5) for name in _CROSSINGS),
-        *(_crossing(fretting.wear_volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN),
-        *(_crossing(fretting.worn_radius, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN),
+        *(_equal_at(fretting.wear_volume, *_CROSSINGS[name], 0.05, 0.5) for name in _CROSSINGS),
+        *(_equal_at(fretting.wear_volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN),
+        *(_equal_at(fretting.worn_radius, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN),
     ]
     return dict(zip(NUMBERS, map(float, values), strict=True))

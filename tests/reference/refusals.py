@@ -1,0 +1,19 @@
+"""Cases of bad input from TOML files: each has the line with which it is refused."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+def cases(file: str | Path, kind: str) -> Any:
+    """A decorator that gives a test the cases of a kind, one by one, as the argument `case`."""
+    found = tomllib.loads(Path(file).read_text("utf-8"))[kind]
+    return pytest.mark.parametrize("case", found, ids=[case["line"][:60] for case in found])
+
+
+def is_told(line: str, case: dict[str, Any], file: str = "") -> bool:
+    """Whether a line is that of the case, after the name of a file; "…" at its end stands for anything."""
+    expected = f"{file}: {case['line']}" if file else case["line"]
+    return line == expected or (expected.endswith("…") and line.startswith(expected[:-1]))
