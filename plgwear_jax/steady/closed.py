@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 from jax import Array
@@ -16,7 +16,9 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
+
+if TYPE_CHECKING:
+    from plgwear_jax.stresses.field import Pressed
 
 
 class ClosedSteady(Steady):
@@ -185,7 +187,9 @@ class ClosedSteady(Steady):
         return value + 0.0 * self._radius
 
     @property
-    def pressed(self) -> Pressed:
+    def _pressed(self) -> "Pressed":
+        from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
+
         shape = jnp.shape(self._of_each_contact(self.amplitude))
         k, phi, mean = (
             jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self.k), self.amplitude, self.mean_pressure)

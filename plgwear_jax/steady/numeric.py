@@ -444,7 +444,7 @@ class NumericSteady(Steady):
         refuse_tension(self._solution, worn=True)
 
     @property
-    def pressed(self) -> Pressed:
+    def _pressed(self) -> Pressed:
         state, material = self._solution, self.contact.material
         own, stuck, flat = _each_state(("strips_of", self._effort), state)
         if isinstance(material, PowerLawGraded):
