@@ -25,6 +25,7 @@ PROGRAMS = {  # with the tables of each
     "numeric": "surfaces random_contacts",
     "cycles": "transient rigs",
     "coatings": "rule pairs",
+    "stresses": "stresses",
     "sweep": "sweep",
 }
 TABLES = {table: program for program, tables in PROGRAMS.items() for table in tables.split()}

@@ -50,8 +50,8 @@ def solve(
     shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
     if picture is not None and given.load is not None:
-        contact, load = given.build_contact(), given.load
-        report.draw("stress_picture", contact.steady(load.largest, digits=digits))
+        contact: Any = given.build_contact()
+        report.draw("stress_picture", contact.steady(given.load.largest, digits=digits))
     report.end()
 
 

@@ -57,7 +57,9 @@ def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...
     if whole == ():
         return function(states, *more)
     if 0 in whole:
-        return jnp.zeros(whole, dtype)
+        about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), states)
+        found = jax.eval_shape(function, about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
+        return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
     rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
 

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 from jax import Array
@@ -16,7 +16,9 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.stresses.field import INSIDE, Pressed, ended
+
+if TYPE_CHECKING:
+    from plgwear_jax.stresses.field import Pressed
 
 
 class ClosedSteady(Steady):
@@ -185,17 +187,21 @@ class ClosedSteady(Steady):
         return value + 0.0 * self._radius
 
     @property
-    def pressed(self) -> Pressed:
+    def _pressed(self) -> "Pressed":
+        from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
+
         shape = jnp.shape(self._of_each_contact(self.amplitude))
-        k, phi, mean = (jnp.broadcast_to(x, shape)[..., None] for x in (self.k, self.amplitude, self.mean_pressure))
+        k, phi, mean = (
+            jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self.k), self.amplitude, self.mean_pressure)
+        )
         stick, s, inside = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k, jnp.asarray(INSIDE)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
         own = mean * gamma(2.0 + s) / gamma(1.5 + s) * math.pi**-0.5 * jnp.exp((0.5 + s) * jnp.log(inside))
         flat = mean * phi / (stick * stick) * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5
         flat = ended(flat * jnp.exp((s - 0.5) * jnp.log(inside)), s[..., 0] - 0.5, singular=True)
         own, share = ended(own, s[..., 0] + 0.5), (1.0 - phi) / (stick * stick)
-        material = self.contact.material
-        given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, material.nu
+        nu = poisson_ratio_of(self.contact.material)
+        given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)
         return Pressed(force, radius, stick, friction, own, share * own, flat, nu, (k[..., 0],))
 

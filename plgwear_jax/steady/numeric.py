@@ -21,7 +21,7 @@ from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
-from plgwear_jax.stresses.field import INSIDE, Pressed, ended
+from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
@@ -444,15 +444,15 @@ class NumericSteady(Steady):
         refuse_tension(self._solution, worn=True)
 
     @property
-    def pressed(self) -> Pressed:
+    def _pressed(self) -> Pressed:
         state, material = self._solution, self.contact.material
         own, stuck, flat = _each_state(("strips_of", self._effort), state)
         if isinstance(material, PowerLawGraded):
-            body = (jnp.broadcast_to(material.k, state.shape),)
+            body = (jnp.broadcast_to(jnp.asarray(material.k), state.shape),)
         else:
             arrays = material.arrays()
             body = tuple(jnp.broadcast_to(x, (*state.shape, x.shape[-1])) for x in arrays)
-        a_0, nu = jnp.exp(state.unworn.log_c), jnp.broadcast_to(material.nu, state.shape)
+        a_0, nu = jnp.exp(state.unworn.log_c), jnp.broadcast_to(poisson_ratio_of(material), state.shape)
         return Pressed(state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, nu, body)
 
     # --- functions of the radius ------------------------------------------------------------------------------------

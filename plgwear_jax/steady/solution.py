@@ -1,7 +1,7 @@
 """Objects that hold a question and its solution, which is computed when a result is first read."""
 
 import abc
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import jax
 import jax.numpy as jnp
@@ -13,8 +13,10 @@ from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
 from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of, check_arguments
-from plgwear_jax.steady.stressed import peak_stress_of, stresses_of
-from plgwear_jax.stresses.field import Pressed, Stress
+
+if TYPE_CHECKING:
+    from plgwear_jax.stresses.field import Pressed, Stress
+    from plgwear_jax.stresses.peaks import Peak
 
 
 class Solution:
@@ -323,7 +325,7 @@ class Steady(Solution, abc.ABC):
 
     # --- stresses -----------------------------------------------------------------------------------------------------
 
-    def stress(self, x: ArrayLike, z: ArrayLike, *, worn: bool = False) -> Stress:
+    def stress(self, x: ArrayLike, z: ArrayLike, *, worn: bool = False) -> "Stress":
         """Stresses in Pa in the plane of the motion, under the largest tangential force.
 
         Args:
@@ -333,6 +335,8 @@ class Steady(Solution, abc.ABC):
 
         A grid is fast as x of shape (n,) and z of shape (m, 1).
         """
+        from plgwear_jax.steady.stressed import stresses_of  # imported by the first contact that needs it
+
         if worn:
             self._check_worn()
         return stresses_of(self, *self._places(x, z), worn)
@@ -348,27 +352,32 @@ class Steady(Solution, abc.ABC):
     @property
     def peak_tension(self) -> Array:
         """Largest principal stress anywhere before any wear in Pa; infinite where the surface modulus is (k < 0)."""
-        return peak_stress_of(self, "principal").value
+        return self._peak("principal").value
 
     @property
     def peak_mises(self) -> Array:
         """Largest von Mises stress anywhere before any wear in Pa; infinite like `peak_tension`."""
-        return peak_stress_of(self, "mises").value
+        return self._peak("mises").value
 
     @property
     def peak_tension_at(self) -> tuple[Array, Array]:
         """Where the largest principal stress is, (x, z) in m."""
-        return peak_stress_of(self, "principal")[1:]
+        return self._peak("principal")[1:]
 
     @property
     def peak_mises_at(self) -> tuple[Array, Array]:
         """Where von Mises' stress is largest, (x, z) in m."""
-        return peak_stress_of(self, "mises")[1:]
+        return self._peak("mises")[1:]
 
     def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
         """Von Mises' stress in Pa where it is largest between two depths in m, such as those of a layer."""
         ends = [guarded(name, z, ARGUMENTS["z"]) for name, z in (("least", least), ("most", most))]
-        return peak_stress_of(self, "mises", *ends).value
+        return self._peak("mises", *ends).value
+
+    def _peak(self, name: str, *ends: Array) -> "Peak":
+        from plgwear_jax.steady.stressed import peak_stress_of
+
+        return peak_stress_of(self, name, *ends)
 
     def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
         self._check(x=x, z=z)
@@ -376,7 +385,7 @@ class Steady(Solution, abc.ABC):
 
     @property
     @abc.abstractmethod
-    def pressed(self) -> Pressed:
+    def _pressed(self) -> "Pressed":
         """What the stresses follow from."""
 
     def _check_worn(self) -> None:

@@ -26,7 +26,7 @@ def _half_of(material: Any) -> Half:
 
 @program(static=1, level=1)
 def _stress_program(fixed: tuple[Half, bool], steady: Any, x: Array, z: Array) -> Stress:
-    pressed = steady.pressed
+    pressed = steady._pressed
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in (x, z))
 
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
@@ -40,7 +40,7 @@ def _stress_program(fixed: tuple[Half, bool], steady: Any, x: Array, z: Array) -
 @program(static=1, level=1)
 def _peak_program(fixed: tuple[Half, str], steady: Any, least: Array, most: Array) -> Peak:
     kind, name = fixed
-    pressed = steady.pressed
+    pressed = steady._pressed
     ends = tuple(jnp.asarray(at, pressed.force.dtype) for at in (least, most))
 
     def one(pressed: Pressed, least: Array, most: Array) -> Peak:

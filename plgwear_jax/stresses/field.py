@@ -1,12 +1,13 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.stresses.images import Grid, Traction, grid, traction_of, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
@@ -76,6 +77,11 @@ class Pressed(NamedTuple):
         whole, stuck = traction_of(STRIPS, self.own, one), traction_of(STRIPS, self.stuck, self.stick)
         b, weight = jnp.append(whole.b, stuck.b), self.friction * jnp.append(whole.weight, -stuck.weight)
         return whole, Traction(b, weight, one, 0.0 * one)
+
+
+def poisson_ratio_of(material: Any) -> Array:
+    """Poisson's ratio of a half-space, also where it is Holl's."""
+    return holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
 
 
 STRIPS = 1.0 - (1.0 - np.linspace(0.0, 1.0, 49)) ** 3.5
@@ -158,7 +164,9 @@ def _image_weights(
 ) -> Array:
     """Of each exponential in what the responses at depths (n,) are besides `alone`, shape (10, n, exponentials)."""
     q = jnp.asarray(given.q, z.dtype)
-    edges, even = (_RUNGS[:, None] / q, False) if isinstance(body, PowerModulus) else depths_for(body, q, 4)
+    edges, even = (
+        (jnp.asarray(_RUNGS[:, None]) / q, False) if isinstance(body, PowerModulus) else depths_for(body, q, 4)
+    )
 
     def at(z: Array) -> Array:
         height = z[:, None] * q

@@ -38,8 +38,9 @@ def peak(pressed: Pressed, kind: Half, wanted: Callable[[Stress], Array], least:
     ends = jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
     around = jnp.asarray(_AROUND, dtype)
 
-    def closer(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
-        xs, zs, reach, *_ = state
+    def closer(count: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+        del count
+        xs, zs, reach = state[:3]
         zs = lax.stop_gradient(jnp.append(jnp.clip(zs, low, high), ends))
         found = wanted(field(still, kind, False, xs, zs[:, None]))
         at = jnp.argmax(jnp.where(jnp.isnan(found), -jnp.inf, found))

@@ -50,7 +50,8 @@ def responses(xi, z, tops, moduli, nu):
     m = _rates(xi, moduli[-1], nu)
     square = (m - xi[:, None, None] * np.eye(4)) @ (m - xi[:, None, None] * np.eye(4))
     basis = np.linalg.svd(square)[0][:, :, :2]
-    across, chain, shares = -1.0 / moduli[-1] * np.ones_like(xi), None, None
+    there, compliance = basis, 0.0
+    across, chain, shares = -1.0 / moduli[-1] * np.ones_like(xi), np.zeros((xi.size, 2, 2)), 0.0
     for i in range(len(tops) - 2, -1, -1):
         h = tops[i + 1] - tops[i]
         if i == place:  # at the depth z
@@ -60,7 +61,7 @@ def responses(xi, z, tops, moduli, nu):
         y = across * moduli[i]
         turned = np.exp(-2 * xi * h) * (1 + y) / (1 - y)
         across = (turned - 1) / (turned + 1) / moduli[i]
-        if chain is not None:
+        if i <= place:
             chain = chain @ (np.linalg.inv(back) * np.exp(-xi * h)[:, None, None])
             shares = shares * 2 * np.exp(-xi * h) / ((1 - y) * (1 + turned))
     modulus = moduli[place + 1]
@@ -88,7 +89,7 @@ def transform(r, weight, pressure):
 
 def stresses(p, q, respond, x, z, most, scale=1.0):
     """(xx, yy, zz, xz) at one depth and places x, under the pressure and the traction with the transforms p and q."""
-    edges = np.concatenate([np.geomspace(1e-5, 0.5, 25), np.arange(1.0, most, 0.5)])
+    edges = np.concatenate([np.geomspace(1e-5, 0.5, 25), np.arange(1.0, most, 1.0)])
     node, weight = np.polynomial.legendre.leggauss(6)
     half = 0.5 * np.diff(np.append(0.0, edges))
     xi = ((np.append(0.0, edges[:-1]) + half)[:, None] + half[:, None] * node).ravel() / scale

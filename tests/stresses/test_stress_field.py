@@ -256,6 +256,11 @@ def test_bad_places_are_refused():
     assert np.isnan(jax.jit(steady.mises)(0.0, -1e-6))
 
 
+def test_holl_ratio_is_that_of_the_exponent():
+    named, given = (steady_of(PowerLawGraded(210e9, 1e-4, 0.4, nu), 0.6) for nu in ("holl", 1.0 / 2.4))
+    np.testing.assert_allclose(named.tension(-A, 1e-6), given.tension(-A, 1e-6), rtol=1e-9)
+
+
 def test_many_contacts_answer_as_each_does():
     forces = np.array([5.0, 20.0])
     many = FrettingContact(STEEL, RADIUS, forces, FRICTION).steady(1.0)
