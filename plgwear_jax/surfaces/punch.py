@@ -130,7 +130,7 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
     It answers a slope that jumps in closed form, and what is left is smoother.
     """
-    if punch.flat is None or punch.bowl is None:
+    if punch.flat is None or punch.bowl is None or punch.last is None:
         return punch.stiffness, None
     order = jnp.asarray(2.0 * np.arange(punch.flat.size), s.dtype) + s
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
