@@ -132,7 +132,7 @@ class PowerLaw(NamedTuple):
             c: Radius in m.
             log_y: Logarithms of T - 1, in equal steps, (n,).
         """
-        step, reach = log_y[1] - log_y[0], 40
+        step, reach = float(log_y[1] - log_y[0]), 40
         log_q = -log_y[-1] + step * np.arange(-2 * reach, log_y.size + 2 * reach)  # of q c/2
         inner, size = log_q[reach:-reach], abs(self.k)
         other = jnp.log(self.homogeneous) - self.log_g

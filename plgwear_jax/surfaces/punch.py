@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.powers import Power
-from plgwear_jax.shapes.shape import Outline
+from plgwear_jax.shapes.shape import Outline, stacked
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import logistic, pieces
@@ -144,9 +144,9 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
     It answers a slope that jumps in closed form, and what is left is smoother.
     """
-    if punch.flat is None or punch.bowl is None:
+    if punch.flat is None or punch.bowl is None or punch.last is None:
         return punch.stiffness, None
-    order = 2.0 * np.arange(punch.flat.size) + s
+    order = jnp.asarray(2.0 * np.arange(punch.flat.size), s.dtype) + s
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
     moments, _ = outline.moments(jnp.exp(punch.log_c), s, order.size)
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
@@ -162,7 +162,8 @@ def law_of(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     own = (rest - punch.bowl).at[0].add(image.first * flat)
     if isinstance(image, Power) and image.power is None:
         return Law(flat, own, None)
-    parts = pieces(1.0 + image.bends, s, logistic(3 * effort.nodes, 26.0))
+    # The pieces follow their ends: beside a kink the slope of G is singular.
+    parts = pieces((stacked(outline.kinks, s.dtype) / c) ** 2, s, logistic(3 * effort.nodes, 26.0))
     return Law(flat, own, (parts.x, parts.left, parts.weight * image.rate(parts.x)))
 
 

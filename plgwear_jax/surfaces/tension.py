@@ -70,11 +70,15 @@ def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
     else:
         x, one = jnp.asarray(2.0 * z - 1.0, s.dtype), jnp.ones_like(s)
         table = jacobi_table(count, s, one, x).T * ratios(one, one, s, count)
-        matrix = s * jnp.exp((s - 1.0) * jnp.log(z))[:, None] * table
+        matrix = s * jnp.exp((s - 1.0) * jnp.asarray(np.log(z), s.dtype))[:, None] * table
     pressures = (matrix @ y / y[0]).T
-    edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
+    edge = jnp.exp(s * jnp.asarray(np.log(z), s.dtype))  # as before any wear pressures vanish there
     log_c = jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c])
-    return pressures, jnp.exp(log_c)[:, None] * _PLACES, jnp.stack([edge, edge, jnp.ones_like(edge)])
+    return (
+        pressures,
+        jnp.exp(log_c)[:, None] * jnp.asarray(_PLACES, s.dtype),
+        jnp.stack([edge, edge, jnp.ones_like(edge)]),
+    )
 
 
 def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, Array, Array]:

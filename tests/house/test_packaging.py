@@ -101,6 +101,7 @@ def test_the_script_says_what_it_lacks(python, tmp_path):
         ("from plgwear_jax import plots", "plots"),
         ("from plgwear_jax.plots import maps", "plots"),
         ("from plgwear_jax.plots import figures", "plots"),
+        ("from plgwear_jax import scene; scene.scene_of({'material': {'k': 0.0}})", "cli"),
     ],
 )
 def test_modules_say_which_extra_they_lack(python, tmp_path, code, extra):

@@ -14,6 +14,7 @@ from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
 from scipy.interpolate import PchipInterpolator
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
+from plgwear_jax.shapes import TruncatedSphere
 from plgwear_jax.special.pchip import pchip
 from plgwear_jax.surfaces.half_space import excess_compliance
 
@@ -247,6 +248,21 @@ def test_second_derivatives(kind):
     found = np.asarray(jax.jit(jax.hessian(volume))(at))
     np.testing.assert_allclose(found, found.T, atol=1e-5)
     np.testing.assert_allclose(found, differences, atol=2e-5)
+
+
+def test_a_narrow_ring_beside_a_kink():
+    """Its derivative is that of differences: the slope of what a kink adds is singular."""
+    contact = contact_of(PowerLawGraded(110e9, 1e-4, 0.26, 0.3), STEEL, TruncatedSphere(8.76e-5))
+
+    def volume(log_force):
+        return jnp.log(contact.steady(jnp.exp(log_force)).wear_volume)
+
+    at = np.log(0.003 * FRICTION * FORCE)
+    difference = (volume(at + 1e-3) - volume(at - 1e-3)) / 2e-3
+    np.testing.assert_allclose(jax.grad(volume)(at), difference, rtol=1e-5)
+    single = jax.tree.map(jnp.float32, contact)
+    state = jax.eval_shape(lambda one: one.steady(jnp.float32(1.0))._solution, single)
+    assert {x.dtype for x in jax.tree.leaves(state)} == {jnp.dtype("float32")}
 
 
 @pytest.mark.long
