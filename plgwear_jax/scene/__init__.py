@@ -353,7 +353,8 @@ class Scene:
             raise OtherFileError(f"{heights.name}: row {heights.row[-1]}: {end}; give heights further out")
         found = {}
         for name in names:
-            law, value, beside = laws[name], values[name], ()
+            law, value = laws[name], values[name]
+            beside: tuple[Any, ...] = ()
             if "r" in law.arguments:
                 if f"{name} beside" in values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(values["edge distance"]), float(values[f"{name} beside"])

@@ -56,7 +56,7 @@ def scene_values(
     for name in names:
         law, given["r"] = laws[name], found.get("radii")
         at_edge = beside is not None and law.unbounded_at and "r" in law.arguments
-        if at_edge:
+        if beside is not None and at_edge:
             given["r"] = jnp.append(found["radii"], beside)
         value = value_of(name)
         if at_edge:

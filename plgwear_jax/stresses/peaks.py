@@ -57,7 +57,8 @@ def peak(pressed: Pressed, kind: Half, wanted: Callable[[Stress], Array], least:
     if kind is None:  # where the modulus of the surface is infinite
         unbounded = (pressed.body[0] < 0.0) & (low == 0.0)
         value, z = jnp.where(unbounded, jnp.inf, value), jnp.where(unbounded, 0.0, z)
-    return Peak(value, x * pressed.radius, z * pressed.radius)
+    known = jnp.where(jnp.isnan(value), value, pressed.radius)
+    return Peak(value, x * known, z * known)
 
 
 def _sides(body: object, dtype: jnp.dtype) -> Array:

@@ -267,12 +267,22 @@ def quantities(cls):
         if name[0] != "_" and isinstance(one, property):
             found[name] = []
         elif name[0] != "_" and inspect.isfunction(one):
-            found[name] = [key for key in inspect.signature(one).parameters if key != "self"]
+            parameters = inspect.signature(one).parameters.items()
+            found[name] = [key for key, one in parameters if key != "self" and one.kind != one.KEYWORD_ONLY]
     return found
 
 
 INSIDE = {
-    FrettingContact: {"r": 4e-5, "distance": 1e-6, "z": 1e-5, "tangential_force": 2.0, "displacement_amplitude": 1e-8},
+    FrettingContact: {
+        "r": 4e-5,
+        "distance": 1e-6,
+        "x": -3e-5,
+        "z": 1e-5,
+        "least": 1e-6,
+        "most": 1e-4,
+        "tangential_force": 2.0,
+        "displacement_amplitude": 1e-8,
+    },
     GrossSlipContact: {"r": 1e-3, "z": 1e-5},
 }
 each_contact = pytest.mark.parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
@@ -358,8 +368,8 @@ TRACED = {
     "friction": NOT_POSITIVE,
     "depth": NOT_POSITIVE,
     "r": [-1e-9, -1.0, math.nan],
-    "distance": [-1e-9, -1.0, math.nan],
-    "z": [-1e-9, -1.0, math.nan],
+    **{key: [-1e-9, -1.0, math.nan] for key in ("distance", "z", "least", "most")},
+    "x": [math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
     "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],
 }
@@ -374,7 +384,7 @@ def traced_results(cls):
     def everything(at):
         contact = build(cls, **at)
         given = {key: at[key] for key in INSIDE[cls]}
-        return {name: jnp.asarray(ask(contact, name, **given)) for name in quantities(cls)}
+        return {name: jnp.ravel(jnp.asarray(ask(contact, name, **given)))[0] for name in quantities(cls)}
 
     results = functions.by_numpy(jax.vmap(everything))(table)
     return rows, {name: np.asarray(result) for name, result in results.items()}
@@ -457,7 +467,7 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
         (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
         (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "^vary.z0: cannot vary while hold"),
-        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "hold = 'contact_radius_by_z0': must be True or"),
+        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "hold = 'contact_radius_by_z0': must be .contact_radius"),
         (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
         (math.nan, {"k": (-0.5, 0.5)}, None, "^tangential_force = nan .*>= 0, the amplitude"),
     ],
