@@ -35,7 +35,7 @@ REFUSING = {
     }
     | {"sensitivities"},
     "plots": {"blocks_picture", "coating_picture", "design_picture", "fit_picture", "free_picture", "front_picture"}
-    | {"regimes_picture", "wear_picture"},
+    | {"regimes_picture", "stress_picture", "wear_picture"},
     "sweep": {"sweep"},
 }
 # What these take may be traced, or is no number: paths, pictures, Python's own.

@@ -44,8 +44,8 @@ PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for
 BESIDE = "README.md", "CONTRIBUTING.md", "CHANGELOG.md"
 TEXTS = {name: (ROOT / name).read_text(encoding="utf-8") for name in BESIDE} | PAGES
 MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__, "plgwear_jax.")]
-# What the files of these rooms offer, the room exports; `transient` offers nothing.
-ROOMS = "contact|fretting|optimise|plots|scene|shapes|steady|surfaces|sweep|wear"
+# What the files of these rooms offer, the room exports.
+ROOMS = "contact|fretting|optimise|plots|scene|shapes|steady|stresses|surfaces|sweep|wear"
 PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cli\b)|({ROOMS})\.)", name)]
 
 
