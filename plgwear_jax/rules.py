@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import QUANTITIES, TRANSIENT, Kind
+from plgwear_jax.catalogue import QUANTITIES, STRESSES, TRANSIENT, Kind
 
 __all__ = [
     "BY_THEN",
@@ -127,6 +127,13 @@ def complaint(
         return Complaint("limits.contact_radius", f"cannot be limited while {held} fixes it")
     if "z0" in vary and "k" not in vary and flat:
         return Complaint("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
+    highest = vary["k"][1] if "k" in vary else None
+    if isinstance(highest, int | float) and highest < 0.0:
+        for name in sorted(STRESSES.intersection([objective, *limits])):
+            text = (
+                f"{name} is infinite for every k < 0, as the modulus of the surface is; give E(z) as a table or layers"
+            )
+            return Complaint("minimise" if name == objective else f"limits.{name}", text)
     return None
 
 

@@ -1,5 +1,7 @@
 """Numbers with a convenient SI prefix."""
 
+import math
+
 PREFIXED = {
     "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
     "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
@@ -37,5 +39,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
 
 def written(value: float, unit: str) -> str:
     """A number with its unit as a person writes it, "68 µm"."""
+    if math.isinf(value):
+        return "infinite" if value > 0.0 else "-infinite"
     factor, prefixed = readable(value, unit)
     return f"{value / factor:.4g} {prefixed}".rstrip()

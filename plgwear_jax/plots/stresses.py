@@ -10,6 +10,7 @@ from plgwear_jax.steady.solution import Steady
 
 _WIDE, _DEEP, _PLACES = 1.6, 1.6, (161, 81)  # of the picture in contact radii
 _TICKS = 17, 9  # directions that are drawn
+_LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
 
 
 @picture
@@ -17,8 +18,8 @@ def stress_picture(steady: Steady) -> Figure:
     """Draw the stresses before any wear under the largest tangential force, of one contact.
 
     Colours are von Mises' stress, contours the largest principal stress, and ticks its direction in the plane, where it
-    is a tension. The contact and its stick area lie on top, interfaces are dotted, and both peaks are marked. It takes
-    numbers, not traced values: not under `jit`, `grad` or `vmap`.
+    is a tension. The contact and its stick area lie on top, interfaces are dotted, and both peaks are marked.
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         steady: Of one contact; where the surface modulus is infinite, for k < 0, the picture begins below it.
@@ -34,8 +35,9 @@ def stress_picture(steady: Steady) -> Figure:
     axes = figure.subplots()
     colours = axes.pcolormesh(x, z, mises / p_0, shading="gouraud", cmap="viridis")
     figure.colorbar(colours, ax=axes, label="von Mises stress / largest pressure")
-    lines = axes.contour(x, z, tension / p_0, levels=[0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2], colors="w", linewidths=0.7)
-    axes.clabel(lines, fontsize=6.5)
+    axes.contour(x, z, tension / p_0, levels=_LEVELS, colors="w", linewidths=0.7)
+    shares = ", ".join(f"{level:g}" for level in _LEVELS)
+    axes.plot([], color="w", linewidth=0.7, label=f"principal stress {shares}")
     some = [np.linspace(0, at.size - 1, count).astype(int)[1:-1] for at, count in ((z, _TICKS[1]), (x, _TICKS[0]))]
     xx, zz, xz, first = (np.asarray(part)[np.ix_(*some)] for part in (stress.xx, stress.zz, stress.xz, tension))
     turn = np.where(first > 0.0, 0.5 * np.arctan2(2.0 * xz, xx - zz), np.nan)
@@ -55,7 +57,7 @@ def stress_picture(steady: Steady) -> Figure:
     )
     for depth in _interfaces(steady.contact.material):
         if depth < z[-1]:
-            axes.axhline(depth, **GUIDE)
+            axes.axhline(depth, **GUIDE | {"color": "w", "zorder": 2})
     axes.plot([-a, a], [0.0, 0.0], color="k", linewidth=5.0, solid_capstyle="butt", label="contact", clip_on=False)
     axes.plot([-c, c], [0.0, 0.0], color=GREEN, linewidth=5.0, solid_capstyle="butt", label="stick area", clip_on=False)
     told = []
@@ -68,7 +70,7 @@ def stress_picture(steady: Steady) -> Figure:
     axes.set_aspect("equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
         show_units(axis, words=words, unit=entry("r").unit, size=a)
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower right", frameon=True, facecolor="0.2", edgecolor="none", labelcolor="w")
     return figure
 
 

@@ -178,7 +178,7 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     return _Inside(density[:, None] * factors * table.T, first, front)
 
 
-class Law(NamedTuple):
+class OnTheLaw(NamedTuple):
     """The indenter that touches up to c and no further, on the law of `punch.apart` alone."""
 
     flat: Array  # y_0 of a flat punch pressed by 1
@@ -250,7 +250,7 @@ class Graded(NamedTuple):
         front = self.front * self.strength
         return front * (springs @ factors[0]), front * change
 
-    def beside_edge(self, c: Array, y: Array, both: Array, law: Law, effort: Effort) -> tuple[Array, Array]:
+    def beside_edge(self, c: Array, y: Array, both: Array, law: OnTheLaw, effort: Effort) -> tuple[Array, Array]:
         """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
 
         A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure

@@ -15,7 +15,7 @@ from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, Law, OnePower
+from plgwear_jax.surfaces.compliance import Compliance, OnePower, OnTheLaw
 from plgwear_jax.surfaces.effort import Effort
 
 
@@ -152,7 +152,7 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
 
 
-def law_of(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Law:
+def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> OnTheLaw:
     """The indenter on the law alone."""
     assert punch.flat is not None and punch.bowl is not None
     c, s = jnp.exp(punch.log_c), compliance.s
@@ -161,10 +161,10 @@ def law_of(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     flat = stiffness * punch.flat[0] / punch.stiffness
     own = (rest - punch.bowl).at[0].add(image.first * flat)
     if isinstance(image, Power) and image.power is None:
-        return Law(flat, own, None)
+        return OnTheLaw(flat, own, None)
     # The pieces follow their ends: beside a kink the slope of G is singular.
     parts = pieces((stacked(outline.kinks, s.dtype) / c) ** 2, s, logistic(3 * effort.nodes, 26.0))
-    return Law(flat, own, (parts.x, parts.left, parts.weight * image.rate(parts.x)))
+    return OnTheLaw(flat, own, (parts.x, parts.left, parts.weight * image.rate(parts.x)))
 
 
 def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:

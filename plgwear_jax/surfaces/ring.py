@@ -19,9 +19,9 @@ from jax import Array
 from plgwear_jax.shapes.shape import Image, Outline
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, Graded, Law, OnePower, PowerLaw
+from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, law_of, pressed, punch_under
+from plgwear_jax.surfaces.punch import Punch, on_the_law, pressed, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
@@ -109,7 +109,7 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     image, depth = outline.image(c, a), punch.depth
     if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
         return Beside(a, None, None, image, depth)
-    y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), law_of(compliance, punch, effort, outline)
+    y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), on_the_law(compliance, punch, effort, outline)
     both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(compliance, Graded):
         first, v = compliance.beside_edge(c, y, both, law, effort)
@@ -131,7 +131,7 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     return Beside(a, 1.0 - flat, own - fallen, image, depth)
 
 
-def _not_summed(compliance: PowerLaw, c: Array, y: Array, begin: int, law: Law, effort: Effort) -> Array:
+def _not_summed(compliance: PowerLaw, c: Array, y: Array, begin: int, law: OnTheLaw, effort: Effort) -> Array:
     """What the sum of pressures leaves out of v of the indenter on one law, at nodes from the first one on."""
     assert law.punches is not None
     one = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)

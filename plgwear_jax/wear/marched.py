@@ -53,7 +53,7 @@ _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
 
 
-class Blocks(NamedTuple):
+class StageNumbers(NamedTuple):
     """What is given in each block of cycles, each field of shape (blocks,); see `march.Steps` for the control."""
 
     cycles: Array  # NaN for a test without an end
@@ -122,7 +122,7 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid,
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _given_in_steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
+def _given_in_steps(blocks: StageNumbers, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
     """(What is given in each step, the cycles since the beginning at its end)."""
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
@@ -150,7 +150,7 @@ def _flat(outline: Outline, radius: Array) -> Array:
 
 
 def history_of(
-    effort: Effort, compliance: Compliance, outline: Outline, ratio: Any, blocks: Blocks, law: WearLaw
+    effort: Effort, compliance: Compliance, outline: Outline, ratio: Any, blocks: StageNumbers, law: WearLaw
 ) -> TestHistory:
     """The history of a test.
 
@@ -241,7 +241,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 
 
 @program(static=1, level=1, slopes=1)
-def _histories(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> TestHistory:
+def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
     leaves, tree = jax.tree.flatten(law)
@@ -249,7 +249,7 @@ def _histories(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> TestHi
     count, coefficients = len(blocks), len(leaves)
 
     def one(*given: Array) -> TestHistory:
-        its_blocks, given = Blocks(*given[:count]), given[count:]
+        its_blocks, given = StageNumbers(*given[:count]), given[count:]
         its_law = jax.tree.unflatten(tree, given[:coefficients])
         found = bodies(*given[coefficients:])
 
@@ -360,7 +360,7 @@ class MarchedRun(Run):
             asked, end = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), last))
             raise RefusedError(f"cycles = {asked} is outside the allowed range cycles <= {end}, {where}")
 
-    def _rows(self) -> Blocks:
+    def _rows(self) -> StageNumbers:
         rows = []
         for load, cycles, normal_force, friction in self.load.stages():
             force = guarded(
@@ -371,7 +371,7 @@ class MarchedRun(Run):
             if load.holds_force and self.load.lasts:
                 held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
             rows.append((cycles, force, mu, *held))
-        return Blocks(
+        return StageNumbers(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
         )
 
