@@ -80,10 +80,10 @@ PAIRS = {
 }
 
 
-def everything(steady, r, distance):
-    """All of the catalogue, and what it does not have, by name."""
+def everything(steady, r, distance, but=()):
+    """All of the catalogue but some, and what it does not have, by name."""
     at = {"r": r, "distance": distance, "z": 1e-5}
-    asked = {name: [at[x] for x in law.arguments if x in at] for name, law in FRETTING.items()}
+    asked = {name: [at[x] for x in law.arguments if x in at] for name, law in FRETTING.items() if name not in but}
     asked |= {name: [] for name in TANGENTIAL} | {"slip_amplitude": [r]}
     return {name: getattr(steady, name)(*given) if given else getattr(steady, name) for name, given in asked.items()}
 
@@ -94,8 +94,8 @@ def values(function, steady):
 
 def compared(pair, name):
     """Where the two have to agree."""
-    if pair == "two homogeneous bodies" and name in (*TANGENTIAL, *STRESSES, "slip_amplitude", "modulus_at"):
-        return np.False_  # the tangential compliance, the modulus and Poisson's ratio of the half-space are others
+    if pair == "two homogeneous bodies" and name in (*TANGENTIAL, "slip_amplitude", "modulus_at"):
+        return np.False_  # the tangential compliance and the modulus of the half-space itself are others
     if pair == "a nearly rigid indenter" and name == "edge_intensity":
         return EXPONENTS >= 0.0  # near enough to the edge a surface without compliance leaves it to any indenter
     if name == "deepest_wear":
@@ -121,7 +121,9 @@ def test_steady_states_of_both_engines_agree(pair, digits, most):
     # NumPy computes the closed forms: XLA would need seconds to compile them.
     c, outer = (np.asarray(x) for x in values(lambda: (other.stick_radius, other.worn_radius), other))
     r = np.stack([0.0 * c, 0.5 * c, 0.9 * c, *(c + part * (outer - c) for part in (0.1, 0.5, 0.9, 1.2))])
-    found, exact = (values(lambda each=each: everything(each, r, 0.1 * c), each) for each in (one, other))
+    # Of other Poisson's ratios, stresses are others.
+    but = STRESSES if pair == "two homogeneous bodies" else ()
+    found, exact = (values(lambda each=each: everything(each, r, 0.1 * c, but), each) for each in (one, other))
     for name, expected in exact.items():
         scale = np.maximum(abs(expected), 1e-2 * np.max(abs(expected))) if np.ndim(expected) > c.ndim else abs(expected)
         good = abs(np.asarray(found[name]) - expected) <= (1e-3 if name in STRESSES else most) * scale

@@ -437,7 +437,14 @@ def test_a_table_of_one_row_is_that_amplitude(file):
         np.testing.assert_allclose(table[name].value, quantity.value, rtol=1e-14)
 
 
-@pytest.mark.parametrize("text, units", [(FRETTING, FRETTING_QUANTITIES), (GROSS_SLIP, GROSS_SLIP_QUANTITIES)])
+@pytest.mark.parametrize(
+    "text, units",
+    [
+        (FRETTING, {name: unit for name, unit in FRETTING_QUANTITIES.items() if name not in catalogue.STRESSES}),
+        pytest.param(FRETTING, dict.fromkeys(catalogue.STRESSES, "Pa"), marks=pytest.mark.compiled),
+        (GROSS_SLIP, GROSS_SLIP_QUANTITIES),
+    ],
+)
 def test_every_quantity_is_that_of_the_contact(file, text, units):
     wanted = f"[output]\nquantities = {list(units)}\npoints = 7\ndistance = 1e-6\n"
     given = read(file, text.partition("[output]")[0] + wanted)

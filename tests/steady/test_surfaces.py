@@ -250,6 +250,7 @@ def test_second_derivatives(kind):
     np.testing.assert_allclose(found, differences, atol=2e-5)
 
 
+@pytest.mark.compiled
 def test_a_narrow_ring_beside_a_kink():
     """Its derivative is that of differences: the slope of what a kink adds is singular."""
     contact = contact_of(PowerLawGraded(110e9, 1e-4, 0.26, 0.3), STEEL, TruncatedSphere(8.76e-5))

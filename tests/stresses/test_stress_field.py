@@ -216,6 +216,7 @@ def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
         assert highest - 1e-6 <= float(peak / p_0) <= highest + 5e-3
 
 
+@compiled
 def test_peaks_of_each_part_of_a_coating():
     steady = steady_of(LAYERS, 0.6)
     first, second = LAYERS.thickness[0], sum(LAYERS.thickness)

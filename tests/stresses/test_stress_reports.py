@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from typer.testing import CliRunner
 
 from plgwear_jax import FrettingContact, Layered
@@ -40,10 +41,11 @@ def test_solve_says_where_stresses_are_largest(tmp_path):
     assert "inf" in solved(tmp_path, -0.2)
 
 
+@pytest.mark.compiled
 def test_the_picture_has_both_peaks_in_its_title(tmp_path):
     steady = FrettingContact(Layered([15e-6], [400e9, 210e9], 0.3), 5e-3, 10.0, 0.6).steady(3.0)
     axes = stress_picture(steady).axes[0]
     assert axes.get_title() == "largest tension 1.817 GPa; largest von Mises stress 1.851 GPa"
     assert axes.get_ylim()[1] == 0.0
-    solved(tmp_path, 0.2, "--picture", str(tmp_path / "stress.png"))
+    solved(tmp_path, 0.0, "--picture", str(tmp_path / "stress.png"))
     assert (tmp_path / "stress.png").stat().st_size > 1000
