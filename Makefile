@@ -74,6 +74,7 @@ studies: env ## every scene and study of design/, into docs and docs/studies; so
 	@$(VENV)/bin/plgwear design docs/tutorial/ball.toml --picture docs/tutorial/ball-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
+	@$(VENV)/bin/plgwear solve design/coatings/layers.toml --picture docs/studies/layers-stress.png
 	@$(VENV)/bin/plgwear design design/coatings/free_gradient.toml --picture docs/studies/free_gradient-design.png
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
