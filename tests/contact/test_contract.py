@@ -333,8 +333,8 @@ def test_gradients_are_those_of_differences(kind, load):
         for log, (i, those) in zip(logs, moves, strict=True):
             moved[i] = moved[i] * jnp.exp(log * those)
         contact, force, *more = jax.tree.unflatten(structure, moved)
-        if load is None:
-            return jnp.log(contact.steady(force).wear_volume)
+        if load is None:  # with 4 digits the parts of a table change by steps that differences see
+            return jnp.log(contact.steady(force, digits=5 if kind == "a table under steel" else None).wear_volume)
         if load == "rig":
             force = Displacement(contact.steady(Force(force, more[2])).displacement_amplitude, more[2])
         return jnp.log(contact.over_cycles(force, more[1]).volume(more[0]))
