@@ -1,6 +1,7 @@
 """Objects that hold a question and its solution, which is computed when a result is first read."""
 
 import abc
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import jax
@@ -53,11 +54,15 @@ class Solution:
 
     @property
     def _solution(self) -> Any:
-        if "solved" in vars(self):
-            return vars(self)["solved"]
-        found = self._solve()
-        if _traces(found) <= _traces(self.contact) | _traces([getattr(self, name) for name in self.numbers]):
-            vars(self)["solved"] = found  # kept only if it belongs to no other trace, which would end before the object
+        return self._once("solved", self._solve)
+
+    def _once(self, name: str, solve: Callable[[], Any]) -> Any:
+        """What is solved at the first time and then kept under a name."""
+        if name in vars(self):
+            return vars(self)[name]
+        found = solve()
+        if _traces(found) <= _traces(self.contact) | _traces([getattr(self, one) for one in self.numbers]):
+            vars(self)[name] = found  # kept only if it belongs to no other trace, which would end before the object
         return found
 
     def _flatten(self) -> tuple[list[tuple[Any, Any]], tuple[Any, ...]]:
@@ -372,12 +377,14 @@ class Steady(Solution, abc.ABC):
     def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
         """Von Mises' stress in Pa where it is largest between two depths in m, such as those of a layer."""
         ends = [guarded(name, z, ARGUMENTS["z"]) for name, z in (("least", least), ("most", most))]
-        return self._peak("mises", *ends).value
-
-    def _peak(self, name: str, *ends: Array) -> "Peak":
         from plgwear_jax.steady.stressed import peak_stress_of
 
-        return peak_stress_of(self, name, *ends)
+        return peak_stress_of(self, "mises", *ends).value
+
+    def _peak(self, name: str) -> "Peak":
+        from plgwear_jax.steady.stressed import peak_stress_of
+
+        return self._once(f"peak {name}", lambda: peak_stress_of(self, name))  # for its value and its place
 
     def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
         self._check(x=x, z=z)
