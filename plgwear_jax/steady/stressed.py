@@ -71,7 +71,7 @@ def _at_known_place(kind: Half, steady: Any, known: tuple[Wanted, Array, Array])
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    kind, wanted = _half_of(steady.contact.material), as_numbers(Wanted(float(name == "mises"), least, most))
+    kind, wanted = _half_of(steady.contact.material), Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(kind, steady._known, wanted)[0]
     few = follows((steady.contact, steady.load, wanted))
