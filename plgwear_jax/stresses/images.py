@@ -93,10 +93,10 @@ class Grid(NamedTuple):
 
 
 @functools.cache
-def grid(coarse: bool) -> Grid:
+def grid(double: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    ratio, step = (0.55, 0.3) if coarse else (0.4, 0.3)
-    zeta, q = np.exp(np.arange(-11.5, 6.0, ratio)), np.exp(np.arange(-6.0, 11.6, step))
+    zeta, q = np.exp(np.arange(-11.5, 6.0, 0.4)), np.exp(np.arange(-6.0, 11.6, 0.3))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
-    fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9)
+    # Larger weights would cancel in float32.
+    fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9 if double else 1e-5)
     return Grid(q, zeta, fit * felt)
