@@ -43,7 +43,7 @@ class DesignReport:
             for one in question.limits
         }
         self.best, self.reference = described(found, comparison)
-        if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
+        if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick-slip boundary; else it moves
             for one in (self.best, self.reference):
                 one.pop("edge_exponent", None)
         self.verdict = _verdict(found)

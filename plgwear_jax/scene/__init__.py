@@ -258,7 +258,7 @@ class Scene:
             x: The one quantity, as `traded` takes it. A limit of it in [design] is left out.
             y: The other one; by default what [design] minimises.
             larger: Which of both is the better the larger it is; else smaller is better.
-            distance: The place of x in m, if it is a pressure beside the stick edge; by default that of its limit.
+            distance: The place of x in m, if it is a pressure inside the stick-slip boundary; by default of its limit.
             points: How many values of x, at least 2.
 
         Returns:
