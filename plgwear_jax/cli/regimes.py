@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
 _CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer
-_SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the onset
+_SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the transition
 _DECADE = 10.0  # how far the default range of normal forces goes to both sides
 _NAMES = "gross_slip", "tangential_force", "energy_ratio", "loop_aperture"
 
@@ -127,7 +127,7 @@ def _computed(
     onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
     _refuse_extremes(scene_file, onset)
     if moves is None:
-        # Both ends of the onset stay well inside, and so does the load.
+        # Both ends of the transition stay well inside, and so does the load.
         within = np.append(onset, own)
         moves = float(within.min()) / 3.0, 3.0 * float(within.max())
     told = np.append(onset[2] * np.array(_SHARES), own)

@@ -128,7 +128,7 @@ def _at_shares(digits: int | None, contact: Any, shares: Array) -> tuple[_Onset,
     return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, shares * limit, digits)
 
 
-_NEAR = 1.0 - 1e-7  # displacement over that of the onset from which on loops are those of the onset
+_NEAR = 1.0 - 1e-7  # displacement over that of the transition from which on loops are those of the transition
 # Amplitudes phi between which the loops of a numeric contact are interpolated, dense at both ends.
 _SHARES = 1.0 - (0.5 + 0.5 * np.cos(np.pi * np.arange(1, 20) / 20)) ** 2.5
 
@@ -234,7 +234,7 @@ def _put_together(
     share = loops.displacement / (loops.displacement + rig * loops.force)
 
     def over_both(partial: np.ndarray, at_onset: np.ndarray) -> np.ndarray:
-        # Sliding adds a rectangle as high as the loop at the onset.
+        # Sliding adds a rectangle as high as the loop at the transition.
         sliding = 1.0 - (1.0 - of_contact * at_onset) * begins / moves
         found = np.where(moves < begins, of_contact * at_onset, sliding)
         return np.broadcast_to(np.where(moves < _NEAR * begins, share * partial, found), shape)

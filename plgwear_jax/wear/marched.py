@@ -333,7 +333,7 @@ class MarchedRun(Run):
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         super().__init__(
-            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
+            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " for this test")
         )
 
     def _check(self, **given: Any) -> None:

@@ -167,7 +167,7 @@ def _check_profiles() -> list[Claim]:
         ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_by_amplitude(area, '.4f')}", -area),
         (
             "the amount of curvature of the worn area increases with the exponent",
-            f"8 (deepest wear)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
+            f"8 (largest wear depth)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
             bend,
         ),
     )
