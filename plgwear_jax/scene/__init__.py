@@ -302,7 +302,7 @@ class Scene:
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance, and the factor of its singularity only where there is an edge.
+            pressure only where the scene gives its distance, and that factor only where there is an edge.
 
         Raises:
             SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
