@@ -143,14 +143,14 @@ FRETTING = (
     _laws_in(
         r"""
     contact_radius         a_0           m         12  -  contact radius a_0 before any wear
-    peak_initial_pressure  p_0(0)        Pa        13  -  largest contact pressure before any wear, in the middle
+    peak_initial_pressure  p_0(0)        Pa        13  -  largest pressure before any wear, in the middle
     peak_tension           \sigma_1     Pa        -  F_x  largest principal stress anywhere before any wear
     peak_mises             \sigma_M     Pa        -  F_x  von Mises' stress before any wear where it is largest
-    stick_radius           c             radius    16, 23  F_x  stick radius c, the inner edge of the worn ring
+    stick_radius           c             radius    16, 23  F_x  stick radius c, inner edge of the worn ring
     worn_radius            a_\infty      radius    26  F_x  outer radius a_inf of the worn ring
     penetration            d_\infty      height    11, 25  F_x  indentation depth d_inf of the worn indenter
     wear_volume            \Delta V      volume    28  F_x  volume worn off until the steady state
-    deepest_wear           -             height    24, 25  F_x  largest wear depth of the worn profile
+    deepest_wear           -             height    24, 25  F_x  largest wear depth
     edge_intensity         -             stress    20, 21  F_x  factor of the singularity at the stick-slip boundary
     edge_pressure*       p_\infty  stress  17  distance F_x  pressure p_inf at a distance inside the stick-slip boundary
     profile                f_\infty      height    25  r F_x  shape f_inf of the worn indenter above its apex

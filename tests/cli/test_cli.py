@@ -219,8 +219,8 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert saving.startswith("18.2 % less wear volume than the reference, at 2.0")
     assert saving.endswith(" times its pressure 677 nm inside the stick-slip boundary")
     assert verdict == (
-        "the search converged; global search found nothing better, "
-        "none expected between the points of the scan (curvature is estimated, not bounded)"
+        "the search converged; a global search found nothing better and expects nothing better "
+        "(curvature is estimated, not bounded)"
     )
     told = "this design has 0.15 % more wear volume than the best one for that amplitude"
     assert higher == f"at a 10 % higher force amplitude {told}"
@@ -262,7 +262,7 @@ ENDS = {
     "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated": (
         {"converged": False, "limits": np.array([0.1])} | UNSURE
     ),
-    f"the search converged; global search found nothing better, but {SCANNED}": {"scan_found_nothing_better": False},
+    f"the search converged; a global search found nothing better, but {SCANNED}": {"scan_found_nothing_better": False},
     **{
         f"the next best minimum, at k = 0.9, is {told}": RIVAL | {"rival_value": more - 1.0}
         for more, told in ((1.7, "worse: 5.5 times as much"), (0.034, "3.5 % worse"), (0.0, "as good"))
