@@ -51,7 +51,7 @@ test-isa: env ## the default test suite as on processors with AVX2 and with AVX 
 	XLA_FLAGS=--xla_cpu_max_isa=AVX2 $(RUN) pytest $(PYTEST_ARGS)
 	XLA_FLAGS=--xla_cpu_max_isa=AVX $(RUN) pytest $(PYTEST_ARGS)
 
-accuracy: env ## the worst error of every quantity against the oracle, as a table
+accuracy: env ## the worst error of every quantity against the reference implementation, as a table
 	XLA_FLAGS= $(RUN) pytest -q -s -m long tests/fretting/test_accuracy.py -k 20000 $(PYTEST_ARGS)
 
 bench: env ## time against accuracy, on this machine, into build/benchmarks (BENCH=--full to quote, into docs/benchmarks; BENCH=digits for one)
@@ -82,7 +82,7 @@ figures: env numbers ## the figures of the paper, into docs/figures, and what ag
 	$(VENV)/bin/plgwear figures --out docs/figures
 	@mkdir -p build && mv docs/figures/figures.md build/figures.md && cat build/figures.md
 
-numbers: env ## the numbers of the paper against the oracle, into docs/reference/hess_numbers.md; those quoted from tables, into all pages
+numbers: env ## the numbers of the paper against the reference implementation, into docs/reference/hess_numbers.md; those quoted from tables, into all pages
 	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/reference/hess_numbers.md
 	$(VENV)/bin/python docs/generated.py --printed
 

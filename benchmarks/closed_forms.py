@@ -41,7 +41,6 @@ import scipy.special as scipy_special
 import scipy_programs
 from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, median_ratio, short
 from matplotlib.figure import Figure
-from scipy_programs import EXPERT, PAPER
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip
 from plgwear_jax.plots import COLOURS
@@ -108,7 +107,7 @@ def digits(report: Report, quick: bool) -> Figure:
         columns = ["dtype, digits", "ns a point", "quartiles", "worst error", *(f"x {name}" for name, _ in others)]
         report.table(kind, columns, rows)
     report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
-    report.print("\nThe value, for a README:\n")
+    report.print("\nThe value, for a page:\n")
     report.markdown(*_summary(found))
     return _over_errors(_points(found))
 
@@ -131,19 +130,15 @@ def _error(found: Mapping[Any, Compared], name: Any) -> float:
 
 
 def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
-    """The value in few columns, for a README."""
+    """The value in few columns, for a page."""
     columns = ["digits"]
     for dtype in DTYPES:
-        columns += [f"{dtype}: worst error", "ns a point", "x paper", "x expert"]
+        columns += [f"{dtype}: worst error", "ns a point"]
     rows = []
     for asked in (case.digits for case in found if isinstance(case, Case) and case[:2] == (VALUE, "float64")):
         row = [f"{asked or 'all'}"]
         for case in (Case(VALUE, dtype, asked) for dtype in DTYPES):
-            if case in found:
-                ratios = (_times(found, (other, VALUE), case) for other in (PAPER, EXPERT))
-                row += [f"{_error(found, case):.0e}", *map(short, (found[case].timing.median, *ratios))]
-            else:
-                row += [""] * 4
+            row += [f"{_error(found, case):.0e}", short(found[case].timing.median)] if case in found else ["", ""]
         rows.append(row)
     return columns, rows
 

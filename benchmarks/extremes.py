@@ -401,18 +401,21 @@ def draw(scans: Sequence[Scan], y: str, over: str, note: str) -> Any:
                 line(at, color="w", linewidth=0.8)
         axes.tick_params(which="major", length=3.5, width=0.6, pad=1.5, labelsize=TICK_SIZE)
         axes.label_outer(remove_inner_ticks=False)
-        axes.set_xlabel(f"{across.label}, each cell a decade", fontsize=LABEL_SIZE)
+        axes.set_xlabel(across.label, fontsize=LABEL_SIZE)
         if axes is panels[0]:
             axes.set_ylabel(up.label, fontsize=LABEL_SIZE)
-    place = {"location": "top", "fraction": 0.04, "aspect": 60, "pad": 0.01, "ticks": range(0, 17, 2)}
+    place = {"location": "top", "fraction": 0.04, "aspect": 60, "pad": 0.05, "ticks": range(0, 17, 2)}
     bar = figure.colorbar(ScalarMappable(NORM, "viridis"), ax=panels, **place)
     bar.ax.tick_params(labelsize=TICK_SIZE)
     bar.set_label(f"correct digits of second derivatives in float64, {note}", fontsize=LABEL_SIZE)
-    handles = [
-        Patch(color=NOTHING, label="nothing to compare: an edge, or no number"),
-        Line2D([], [], linestyle="", marker="x", color=BROKEN, markersize=4, label="NaN, infinite or negative"),
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=TICK_SIZE, frameon=False)
+    handles: list[Any] = [Patch(color="none", label="each cell: a decade of the distance from the nearest mark")]
+    if any(np.isnan(one.digits[2]).all(one.quantity.arguments.index(over)).any() for one in scans):
+        handles.append(Patch(color=NOTHING, label="nothing to compare: an edge, or no number"))
+    if any(one.broken[2].any() for one in scans):
+        handles.append(
+            Line2D([], [], linestyle="", marker="x", color=BROKEN, markersize=4, label="NaN, infinite or negative")
+        )
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=TICK_SIZE, frameon=False)
     return figure
 
 

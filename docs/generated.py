@@ -126,21 +126,31 @@ def fewest_digits() -> str:
 
 
 def random_contacts() -> str:
-    """The worst errors of some quantities of random contacts."""
-    *errors, (_, refused) = tables("random_contacts")
-    groups = [row[0] for row in refused]
+    """The worst errors of some quantities of random contacts, by what makes these difficult."""
+    *errors, (_, counts) = tables("random_contacts")
+    kinds = "smooth", "kinks", "thin layers"
     shown = {  # what the page shows of the tables, in their order
-        "against 5 digits": ("radii", "wear volume", "energy", "pressure before", "pressure worn", "derivatives"),
+        "5 digits": ("radii", "wear volume", "energy", "pressure before", "pressure worn", "derivatives"),
         "balance": ("force worn", "derivatives"),
         "float32, $\\varphi \\ge 0.1$": ("wear volume", "pressure worn"),
     }
-    lines = [f"| quantity | held to | {' | '.join(groups)} |", f"| --- | --- |{' ---: |' * len(groups)}"]
+
+    def is_of(kind: str, contacts: str) -> bool:
+        return kind == ("thin layers" if contacts.startswith("thin") else contacts.rpartition(", ")[2])
+
+    lines = [f"| quantity | against | {' | '.join(kinds)} |", "| --- | --- | ---: | ---: | ---: |"]
     for (title, names), (_, rows) in zip(shown.items(), errors, strict=True):
-        found = {(name, group): worst for group, name, *_, worst in rows}
         for name in names:
-            cells = (found.get((name, group), "") for group in groups)
+            cells = (
+                max((row[-1] for row in rows if row[1] == name and is_of(kind, row[0])), key=float, default="")
+                for kind in kinds
+            )
             lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
-    told = (f"{number} of {of}" for _, of, number in refused)
+    told = []
+    for kind in kinds:
+        numbers = [map(int, row[1:]) for row in counts if is_of(kind, row[0])]
+        of, refused = map(sum, zip(*numbers, strict=True))
+        told.append(f"{refused} of {of}")
     return "\n".join([*lines, f"| refused | | {' | '.join(told)} |"])
 
 

@@ -95,6 +95,11 @@ _CALLED = dict(  # if not by their names
     stick_radius   stick radius, inner edge of the ring
     worn_radius    worn radius, outer edge of the ring
     modulus_at     modulus
+    penetration    indentation depth
+    deepest_wear   wear depth, largest
+    edge_intensity       generalised stress intensity factor
+    loop_aperture        sliding ratio
+    gross_slip_aperture  sliding ratio at the transition to gross slip
     force_drop     normal force lost, as a share
     volume_change  effective volume worn off
     h_N            factor
@@ -131,23 +136,23 @@ TANGENTIAL = _laws_in(r"""
     energy_ratio             A       number        -  F_x    energy of a cycle over 4 F_x u_x, before any wear
     loop_aperture            D       number        -  F_x    displacement at no force over u_x, before any wear
     gross_slip_energy_ratio  A_g     1             -  -      energy ratio at which the contact begins to slip
-    gross_slip_aperture      D_g     1             -  -      loop aperture at which the contact begins to slip
+    gross_slip_aperture      D_g     1             -  -      sliding ratio at which the contact begins to slip
 """)
 
 FRETTING = (
     _laws_in(
         r"""
     contact_radius         a_0           m         12  -  contact radius a_0 before any wear
-    peak_initial_pressure  p_0(0)        Pa        13  -  largest contact pressure before any wear, in the middle
+    peak_initial_pressure  p_0(0)        Pa        13  -  largest pressure before any wear, in the middle
     peak_tension           \sigma_1     Pa        -  F_x  largest principal stress anywhere before any wear
     peak_mises             \sigma_M     Pa        -  F_x  von Mises' stress before any wear where it is largest
-    stick_radius           c             radius    16, 23  F_x  stick radius c, the inner edge of the worn ring
+    stick_radius           c             radius    16, 23  F_x  stick radius c, inner edge of the worn ring
     worn_radius            a_\infty      radius    26  F_x  outer radius a_inf of the worn ring
-    penetration            d_\infty      height    11, 25  F_x  penetration d_inf of the worn indenter
+    penetration            d_\infty      height    11, 25  F_x  indentation depth d_inf of the worn indenter
     wear_volume            \Delta V      volume    28  F_x  volume worn off until the steady state
-    deepest_wear           -             height    24, 25  F_x  deepest wear of the worn profile
-    edge_intensity         -             stress    20, 21  F_x  strength of the pressure singularity at the stick edge
-    edge_pressure*         p_\infty      stress    17  distance F_x  pressure p_inf at a distance inside the stick edge
+    deepest_wear           -             height    24, 25  F_x  largest wear depth
+    edge_intensity         -             stress    20, 21  F_x  factor of the singularity at the stick-slip boundary
+    edge_pressure*       p_\infty  stress  17  distance F_x  pressure p_inf at a distance inside the stick-slip boundary
     profile                f_\infty      height    25  r F_x  shape f_inf of the worn indenter above its apex
     wear_depth             f_\infty-f_0  height    24, 25  r F_x  depth f_inf - f_0 worn off the indenter
     initial_displacement   w_0           height    14  r  normal displacement w_0 before any wear
@@ -157,7 +162,7 @@ FRETTING = (
     traction*              \tau_\infty   traction  19  r F_x  tangential traction tau_inf in the worn state
     modulus_at             E             Pa        1  z  Young's modulus of the half-space at a depth
     """,
-        unbounded_at="the stick edge",
+        unbounded_at="the stick-slip boundary",
     )
     | TANGENTIAL
 )
@@ -319,7 +324,7 @@ displacement      u_x  m  AMPLITUDE_OF_FORCE  -  displacement  amplitude of the 
 rig_stiffness     k_r  N/m  POSITIVE  -  stiffness of the rig  stiffness of the rig of a displacement
 factor            \lambda  1  POSITIVE  -  factor of the load  factor on all amplitudes of a load
 r                 r  m  RADIUS  a_0  radius  distance from the axis of the contact
-distance          s  m  RADIUS  a_0  distance inside the stick edge
+distance          s  m  RADIUS  a_0  distance inside the stick-slip boundary
 z                 z  m  RADIUS  -  depth  depth below the surface
 cycles            N  1  NUMBER  -  cycles  number of cycles N
 wear_coefficient  K  1/Pa  POSITIVE  -  wear coefficient  Archard's wear coefficient K
@@ -433,9 +438,9 @@ def unit_of(name: str) -> str | None:
 
 
 def placed(name: str, places: Mapping[str, Any]) -> str:
-    """What a quantity is called at its place in m: "pressure 1 µm inside the stick edge", "wear depth at r = 50 µm"."""
+    """What a quantity is called at its place in m, such as "wear depth at r = 50 µm"."""
     for place, value in places.items():
         at = written(float(value), "m")
-        inside = f"pressure {at} inside the stick edge"
+        inside = f"pressure {at} inside the stick-slip boundary"
         return inside if place == "distance" else f"{entry(name).name} at {'r = ' if place == 'r' else ''}{at}"
     return entry(name).name

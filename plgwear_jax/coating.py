@@ -209,8 +209,8 @@ class Idealisation:
     """A contact on its own half-space, compared with the same contact on a power law.
 
     Attributes:
-        quantities: Contact, stick and worn radius, penetration, wear volume and deepest wear by name, each for both, in
-            SI units, shape (2,): first for the half-space as it is, then for the power law.
+        quantities: Contact, stick and worn radius, indentation depth, wear volume and largest wear depth by name,
+            each for both, in SI units, shape (2,): first for the half-space as it is, then for the power law.
         radii: Radii from the inner to the outer edge of the worn ring in m, shape (2, points).
         profile: The worn profile there in m, shape (2, points).
         wear_depth: The depth worn off there in m, shape (2, points).

@@ -45,7 +45,7 @@ class Measurements:
 
     Attributes:
         load: A force amplitude F_x in N, 0 < F_x < mu F_N, or another load of `FrettingContact.over_cycles`: a
-            `Displacement`, also beyond the onset of gross slip, or a list of `Block`.
+            `Displacement`, also beyond the transition to gross slip, or a list of `Block`.
         cycles: Numbers of cycles, shape (n,), >= 0.
         measured: What was measured after them in SI units, shape (n,), >= 0.
         deviation: Standard deviation of each, positive, a number or shape (n,); in SI units or relative.
@@ -288,7 +288,7 @@ def fit_wear_coefficient(
     Args:
         contact: The contact; its fields are numbers.
         load: A force amplitude F_x in N, 0 < F_x < mu F_N, or another load of `FrettingContact.over_cycles`: a
-            `Displacement`, also beyond the onset of gross slip, or a list of `Block`.
+            `Displacement`, also beyond the transition to gross slip, or a list of `Block`.
         cycles: Numbers of cycles, shape (n,), >= 0, at least one of them > 0.
         volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
         deviation: Their standard deviations in m^3, positive, a number or shape (n,); if not given they are taken as

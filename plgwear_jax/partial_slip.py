@@ -301,7 +301,7 @@ def loop_energy(s: Array, phi: Array, digits: int | None) -> Array:
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
 def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Aperture of the loop of the unworn contact: the displacement at no force over the displacement amplitude.
+    """Sliding ratio of the unworn contact: the displacement at no force over the displacement amplitude.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
@@ -309,7 +309,7 @@ def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) ->
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        The aperture, broadcast over k and phi: (1+k)/(3+k) phi/4 for small phi, and 2^((1+k)/(3+k)) - 1 towards gross
+        The ratio, broadcast over k and phi: (1+k)/(3+k) phi/4 for small phi, and 2^((1+k)/(3+k)) - 1 towards gross
         slip, which is the 0.26 of laboratories at k = 0.
 
     Raises:

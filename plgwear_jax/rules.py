@@ -51,7 +51,7 @@ BY_THEN = {
 LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the larger they are
 PLACES = {
     "r": "the distance from the axis in m",
-    "distance": "the distance from the stick edge in m",
+    "distance": "the distance from the stick-slip boundary in m",
     "z": "the depth in m",
 }
 
@@ -116,7 +116,7 @@ def complaint(
     others = [name for name in vary if name in OF_POWER_LAW]
     if "modulus" in vary and (held or others):
         text = f"cannot be combined with {held or others[0]}: modulus sets both k and E0/z0^k"
-        return Complaint("vary.modulus", f"{text}; vary k and put the window under limits")
+        return Complaint("vary.modulus", f"{text}; vary k and put these bounds under limits")
     for name in ("z0", "E0"):
         if held and name in vary:
             text = f"cannot vary while {held} sets E0: only E0/z0^k counts for the contact"
@@ -145,7 +145,7 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
 
     Args:
         key: The key under which the quantity is given, for the complaint.
-        name: The quantity; "pressure" at a distance from the stick edge is `edge_pressure`.
+        name: The quantity; "pressure" at a distance from the stick-slip boundary is `edge_pressure`.
         places: The names of the places that are given, "r" or "distance".
         kind: The kind of the contact, if it is known.
     """

@@ -43,7 +43,7 @@ class DesignReport:
             for one in question.limits
         }
         self.best, self.reference = described(found, comparison)
-        if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
+        if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick-slip boundary; else it moves
             for one in (self.best, self.reference):
                 one.pop("edge_exponent", None)
         self.verdict = _verdict(found)
@@ -243,9 +243,9 @@ def _verdict(found: optimise.Design) -> str:
         return "the search DID NOT CONVERGE; this is the best design that it found"
     if not found.certified:
         return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
-    said = "the search converged; global search found nothing better"
+    said = "the search converged; a global search found nothing better"
     if found.scan_found_nothing_better:
-        return f"{said}, none expected between the points of the scan (curvature is estimated, not bounded)"
+        return f"{said} and expects nothing better (curvature is estimated, not bounded)"
     return f"{said}, but the scan has too few points to say what lies between them"
 
 

@@ -33,18 +33,18 @@ def front_command(
     larger: Annotated[str, option(help="Quantities of which a larger value is better: x, y or xy.")] = "",
     distance: Annotated[
         float | None,
-        option(help="Distance from the stick edge of x in m; by default that of its limit in the input file."),
+        option(help="Distance from the stick-slip boundary of x in m; by default that of its limit in the input file."),
     ] = None,
     points: Annotated[int, typer.Option(min=2, max=10_000, help="Number of designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
     csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,
 ) -> None:
-    """Show what less wear costs: the least wear for each pressure allowed beside the stick edge, or any two quantities.
+    """Show what less wear costs: the least wear for each pressure, or any two quantities.
 
-    Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
-    is as for `plgwear design`; a limit of x in the input file is ignored. The exit code is 1 if any point
-    of this trade-off curve is not certain to be the best.
+    The pressure is that at a critical distance inside the stick-slip boundary, so that singularities of different order
+    are compared. All else is as for `plgwear design`; a limit of x in the input file is ignored. The exit code is 1 if
+    any point of this trade-off curve is not certain to be the best.
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
 _CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer
-_SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the onset
+_SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the transition
 _DECADE = 10.0  # how far the default range of normal forces goes to both sides
 _NAMES = "gross_slip", "tangential_force", "energy_ratio", "loop_aperture"
 
@@ -53,7 +53,7 @@ def regimes(
     """Show where the slip is partial and where gross, over displacement amplitude and normal force.
 
     At each point the energy ratio is the energy of a cycle over 4 F_x times the displacement amplitude, and the
-    aperture of the loop is the displacement at no force over the displacement amplitude. Laboratories tell partial from
+    sliding ratio is the displacement at no force over the displacement amplitude. Laboratories tell partial from
     gross slip by 0.2 and 0.26, which are right for a homogeneous body under a parabola. Gradients, other shapes and the
     compliance of the rig shift both. All is of the contact before any wear.
 
@@ -127,7 +127,7 @@ def _computed(
     onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
     _refuse_extremes(scene_file, onset)
     if moves is None:
-        # Both ends of the onset stay well inside, and so does the load.
+        # Both ends of the transition stay well inside, and so does the load.
         within = np.append(onset, own)
         moves = float(within.min()) / 3.0, 3.0 * float(within.max())
     told = np.append(onset[2] * np.array(_SHARES), own)
@@ -178,17 +178,15 @@ def _tell(
         ),
         title=f"{report.scene} at the normal force {measure(force, 'normal_force')}",
     )
-    ratio, aperture = (rounded(value) for value in at_onset.values())
+    energy, sliding = (rounded(value) for value in at_onset.values())
     report.say(
-        f"gross slip begins at {measure(onset, 'displacement_amplitude')}, where the energy ratio is {ratio} and the "
-        f"aperture {aperture}",
+        f"gross slip begins at {measure(onset, 'displacement_amplitude')}, where the energy ratio is {energy} and the "
+        f"sliding ratio {sliding}",
         *(_shifted(name, CRITERIA[name], where[name] / onset - 1.0, where[name]) for name in CRITERIA),
     )
 
 
 def _shifted(name: str, level: float, by: float, where: float) -> str:
-    """How far a criterion of laboratories lies from the onset, in words."""
-    shift = (
-        "at the onset" if abs(by) < 1e-3 else f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'} the onset"
-    )
-    return f"the {entry(name).name} is {level:g} at {measure(where, 'displacement_amplitude')}, {shift}"
+    """How far a criterion of laboratories lies from the transition, in words."""
+    shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
+    return f"the {entry(name).name} is {level:g} at {measure(where, 'displacement_amplitude')}, {shift} the transition"

@@ -30,7 +30,7 @@ class Column(NamedTuple):
     Attributes:
         heading: The text above the column.
         cells: Its cells, from top to bottom.
-        end: The cell in the last row, below a rule; None if this column has none.
+        end: The cell in the last row, below an empty line; None if this column has none.
         left: Whether its cells are aligned at the left, as for words.
         wrap: Whether long cells may continue in the next line.
     """
@@ -94,7 +94,7 @@ def shared(
         name: The quantity.
         values: Its values in the SI unit, shape (n,).
         heading: Replaces the name of the quantity in two lines.
-        end: Another value, below the rule.
+        end: Another value, in the last row.
         size: The unit has the prefix that suits this number; by default the largest value.
         number: How numbers are formatted, such as "+.2g".
     """
@@ -186,11 +186,12 @@ class Report:
         """
         if not self.in_words:
             return
+        from rich import box
         from rich.console import Console
         from rich.table import Table
 
         title = self.scene if title is None else title
-        table = Table(title=one_line(title) or None, title_justify="left", title_style="bold")
+        table = Table(title=one_line(title) or None, title_justify="left", title_style="bold", box=box.SIMPLE)
         for column in columns:
             justify = "left" if column.left else "right"
             table.add_column(column.heading, justify=justify, no_wrap=not column.wrap)

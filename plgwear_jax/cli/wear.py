@@ -199,7 +199,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             _tell_steady(report, held, shares, life, steady, end["volume"])
     report.say(both)
     if until is not None and through is not None:
-        ends = f": the deepest wear is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
+        ends = f": the largest wear depth is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
         _tell_until(given, report, until, through, ends)
     own = blocks and wear is not None and wear.cycles is not None
     report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)

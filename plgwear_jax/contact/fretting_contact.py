@@ -76,7 +76,7 @@ class FrettingContact:
         Args:
             load: A force amplitude F_x in N, 0 <= F_x < mu F_N, or a load of `loads`: a `Displacement` is the force
                 amplitude that it needs before any wear.
-            digits: Correct digits wanted; by default all that the engine has.
+            digits: Correct digits wanted; by default all that the solver has.
         """
         return steady_of(self, load, digits)
 
@@ -85,7 +85,7 @@ class FrettingContact:
     ) -> "Run":
         """The wear over cycles, from the unworn contact on: see `Run`.
 
-        A constant force amplitude under Archard's law has up to 5 digits. All other tests are marched, to about 2: a
+        A constant force amplitude under Archard's law has up to 5 digits. All other tests have about 2: a
         displacement amplitude, also one of gross slip, blocks of cycles, other wear laws.
 
         Args:

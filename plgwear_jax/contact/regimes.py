@@ -33,8 +33,8 @@ class SlipRegimes:
         displacement_amplitude: The displacement amplitudes in m, increasing, shape (n,).
         normal_force: The normal forces in N, shape (m,).
         gross_slip_displacement: Displacement amplitude in m from which on the whole contact slips, shape (m,).
-        gross_slip_energy_ratio: Energy ratio at this onset, shape (m,).
-        gross_slip_aperture: Loop aperture at this onset, shape (m,).
+        gross_slip_energy_ratio: Energy ratio at this transition, shape (m,).
+        gross_slip_aperture: Sliding ratio at this transition, shape (m,).
         gross_slip: Whether the whole contact slips, shape (m, n); else the slip is partial.
         tangential_force: Amplitude of the tangential force in N, mu F_N in gross slip, shape (m, n).
         energy_ratio: Energy of a cycle over 4 F_x times the displacement amplitude, shape (m, n).
@@ -128,7 +128,7 @@ def _at_shares(digits: int | None, contact: Any, shares: Array) -> tuple[_Onset,
     return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, shares * limit, digits)
 
 
-_NEAR = 1.0 - 1e-7  # displacement over that of the onset from which on loops are those of the onset
+_NEAR = 1.0 - 1e-7  # displacement over that of the transition from which on loops are those of the transition
 # Amplitudes phi between which the loops of a numeric contact are interpolated, dense at both ends.
 _SHARES = 1.0 - (0.5 + 0.5 * np.cos(np.pi * np.arange(1, 20) / 20)) ** 2.5
 
@@ -147,19 +147,19 @@ def slip_regimes(
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     The normal force is constant during a cycle, so that the loop follows from the first loading by Masing's rule. In
-    gross slip the energy ratio is 1 - (1 - A_g) u_g/u and the aperture 1 - (1 - D_g) u_g/u, with the displacement
-    amplitude u and with u_g, A_g and D_g those of the onset.
+    gross slip the energy ratio is 1 - (1 - A_g) u_g/u and the sliding ratio 1 - (1 - D_g) u_g/u, with the displacement
+    amplitude u and with u_g, A_g and D_g those of the transition.
 
     Args:
         contact: A `FrettingContact` of any kind whose fields are numbers; its own normal force is not used.
         displacement_amplitude: Displacement amplitudes in m, positive and increasing, shape (n,).
         normal_force: Normal forces in N, positive, shape (m,).
         rig_stiffness: Rig stiffness in N/m, if the displacement is measured at its actuator.
-        digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`. A numerical contact is
+        digits: Correct digits wanted; by default all that the solver has, see `FrettingContact`. A numerical contact is
             solved at 19 amplitudes of the force for each normal force, and its loops are interpolated.
 
     Returns:
-        The regime, the force amplitude, the energy ratio and the loop aperture at each pair.
+        The regime, the force amplitude, the energy ratio and the sliding ratio at each pair.
 
     Raises:
         ValueError: An argument is outside its range, or no row of numbers.
@@ -173,7 +173,7 @@ def slip_regimes(
         >>> found.gross_slip
         array([[False,  True,  True],
                [False, False,  True]])
-        >>> found.gross_slip_energy_ratio.round(3)  # (1+k)/(5+k) at the onset of gross slip; 0.2 for k = 0
+        >>> found.gross_slip_energy_ratio.round(3)  # (1+k)/(5+k) at the transition to gross slip; 0.2 for k = 0
         array([0.273, 0.273])
 
     References:
@@ -234,7 +234,7 @@ def _put_together(
     share = loops.displacement / (loops.displacement + rig * loops.force)
 
     def over_both(partial: np.ndarray, at_onset: np.ndarray) -> np.ndarray:
-        # Sliding adds a rectangle as high as the loop at the onset.
+        # Sliding adds a rectangle as high as the loop at the transition.
         sliding = 1.0 - (1.0 - of_contact * at_onset) * begins / moves
         found = np.where(moves < begins, of_contact * at_onset, sliding)
         return np.broadcast_to(np.where(moves < _NEAR * begins, share * partial, found), shape)

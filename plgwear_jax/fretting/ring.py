@@ -25,7 +25,7 @@ from plgwear_jax.special.elementary import (
 from plgwear_jax.special.xla import separate_kernels
 
 # With G(y) = s L(y), the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
-# place of the deepest wear is a root of the same kind. Both take one or two Halley steps from a fitted start.
+# place of the largest wear depth is a root of the same kind. Both take one or two Halley steps from a fitted start.
 
 
 class Rise(NamedTuple):

@@ -1,4 +1,4 @@
-"""The stick radius, Eqs. (16) and (23), and the penetration of the punch that is equivalent to the worn indenter."""
+"""The stick radius, Eqs. (16) and (23), and the depth of the punch that is equivalent to the worn indenter."""
 
 import jax
 import jax.numpy as jnp
@@ -24,14 +24,14 @@ def slip(s: Array, phi: Array) -> Array:
 
 
 def sinking(s: Array, phi: Array, digits: int | None) -> Array:
-    """d(d_inf)/dphi, the change of the penetration with the amplitude."""
+    """d(d_inf)/dphi, the change of the indentation depth with the amplitude."""
     return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
 @jax.custom_jvp
 def stick(k: Array, phi: Array) -> Array:
     """c = (1-phi)^(1/(k+3)), to an ulp or two."""
-    # Near the stick edge results depend on r - c, so c is needed to an ulp or two, however small it is. Hence the
+    # Near the stick-slip boundary results depend on r - c, so c is needed to an ulp or two, however small. Hence the
     # logarithm and the quotient are computed together with their rounding errors.
     complement = 1.0 - phi
     log_hi = log_complement(phi)

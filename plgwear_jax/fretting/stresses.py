@@ -62,7 +62,7 @@ def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | Non
 
 @formula(slopes={"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Pressure in the worn state, Eq. (17) with b = c: singular at the stick edge, zero outside it.
+    """Pressure in the worn state, Eq. (17) with b = c: singular at the stick-slip boundary, zero outside it.
 
     Args:
         r: Radius in units of a_0, r >= 0.
@@ -93,7 +93,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
 
 @formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Tangential traction in the worn state, Eq. (19) with b = c: singular at the stick edge, zero outside it.
+    """Tangential traction in the worn state, Eq. (19) with b = c: singular at the stick-slip boundary, zero outside it.
 
     Args:
         r: Radius in units of a_0, r >= 0.
@@ -123,7 +123,7 @@ def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
 def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Strength of the stress singularity at the stick edge: the factor of (2 delta)^((k-1)/2) in Eqs. (20), (21).
+    """Factor of the singularity at the stick-slip boundary: that of (2 delta)^((k-1)/2) in Eqs. (20), (21).
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
@@ -150,7 +150,7 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
 
 
 class _InsideStickEdge(NamedTuple):
-    """The worn contact at a distance inside the stick edge, or at the centre if the distance is larger than c."""
+    """The worn contact at a distance inside the stick-slip boundary, or at the centre if it is larger than c."""
 
     z: Array  # 1 - (r/c)^2
     radius: Array  # r/c
@@ -189,7 +189,7 @@ def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int 
     phi=AMPLITUDE,
 )
 def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Pressure in the worn state at a distance inside the stick edge: Eq. (17) at r = c - distance.
+    """Pressure in the worn state at a distance inside the stick-slip boundary: Eq. (17) at r = c - distance.
 
     Singularities of different order, Eq. (20), are compared at the same distance, a critical distance of the material.
     The pressure there grows with phi at every distance and k.

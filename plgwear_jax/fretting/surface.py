@@ -133,7 +133,7 @@ def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 @formula(slopes={"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Penetration depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
+    """Indentation depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.

@@ -558,7 +558,7 @@ class Comparison:
         quantities: By name, each of shape (2,): "contact_radius", "stick_radius", "worn_radius", "wear_volume",
             "edge_pressure", "modulus_at_radius" and the objective, which is over the whole load. For gross slip
             "volume_change", "force_drop" and "modulus_at_radius"; for a displacement or blocks "contact_radius".
-        distance: At which the edge pressure is taken, in m inside the stick edge; NaN where there is none.
+        distance: At which the edge pressure is taken, in m inside the stick-slip boundary; NaN where there is none.
         radii: Places in the worn ring, or on the face of the punch, shape (2, n); from the axis on after a displacement
             or blocks.
         depth: The wear depth there, shape (2, n), to some 5 digits.
@@ -795,7 +795,7 @@ def front(
 ) -> Front:
     """The trade-off between any two quantities of a contact: the best y for each allowed x.
 
-    By default the least wear for each allowed pressure beside the stick edge.
+    By default the least wear for each allowed pressure beside the stick-slip boundary.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -808,7 +808,7 @@ def front(
             largest amplitude that counts, or after the cycles if it is one such as "transient.wear_depth".
         y: The other one, which is optimised: of the load and after the cycles as in `design`; by default `minimise`.
         larger: Which of both is the better the larger it is, such as "x" with "stick_radius"; else the smaller.
-        distance: The place of x if it is an edge pressure given by its name alone, in m inside the stick edge,
+        distance: The place of x if it is an edge pressure given by its name alone, in m inside the stick-slip boundary,
             positive.
         points: How many values of x, at least 2.
         **keywords: As for `design`, without scenarios; the limits are further ones, without x.

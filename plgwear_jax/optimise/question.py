@@ -226,7 +226,7 @@ class Question:
 
     @property
     def distance(self) -> ArrayLike | None:
-        """The distance from the stick edge at which the pressure is limited; None without this limit."""
+        """The distance from the stick-slip boundary at which the pressure is limited; None without this limit."""
         return next((one.places["distance"] for one in self.limits if one.quantity == "edge_pressure"), None)
 
 

@@ -69,7 +69,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
     first, last = max(inner - (outer - inner), 0.0), outer + 0.15 * (outer - inner)
-    # Radii crowd at the stick edge, where all quantities may have infinite slopes.
+    # Radii crowd at the stick-slip boundary, where all quantities may have infinite slopes.
     crowded = np.linspace(0.0, 1.0, 121) ** 2
     r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
@@ -83,7 +83,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes = panels[key]
         axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
-            axes.plot(r, np.minimum(row, 9.0 * highest), **style)  # infinite at the stick edge in the end
+            axes.plot(r, np.minimum(row, 9.0 * highest), **style)  # infinite at the stick-slip boundary in the end
         axes.set(xlim=(first, last), ylim=limits)
         if key == "c":
             mark_roughness(axes, deepest)

@@ -53,7 +53,7 @@ _CURVES: Style = {
 # Of two axes the one that comes first here is horizontal.
 _ACROSS = ("r", "distance", "phi", "tangential_force", "k", "z0")
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
-_MOST = 3.0  # as much more or less wear than without a gradient has a colour of its own
+_MOST = 3.0  # as much more or less wear than on a homogeneous body has a colour of its own
 _MORE = 0.05  # as much more wear as the plateau has at its edge
 _EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
 _LEAST: Style = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}

@@ -53,7 +53,7 @@ def regimes_picture(
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6), fontsize=6.5)
     criterion_at = found.displacement_where("energy_ratio", criterion)
-    at_onset = f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
+    at_onset = f"transition to gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
     left.plot(onset, y, color="k", label=at_onset)
     left.plot(criterion_at, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")
@@ -74,10 +74,10 @@ def regimes_picture(
         right.axhline(level, **GUIDE | colour)
         right.plot(cut.displacement_where(name, level), level, "o", **DOT | colour)
         right.text(0.015, level, f"{level:g}", transform=right.get_yaxis_transform(), va="bottom", **colour)
-    mark(right, cut.gross_slip_displacement[0], "onset")
+    mark(right, cut.gross_slip_displacement[0], "transition")
     within = own[own <= moves[-1]]
     right.plot(within, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
-    right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, loop aperture")
+    right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, sliding ratio")
     right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
     show_units(left.yaxis, "normal_force")
     for axes in panels:

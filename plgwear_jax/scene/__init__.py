@@ -258,7 +258,7 @@ class Scene:
             x: The one quantity, as `traded` takes it. A limit of it in [design] is left out.
             y: The other one; by default what [design] minimises.
             larger: Which of both is the better the larger it is; else smaller is better.
-            distance: The place of x in m, if it is a pressure beside the stick edge; by default that of its limit.
+            distance: The place of x in m, if it is a pressure inside the stick-slip boundary; by default of its limit.
             points: How many values of x, at least 2.
 
         Returns:
@@ -302,7 +302,7 @@ class Scene:
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance, and the edge intensity only where there is an edge.
+            pressure only where the scene gives its distance, and that factor only where there is an edge.
 
         Raises:
             SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance

@@ -154,7 +154,7 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
 
 
 def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:
-    """Refuse a distance from the stick edge that is larger than the stick radius of the reference."""
+    """Refuse a distance from the stick-slip boundary that is larger than the stick radius of the reference."""
     if distance is None:
         return
     assert given.load is not None

@@ -475,7 +475,7 @@ class DesignSpace(SimpleNamespace):
 
     @property
     def edge_distance(self) -> float | None:
-        """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
+        """Distance in m inside the stick-slip boundary at which the pressure is limited; None without this limit."""
         allowed = self.allowed or {}
         return next((allowed[name].get("distance") for name in ("edge_pressure", "pressure") if name in allowed), None)
 
@@ -564,7 +564,7 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
             raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
         nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
         if "distance" in laws[name].arguments and nowhere:
-            text = f'"{name}" needs a distance from the stick edge'
+            text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
     return output
 

@@ -106,11 +106,11 @@ class Steady(Solution, abc.ABC):
         contact: The contact.
         load: A force amplitude F_x, 0 <= F_x < mu F_N, broadcast against the fields of the contact, or a displacement
             amplitude. The steady state is that under the force amplitude which the load has before any wear.
-        digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`.
+        digits: Correct digits wanted; by default all that the solver has, see `FrettingContact`.
 
-    Radii r and distances are in m, >= 0. A distance from the stick edge that is larger than the stick radius gives the
-    value at the centre. Where the load has a rig stiffness, displacement amplitudes are those at the actuator of
-    the rig, and energy ratios and apertures are those of the loop that is measured there.
+    Radii r and distances are in m, >= 0. A distance from the stick-slip boundary beyond the stick radius gives the
+    value at the centre. Where the load has a rig stiffness, displacement amplitudes are those at the actuator of the
+    rig, and energy ratios and sliding ratios are those of the loop that is measured there.
 
     Raises:
         ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
@@ -171,7 +171,7 @@ class Steady(Solution, abc.ABC):
     @property
     @abc.abstractmethod
     def penetration(self) -> Array:
-        """Penetration d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
+        """Indentation depth d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
 
     @property
     @abc.abstractmethod
@@ -229,7 +229,7 @@ class Steady(Solution, abc.ABC):
 
     @property
     def gross_slip_aperture(self) -> Array:
-        """The loop aperture at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
+        """The sliding ratio at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
         return self._onset_aperture * self._share_at_onset
 
     @property
@@ -295,7 +295,7 @@ class Steady(Solution, abc.ABC):
 
     @abc.abstractmethod
     def edge_pressure(self, distance: ArrayLike) -> Array:
-        """Worn pressure in Pa at a distance inside the stick edge, r = c - distance, Eq. (17)."""
+        """Worn pressure in Pa at a distance inside the stick-slip boundary, r = c - distance, Eq. (17)."""
 
     @abc.abstractmethod
     def initial_displacement(self, r: ArrayLike) -> Array:
@@ -337,7 +337,7 @@ class Steady(Solution, abc.ABC):
         Args:
             x: Along the motion in m, from the axis of the contact, negative behind it.
             z: Depth in m, z >= 0; broadcasts against x.
-            worn: In the steady state, infinite at the surface at the stick edge, not before any wear.
+            worn: In the steady state, infinite at the surface at the stick-slip boundary, not before any wear.
 
         A grid is fast as x of shape (n,) and z of shape (m, 1).
         """

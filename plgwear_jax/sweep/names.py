@@ -404,7 +404,7 @@ def _fields(text: str, smooth: bool = False) -> dict[str, _Field]:
 _FLAGS = _fields("""
     converged                  1  the search ended at a minimum
     certified                  1  converged, and nothing better was found
-    scan_found_nothing_better  1  none expected between the exponents scanned (curvature is estimated, not bounded)
+    scan_found_nothing_better  1  nothing better is expected between the exponents (curvature estimated, not bounded)
 """)
 _EXPONENT = _fields(
     """

@@ -64,7 +64,7 @@ class Moments(NamedTuple):
     stick_radius: Array
     force_amplitude: Array  # of the tangential force in N
     displacement_amplitude: Array  # of the contact in m, without a rig
-    least: Array  # pressure of either contact over the mean pressure, well inside the stick edge, a mean over cells
+    least: Array  # pressure of either contact over the mean, well inside the stick-slip boundary, averaged over cells
     opens: Array  # where it is, in m
 
 
@@ -90,8 +90,8 @@ class _Pressed(NamedTuple):
     radius: Array  # in m
 
 
-# Pressures of single cells swing where these are narrow, most for k < -0.5 and next to the stick edge, where they are
-# singular in the end: means over so many cells, of the first ones, do not.
+# Pressures of single cells swing where these are narrow, most for k < -0.5 and next to the stick-slip boundary, where
+# they are singular in the end: means over so many cells, of the first ones, do not.
 _BESIDE, _WITHIN = 8, 32
 _FAST = 10.0  # pressure over that of the step before, from which on Euler's formula is used
 _MOST = 64  # steps of Newton's method at most; some five are enough

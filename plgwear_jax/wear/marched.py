@@ -42,7 +42,7 @@ from plgwear_jax.wear_laws import WearLaw
 
 # Nearer to gross slip the scar of a test without an end outgrows the cells, which are larger than the stick area.
 FOLLOWED = Domain(
-    "0 <= F_x/(mu F_N) <= 0.995 under a wear law that is marched (from 1 on the slip is gross)",
+    "0 <= F_x/(mu F_N) <= 0.995 under this wear law (from 1 on the slip is gross)",
     lambda phi: (phi >= 0.0) & (phi <= 0.995),
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
@@ -326,7 +326,7 @@ class MarchedRun(Run):
     Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that
     and near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
     thirtieth of the contact radius, or a kink beside the stick area, volumes are up to 4 % off. After a displacement
-    within some percent of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In
+    within some percent of the transition to gross slip, the last volume of a test without an end is up to 7 % off. In
     single precision volumes are up to 1.5 % off. Derivatives have about two digits; those by the exponent of
     `PressurePower` in gross slip are up to 6 % off. Where gross slip turns into partial slip late in a test, those by
     k have only the right sign and size.
@@ -337,7 +337,7 @@ class MarchedRun(Run):
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         super().__init__(
-            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
+            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " for this test")
         )
 
     def _check(self, **given: Any) -> None:
@@ -391,7 +391,7 @@ class MarchedRun(Run):
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"
                 raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
-            told = "the scar grows beyond the cells of the march, as it does in blocks close to gross slip"
+            told = "the scar grows beyond the cells of the time stepping, as it does in blocks close to gross slip"
             raise RefusedError(f"load: {told}, or the ring that slips is narrower than a cell")
         return found
 

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from commands import plgwear, refused
+from commands import plgwear, refused, table_rows
 from matplotlib import image
 
 import plgwear_jax
@@ -130,13 +130,11 @@ def cells(stdout: str) -> dict[str, list[str]]:
     """The rows of all tables by their first cell; the cells of a line that only goes on are joined to those above."""
     found: dict[str, list[str]] = {}
     name = ""
-    for row in stdout.splitlines():
-        if row.startswith("│"):
-            first, *rest = [cell.strip() for cell in row.strip("│").split("│")]
-            if first:
-                name, found[first] = first, rest
-            else:
-                found[name] = [f"{one} {more}".strip() for one, more in zip(found[name], rest, strict=True)]
+    for first, *rest in table_rows(stdout):
+        if first:
+            name, found[first] = first, rest
+        else:
+            found[name] = [f"{one} {more}".strip() for one, more in zip(found[name], rest, strict=True)]
     return {name: [cell for cell in row if cell] for name, row in found.items()}
 
 
@@ -146,7 +144,7 @@ def cells(stdout: str) -> dict[str, list[str]]:
 def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     result = plgwear("solve", "contact.toml")
     assert result.exit_code == 0 and result.stderr == ""
-    rows = {row.split()[1]: row.replace("│", " ").split() for row in result.stdout.splitlines() if "│ " in row}
+    rows = {row[0]: " ".join(row).split() for row in table_rows(result.stdout)}
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
@@ -173,7 +171,7 @@ def test_solve_json_is_one_object_at_full_precision(folder):
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
     pressure = found["quantities"]["pressure"]
-    assert pressure["unbounded_at"] == "the stick edge"
+    assert pressure["unbounded_at"] == "the stick-slip boundary"
     assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
     assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
 
@@ -214,15 +212,15 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert table["modulus E0 at the depth z0"] == ["31.5 GPa", "110 GPa"]
     assert table["wear volume"][1] == "2.961 µm³"
     assert table["stress at the edge, exponent"] == ["-0.908", "-0.5"]
-    assert table["pressure 677 nm inside the stick edge"][1] == "350.3 MPa"
+    assert table["pressure 677 nm inside the stick-slip boundary"][1] == "350.3 MPa"
     assert table["k"] == ["-0.816", "-0.9 to 0.9", "between"]
     saving, verdict, higher, shallow, picture = result.stdout.splitlines()[-5:]
     assert shallow == "the wear is only 1.732 nm deep: the roughness of most surfaces is larger"
     assert saving.startswith("18.2 % less wear volume than the reference, at 2.0")
-    assert saving.endswith(" times its pressure 677 nm inside the stick edge")
+    assert saving.endswith(" times its pressure 677 nm inside the stick-slip boundary")
     assert verdict == (
-        "the search converged; global search found nothing better, "
-        "none expected between the points of the scan (curvature is estimated, not bounded)"
+        "the search converged; a global search found nothing better and expects nothing better "
+        "(curvature is estimated, not bounded)"
     )
     told = "this design has 0.15 % more wear volume than the best one for that amplitude"
     assert higher == f"at a 10 % higher force amplitude {told}"
@@ -264,7 +262,7 @@ ENDS = {
     "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated": (
         {"converged": False, "limits": np.array([0.1])} | UNSURE
     ),
-    f"the search converged; global search found nothing better, but {SCANNED}": {"scan_found_nothing_better": False},
+    f"the search converged; a global search found nothing better, but {SCANNED}": {"scan_found_nothing_better": False},
     **{
         f"the next best minimum, at k = 0.9, is {told}": RIVAL | {"rival_value": more - 1.0}
         for more, told in ((1.7, "worse: 5.5 times as much"), (0.034, "3.5 % worse"), (0.0, "as good"))
@@ -292,16 +290,18 @@ def test_a_design_says_how_it_ended(folder, search, line):
     "why, line",
     [
         (({"penetration": 2e-6}, {"penetration": 3.1e-6}),
-         "penetration below 2 µm cannot be kept between the bounds of what varies: the least penetration is 3.1 µm"),
+         "indentation depth below 2 µm cannot be kept between the bounds of what varies: "
+         "the least indentation depth is 3.1 µm"),
         (({"contact_radius_lowest": 9e-5, "penetration": 2e-6}, {"contact_radius_lowest": 8e-5, "penetration": 2.5e-6}),
-         "contact radius above 90 µm and penetration below 2 µm cannot both be kept: "
-         "with the penetration kept, the largest contact radius is 80 µm; "
-         "with the contact radius kept, the least penetration is 2.5 µm"),
+         "contact radius above 90 µm and indentation depth below 2 µm cannot both be kept: "
+         "with the indentation depth kept, the largest contact radius is 80 µm; "
+         "with the contact radius kept, the least indentation depth is 2.5 µm"),
         (({"contact_radius_lowest": 9e-5, "modulus_at[1]_highest": 4e10, "penetration": 2e-6},
           {"contact_radius_lowest": 8e-5, "modulus_at[1]_highest": 5e10, "penetration": 2.5e-6}),
-         "contact radius above 90 µm, modulus at 1 mm below 40 GPa and penetration below 2 µm cannot all be kept: with "
-         "the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
-         "penetration is 2.5 µm"),
+         "contact radius above 90 µm, modulus at 1 mm below 40 GPa and indentation depth below 2 µm "
+         "cannot all be kept: "
+         "with the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
+         "indentation depth is 2.5 µm"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("as_json", [True, False])
@@ -393,8 +393,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
         "contact_radius": {"above": 5e-5, "below": 8e-5},
         "penetration": {"below": 6e-6},
     }
-    rows = [row.split("│")[1:-1] for row in result.stdout.splitlines() if "at most" in row or "at least" in row]
-    assert [[cell.strip() for cell in row] for row in rows] == [
+    assert [row for row in table_rows(result.stdout) if re.match("at most|at least", row[2])] == [
         ["pressure 1 µm inside", "600 MPa", "at most 600 MPa", "active; relaxing it by"],
         ["contact radius", "67 µm", "at least 50 µm", "kept"],
         ["contact radius", "81 µm", "at most 80 µm", "VIOLATED"],
@@ -402,7 +401,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     assert "saves 0.42 %" in result.stdout
     # At the higher load the edge pressure is above its limit.
     lost = "at a 10 % higher force amplitude this design violates a limit: the pressure 1 µm inside"
-    assert f"{lost} the stick edge is 700 MPa" in " ".join(result.stdout.split())
+    assert f"{lost} the stick-slip boundary is 700 MPa" in " ".join(result.stdout.split())
     found = json.loads(plgwear("design", "contact.toml", "--json").stdout)
     assert found["edge_distance"] == 1e-6
     assert found["limits"]["edge_pressure"] == {
@@ -662,10 +661,8 @@ def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
 
 
 def test_front_refuses_what_it_cannot_do(folder, trade):
-    line = (
-        "contact.toml: --x.distance: must be a finite number, as edge_pressure needs the distance from the stick edge"
-    )
-    assert refused("front", "contact.toml") == f"{line} in m"
+    line = "contact.toml: --x.distance: must be a finite number, as edge_pressure needs the distance from the"
+    assert refused("front", "contact.toml") == f"{line} stick-slip boundary in m"
     line = "contact.toml: --x.r: must be a finite number, as wear_depth needs the distance from the axis in m"
     assert refused("front", "contact.toml", "--x", "wear_depth") == line
     line = 'contact.toml: --x = "wear_depth@1um": the distance from the axis in m must be a finite number > 0'

@@ -65,9 +65,11 @@ def test_the_map_is_told_written_and_drawn():
     assert drawn.shape[:2] == (968, 2125) and drawn[..., :3].std() > 0.1
 
     table = plgwear("--picture", "map.png")
-    assert table.exit_code == 0 and "│       150 nm │ partial │    1.063 N │  0.022 │    0.033 │" in table.stdout
-    assert "gross slip begins at 926.8 nm, where the energy ratio is 0.2727 and the aperture 0.3459" in table.stdout
-    assert "the energy ratio is 0.2 at 804.4 nm, 13.2 % below the onset" in table.stdout
+    assert table.exit_code == 0
+    assert ["150 nm", "partial", "1.063 N", "0.022", "0.033"] in commands.table_rows(table.stdout)
+    begins = "gross slip begins at 926.8 nm, where the energy ratio is 0.2727 and the sliding ratio 0.3459"
+    assert begins in table.stdout
+    assert "the energy ratio is 0.2 at 804.4 nm, 13.2 % below the transition" in table.stdout
 
 
 def test_ranges_and_a_rig_are_taken():
@@ -82,7 +84,7 @@ def test_ranges_and_a_rig_are_taken():
     own = told()
     assert own["rig_stiffness"] == 1e7 and own["onset"] == pytest.approx(found["onset"], rel=1e-9)  # in gross slip
     printed = plgwear().stdout
-    assert "of the rig" in printed and "1.5 µm │ gross   │" in printed
+    assert "of the rig" in printed and ["1.5 µm", "gross"] in [row[:2] for row in commands.table_rows(printed)]
 
 
 @pytest.mark.compiled
@@ -90,7 +92,7 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     write(SCENE.replace("k = 0.5", "k = 0.0").replace("0.4 }", "0.4, indenter = { E = 210e9, nu = 0.3 } }"))
     found = told()
     assert found["onset"]["energy_ratio"] == pytest.approx(0.2, rel=1e-12)
-    assert "the energy ratio is 0.2 at 589.5 nm, at the onset" in plgwear().stdout
+    assert "the energy ratio is 0.2 at 589.5 nm, at the transition" in plgwear().stdout
 
 
 @cases(Path(__file__).with_name("refused.toml"), "regimes")

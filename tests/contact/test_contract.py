@@ -179,7 +179,7 @@ def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     np.testing.assert_allclose(numeric.cycles_to(SHARES), cycles, rtol=most)
 
 
-# Beside the stick edge, where they become singular in the end, they are not compared.
+# Beside the stick-slip boundary, where they become singular in the end, they are not compared.
 @pytest.mark.parametrize(
     "pair, load, beside, most, least",
     [
@@ -302,7 +302,8 @@ def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
 # --- what JAX is promised ---------------------------------------------------------------------------------------------
 
 # The most that gradients are away from differences. Depths of a table move the parts into which it is divided, whose
-# errors are no smooth functions, and at a held displacement the stick edge moves by whole cells: differences see both.
+# errors are no smooth functions, and at a held displacement the stick-slip boundary moves by whole cells: differences
+# see both.
 GRADIENTS = {None: 5e-7, "force": 2e-6, "rig": 1e-3}
 BY_DEPTHS = 4e-5
 

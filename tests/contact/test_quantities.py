@@ -174,6 +174,6 @@ def test_the_fields_of_a_run_balance_its_numbers(name):
 
 @pytest.mark.compiled
 def test_pressures_of_five_digits_carry_the_normal_force():
-    """Until they become singular at the stick edge, where the sum knows less of them."""
+    """Until they become singular at the stick-slip boundary, where the sum knows less of them."""
     pressed, _ = sums(CLOSED.over_cycles(2.0, COEFFICIENT, digits=5), WEARS[:2, None])
     np.testing.assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)

@@ -414,6 +414,32 @@ def test_words_that_promise_too_much_are_gone(name):
     assert not re.search(r"cracks begin|costs no stress|below yield|stays elastic", text)
 
 
+# Words that tribologists do not use, and theirs. Names of Python, keys and files stay as they are.
+WORDS = {
+    "stick edge": "stick-slip boundary",
+    "loop apertures?": "sliding ratio (Fouvry)",
+    "deepest wear": "wear depth",
+    "the penetration|penetration depth": "indentation depth",
+    "edge intensity": "generalised stress intensity factor",
+    "the onset|onset of (?:gross )?slip": "transition from partial to gross slip",
+    "marched (?:test|load|law)s?|is marched": "time stepping",
+    "windows? such": "bounds",
+    "without a gradient": "homogeneous",
+    "oracle": "reference implementation",
+}
+READ = [path for folder in ("plgwear_jax", "design", "notebooks") for path in (ROOT / folder).rglob("*.*")]
+READ = [path for path in READ if path.suffix in (".py", ".toml", ".ipynb")]
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_words_are_those_of_tribologists(word):
+    names = re.compile(r"\]\([^)]*\)|`[^`\n]*`|```.*?```", re.DOTALL)
+    texts = {name: names.sub("", text) for name, text in TEXTS.items()}
+    texts |= {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in READ}
+    said = [name for name, text in texts.items() if re.search(rf"\b(?:{word})\b", " ".join(text.split()))]
+    assert not said, f"{WORDS[word]}, not {word}: {said}"
+
+
 # --- what several pages say is the same -----------------------------------------------------------------------------
 
 RULE = """At the same contact radius the compliant surface wears the indenter less at force amplitudes above 0.4 of the

@@ -91,7 +91,7 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
         np.testing.assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
         assert state.active == (value == pytest.approx(state.allowed, rel=1e-8)), name
         assert value >= state.allowed * (1.0 - 1e-6) if one.lowest else value <= state.allowed * (1.0 + 1e-6), name
-    assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick edge
+    assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick-slip boundary
 
 
 @pytest.mark.compiled

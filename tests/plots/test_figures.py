@@ -123,7 +123,7 @@ def test_profiles_and_pressures_are_those_of_equations_25_and_17():
             for phi in AMPLITUDES:
                 label = rf"$F_x/(\mu F_N) = {phi:g}$"
                 x, _ = curve(axes, label)
-                # next to the stick edge the radius itself is rounded
+                # next to the stick-slip boundary the radius itself is rounded
                 within = (x[0] + 0.02 * (x[-1] - x[0]), x[-1] - 0.02 * (x[-1] - x[0]))
                 follows(axes, label, within, lambda r, k=k, phi=phi, field=field: field(r, k, phi))
 

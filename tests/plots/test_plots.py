@@ -183,7 +183,7 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         y_name="wear_volume",
     )
     figure = plots.front_picture(front)
-    assert figure.get_supxlabel() == "pressure 1 µm inside the stick edge (MPa)"
+    assert figure.get_supxlabel() == "pressure 1 µm inside the stick-slip boundary (MPa)"
     assert [axes.get_ylabel() for axes in figure.axes] == [
         r"wear volume $\Delta V$ (µm³)",
         "modulus $E_0$ (GPa)",

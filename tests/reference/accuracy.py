@@ -5,8 +5,8 @@ each seed; the regions are
 
     bulk    abs(k) <= 0.97, phi in [0.005, 0.995], r from 1.01 c to 1000 c (derivatives from 1.1 c), nu in [-0.9, 0.5]
     edges   1 - abs(k) down to 1e-9, abs(k) down to 1e-14, phi and 1 - phi down to 1e-12, r -> a down to 1e-12
-    near    the displacement closer to the stick edge than 1.01 c, the profile in the whole ring, the wear depth in its
-            inner nine tenths: the error is allowed what moving r by four units in its last place would make
+    near    the displacement closer to the stick-slip boundary than 1.01 c, the profile in the whole ring, the wear
+            depth in its inner nine tenths: the error is allowed what moving r by 4 units in its last place makes
     SI      a contact in SI units with k, nu and phi of the bulk and all else over decades; derivatives by what has a
             unit are relative to themselves
 """
@@ -181,7 +181,7 @@ class Quantity:
     oracle: str
     order: int = 1
     regions: tuple[str, ...] = ("bulk", "edges")
-    derivatives_from: float = 0.0  # least distance from the stick edge, over c, where derivatives count
+    derivatives_from: float = 0.0  # least distance from the stick-slip boundary, over c, where derivatives count
     with_unit: tuple[str, ...] = ()  # arguments that have one, so that the value is no measure of derivatives by them
 
     @property

@@ -8,7 +8,7 @@ def sums(run, cycles):
     inner, outer = (np.asarray(radius(cycles)) for radius in (run.stick_radius, run.contact_radius))
     x, weight = np.polynomial.legendre.leggauss(60)
     x, weight = 0.5 + 0.5 * x, 0.5 * weight
-    # Dense on both sides of the stick edge, in r^2.
+    # Dense on both sides of the stick-slip boundary, in r^2.
     sticks, area = inner * np.sqrt(1.0 - x**3), np.pi * inner**2 * 3.0 * x**2 * weight
     ring = np.sqrt(inner**2 + (outer**2 - inner**2) * x * x * (2.0 - x * x))
     around = np.pi * (outer**2 - inner**2) * 4.0 * x * (1.0 - x * x) * weight

@@ -1,5 +1,7 @@
 """The command line, as tests call it."""
 
+import itertools
+import re
 from pathlib import Path
 from typing import Any
 
@@ -20,3 +22,20 @@ def refused(*arguments: str) -> str:
     assert result.exit_code == 2 and result.stdout == "" and sorted(Path().rglob("*")) == before
     (line,) = result.stderr.splitlines()
     return line
+
+
+def table_rows(printed: str) -> list[list[str]]:
+    """The lines of all tables that a command printed, as cells without their headings.
+
+    Columns are told apart by three places or more that are empty in all lines. A line that only continues the cells
+    above it is a row of its own.
+    """
+    found = []
+    for inside, block in itertools.groupby(printed.splitlines(), lambda line: line.startswith(" ")):
+        for table in re.split(r"\n *\n *\n", "\n".join(block)) if inside else ():
+            headings, rows = re.split(r"^ ─+ *$", table, maxsplit=1, flags=re.MULTILINE)
+            every = itertools.zip_longest(*(headings + rows).splitlines(), fillvalue=" ")
+            used = "".join(" " if set(place) == {" "} else "x" for place in every)
+            columns = [slice(*part.span()) for part in re.finditer(r"x+(?:  ?x+)*", used)]
+            found += [[line[column].strip() for column in columns] for line in rows.splitlines() if line.strip()]
+    return found

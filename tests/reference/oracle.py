@@ -366,7 +366,7 @@ def deepest_wear(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
 
 @quantity
 def edge_pressure(distance: Number, k: Number, phi: Number) -> mpf:
-    """Eq. (17) at `distance` inside the stick edge, at most at the centre, in F_N/(pi a_0^2)."""
+    """Eq. (17) at `distance` inside the stick-slip boundary, at most at the centre, in F_N/(pi a_0^2)."""
     return steady_pressure.formula(max(mpf(0), stick_radius.formula(k, phi) - distance), k, phi)
 
 

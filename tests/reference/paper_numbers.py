@@ -122,7 +122,7 @@ def number_table() -> str:
                 ok(off),
             )
         )
-    head = ("", "", "paper", "library", "oracle", "library against oracle")
+    head = ("", "", "paper", "library", "mpmath", "library against mpmath")
     return table(head, rows)
 
 

@@ -109,7 +109,7 @@ AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free 
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
 BOUNDS = (
     "must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "
-    "or a window of the modulus"
+    "or bounds of the modulus"
 )
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
 HELD = 'must be "contact_radius", or left out'
@@ -395,7 +395,7 @@ def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
     ):
         with pytest.raises(scene.SceneError, match=re.escape(message)):
             getattr(read(file, text), ask)()
-    with pytest.raises(scene.SceneError, match=r"the distance from the stick edge in m must be a finite number > 0"):
+    with pytest.raises(scene.SceneError, match="from the stick-slip boundary in m must be a finite number > 0"):
         read(file, SINGLE_NUMBERS).front(distance=0.0)
 
 
@@ -499,7 +499,8 @@ def test_a_life_is_solved_for_what_is_worn_by_then(file):
 def test_default_points_and_singular_edges(file):
     wanted = '"pressure", "initial_pressure"'
     found = read(file, changed(FRETTING, ('"wear_volume", "profile"', wanted))).solve()
-    assert found["pressure"].unbounded_at == "the stick edge" and found["initial_pressure"].unbounded_at is None
+    assert found["pressure"].unbounded_at == "the stick-slip boundary"
+    assert found["initial_pressure"].unbounded_at is None
     assert np.shape(found["pressure"].value) == (201,)
     assert found["initial_pressure"].edge_value is found["initial_pressure"].edge_distance is None
     still = changed(FRETTING, ('"wear_volume", "profile"', wanted), ("0.32", "0.0"))

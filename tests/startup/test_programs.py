@@ -252,7 +252,7 @@ def needed(kind: str, name: str) -> set[str]:
     # A function of the radius is given to beyond the worn ring.
     own = {"initial_pressure"} if name == "peak_initial_pressure" else {name} - {"contact_radius"}
     own = {f"steady_{name}"} if name in ("pressure", "traction") else own
-    # What is unbounded at the stick edge is given beside it as well.
+    # What is unbounded at the stick-slip boundary is given beside it as well.
     edge = {"stick_radius"} if name in ("pressure", "traction") else set()
     return own | edge | ({"worn_radius"} if along_radius(kind, name) else set())
 

@@ -133,7 +133,7 @@ def test_marches_find_the_tension_by_themselves(load):
 
 @pytest.mark.compiled
 def test_marches_of_the_stiffest_surfaces_are_followed():
-    """Pressures of single cells swing there, next to the stick edge and in the middle."""
+    """Pressures of single cells swing there, next to the stick-slip boundary and in the middle."""
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, -0.85, 0.3), 5e-3, 10.0, 0.4)
     for phi in (0.5, 0.975):
         run = contact.over_cycles(phi * 4.0, PressurePower(1e-14, 1.0))

@@ -167,7 +167,7 @@ def _check_profiles() -> list[Claim]:
         ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_by_amplitude(area, '.4f')}", -area),
         (
             "the amount of curvature of the worn area increases with the exponent",
-            f"8 (deepest wear)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
+            f"8 (largest wear depth)/(a∞ − c)² in 1/R {_by_amplitude(bend, '.3f')}",
             bend,
         ),
     )
@@ -198,7 +198,7 @@ def limiting_profiles(page: FigureBase) -> None:
         if phi == AMPLITUDES[0]:
             axes.plot(r, 0.5 * r**2, **_THIN)
         ends = np.array([fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)])
-        # dense close to the stick edge, where the profile rises like a power of the distance
+        # dense close to the stick-slip boundary, where the profile rises like a power of the distance
         ring = ends[0] + np.ptp(ends) * np.linspace(0.0, 1.0, 201) ** 3
         axes.plot(ring, fretting.profile(ring, k, phi), **style)
         axes.plot(ends, 0.5 * ends**2, ".", color=style["color"], markersize=4.0)
