@@ -83,7 +83,8 @@ class Scene:
         load: The tangential force or displacement, with the amplitudes of the file if it names one; None for gross
             slip.
         wear: The wear coefficient and the life in cycles; None if there are none.
-        design_space: The section [design]: what may vary, be held and be limited; None if there is none.
+        design_space: The section [design]: what may vary, be held and be limited; None if there is none. Only its
+            keys are checked before a design is asked for.
         output: The quantities asked for; None for all single numbers.
     """
 
@@ -108,7 +109,7 @@ class Scene:
         """The section [design] of a scene for which a design can be looked for.
 
         Raises:
-            SceneError: There is no such section, or nothing wears.
+            SceneError: There is no such section, it does not go together or with the others, or nothing wears.
         """
         if self.design_space is None:
             raise SceneError("[design]: missing; it says what may vary")
@@ -117,7 +118,7 @@ class Scene:
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
-        return self.design_space
+        return self.design_space.checked()
 
     @property
     def life(self) -> float | None:

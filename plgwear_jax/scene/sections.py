@@ -1,7 +1,6 @@
 """The sections of an input file, whose keys `keys` has checked: what does not go together is refused here."""
 
 import importlib
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -14,7 +13,6 @@ from plgwear_jax.rules import (
     BY_THEN,
     OF_POWER_LAW,
     Complaint,
-    Kind,
     complaint,
     domain_of,
     free_complaint,
@@ -23,7 +21,7 @@ from plgwear_jax.rules import (
     window_complaint,
 )
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError, WrongKeyError
-from plgwear_jax.scene.keys import ELEMENTS, MATERIALS, SECTIONS
+from plgwear_jax.scene.keys import MATERIALS, SECTIONS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -412,72 +410,87 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
 class DesignSpace(SimpleNamespace):
     """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits.
 
+    Whether all this goes together is `checked` for what designs alone.
+
     Attributes:
-        variables: What may vary: bounds by name, such as k and indenter.E; for "modulus" the depths at, and the lower
-            and upper moduli there: at two depths of a power law, at three to eight a free gradient.
-        steepness: The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit.
+        vary: What may vary, as in the file.
         hold: What is kept equal to the reference: the initial contact radius, by adjusting E0.
         minimise: The quantity that is minimised, with its place if it has one.
-        level: The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case.
+        over: How the amplitudes of a table, and scenarios, count, as in the file.
         scenarios: A CSV file of what the contact may turn out to be.
-        scatter: The scenarios; None without.
-        allowed: The limits by name: above, below or between with the place, or the window; None without any.
+        limits: The limits, as in the file.
+        reading: What the other sections are.
     """
 
     @classmethod
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
-        """The design space of the contact, as far as that is known."""
-        material, contact, load, wear = reading.material, reading.contact, reading.load, reading.wear
-        variables, allowed = {}, dict(values["limits"] or {})
-        for name, given in values["vary"].items():
+        """What the section says."""
+        return cls(**values, reading=reading)
+
+    def checked(self) -> Self:
+        """The same, or a SceneError if it does not go together, or with the other sections."""
+        with self.reading.telling("design"):
+            self._refuse()
+        self.reading.end()
+        return self
+
+    @cached_property
+    def variables(self) -> dict[str, Any]:
+        """What may vary: bounds by name, such as k and indenter.E.
+
+        For "modulus" the depths at, and the lower and upper moduli there: at two depths of a power law, at three to
+        eight a free gradient.
+        """
+        found = {}
+        for name, given in self.vary.items():
             if name == "modulus":
-                variables[name] = _window_of("vary.modulus", given)
-                if len(given["at"]) == 2 and (said := window_complaint(**variables[name])) is not None:
+                found[name] = _window_of("vary.modulus", given)
+                if len(given["at"]) == 2 and (said := window_complaint(**found[name])) is not None:
                     raise WrongKeyError("vary.modulus.between", said)
             else:
-                inner = (
-                    {f"{name}.{one}": ends for one, ends in given.items()} if isinstance(given, dict) else {name: given}
-                )
-                variables |= inner
+                inner = {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
+                found |= inner
+        return found
+
+    @property
+    def steepness(self) -> float | None:
+        """The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit."""
+        return self.vary.get("modulus", {}).get("steepness")
+
+    @cached_property
+    def allowed(self) -> dict[str, Any] | None:
+        """The limits by name: above, below or between with the place, or the window; None without any."""
+        allowed = dict(self.limits or {})
         if "modulus" in allowed:
             allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
             if len(allowed["modulus"]["at"]) > 2:
                 text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
                 raise WrongKeyError("limits.modulus.at", text)
-        over = values["over"]
-        found = cls(
-            variables=variables,
-            steepness=values["vary"].get("modulus", {}).get("steepness"),
-            allowed=allowed or None,
-            level=over[1]["cvar"] if isinstance(over, tuple) else float(over == "worst"),
-            **{name: values[name] for name in ("hold", "minimise", "scenarios")},
-            scatter=None,
-        )
-        lasts = wear is not None and found.objective in BY_THEN
-        if load is not None and load.pressed and not (lasts and load.cycles is not None):
-            text = "a design cannot be combined with a history that changes the normal force or the friction"
-            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-        found._refuse(getattr(contact, "kind", None), getattr(material, "k", None) == 0.0)
-        if material is None or contact is None:
-            return found
-        found._refuse_to_vary(material, contact, load)
-        known = "load" not in reading.wrong
-        if over is not None and found.scenarios is None and known and (load is None or load.table is None):
-            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
-            raise WrongKeyError("over", text)
-        if found.scenarios is not None:
-            names = [*material.numbers(), *contact.numbers()]
-            names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
-            names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
-            columns = {name: domain_of(name) for name in names}
-            found.scatter = _from_table(lambda tables: tables.scenarios(columns), found.scenarios, reading)
-        return found
+        return allowed or None
+
+    @property
+    def level(self) -> float:
+        """The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case."""
+        return self.over[1]["cvar"] if isinstance(self.over, tuple) else float(self.over == "worst")
+
+    @cached_property
+    def scatter(self) -> "Table | None":
+        """The scenarios; None without."""
+        reading = self.reading
+        if self.scenarios is None:
+            return None
+        material, contact, wear = reading.material, reading.contact, reading.wear
+        names = [*material.numbers(), *contact.numbers()]
+        names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
+        names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
+        columns = {name: domain_of(name) for name in names}
+        return _from_table(lambda tables: tables.scenarios(columns), self.scenarios, reading)
 
     @property
     def edge_distance(self) -> float | None:
         """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
-        allowed = self.allowed or {}
-        return next((allowed[name].get("distance") for name in ("edge_pressure", "pressure") if name in allowed), None)
+        limits = self.limits or {}
+        return next((limits[name].get("distance") for name in ("edge_pressure", "pressure") if name in limits), None)
 
     @property
     def free(self) -> bool:
@@ -489,33 +502,59 @@ class DesignSpace(SimpleNamespace):
         """The quantity that is minimised."""
         return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
 
-    def _refuse(self, kind: Kind | None, flat: bool) -> None:
-        """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
+    def _refuse(self) -> None:
+        """Refuse what a design cannot have, for this contact under this load."""
+        reading, variables, allowed = self.reading, self.variables, self.allowed or {}
+        material, kind, load = reading.material, reading.contact.kind, reading.load
+        lasts = reading.wear is not None and self.objective in BY_THEN
+        if load is not None and load.pressed and not (lasts and load.cycles is not None):
+            text = "a design cannot be combined with a history that changes the normal force or the friction"
+            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
         places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
         if not isinstance(self.minimise, str) and len(self.minimise) != 1:
             raise WrongKeyError("minimise", "must name one quantity")
-        allowed = self.allowed or {}
         found = placed_quantity("minimise", self.objective, places, kind)
         for name, given in allowed.items():
             one = None if name == "modulus" else limited_quantity(name, given, kind)
             found = one if isinstance(found, str) and isinstance(one, Complaint) else found
         if isinstance(found, str) and not self.free:
-            found = complaint(self.variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
+            flat = getattr(material, "k", None) == 0.0
+            found = complaint(variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
         elif isinstance(found, str):
-            found = free_complaint(self.variables, bool(self.hold), [*allowed], kind=kind)
+            found = free_complaint(variables, bool(self.hold), [*allowed], kind=kind)
             if found is None and self.scenarios is not None:
                 found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
         if found is not None:
             # the places of what is minimised have no keys of their own
             raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
+        self._refuse_other_materials(material)
+        self._refuse_to_vary(material, reading.contact, load)
+        if self.scatter is None and self.over is not None and (load is None or load.table is None):
+            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+            raise WrongKeyError("over", text)
+
+    def _refuse_other_materials(self, material: Body) -> None:
+        """Refuse all that needs a power law at once, and say what to write for this material."""
+        if self.free or material.kind == "power law":
+            return
+        kept = [name for name in self.variables if name not in (*OF_POWER_LAW, "modulus")]
+        asked = [f"vary.{name}" for name in self.variables if name not in kept]
+        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
+        if not asked:
+            return
+        first, *others = asked
+        as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
+        instead = ""
+        if not kept:
+            name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
+            value = float(material.rows[name][0])
+            instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
+            instead += ", or three depths or more in vary.modulus"
+        text = f"needs a power law under [material], not {material.words}{as_do}"
+        raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
 
     def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
-        """Refuse what needs a power law, bounds of what this contact does not have, and of what slips as a whole."""
-        if not self.free and material.kind != "power law":
-            asked = [f"vary.{name}" for name in self.variables if name in (*OF_POWER_LAW, "modulus")]
-            asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
-            if asked:
-                raise WrongKeyError(asked[0], f"needs a power law under [material], not {material.words}; {_INSTEAD}")
+        """Refuse bounds of what this contact does not have, and of what slips as a whole."""
         for name in self.variables:
             first = name.partition(".")[0]
             missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
@@ -538,12 +577,6 @@ class DesignSpace(SimpleNamespace):
             if not load.largest < math.prod(lowest):
                 text = f"at the lowest {' and '.join(varied)} the whole contact slips"
                 raise WrongKeyError(f"vary.{varied[0]}", text)
-
-
-_INSTEAD = (
-    f"vary {' and '.join(map(json.dumps, ELEMENTS))} and so on, "
-    "or give three depths or more in vary.modulus for a free gradient"
-)
 
 
 # --- what is asked for ------------------------------------------------------------------------------------------------

@@ -218,7 +218,7 @@ def test_a_design_refuses_a_history_that_changes_the_normal_force():
     design = 'design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }'
     line = r"^scene.toml: \[design\]: a design cannot be combined with a history that changes the normal force"
     with pytest.raises(scene.SceneError, match=line):
-        read(f"load = {{ history = 'h.csv' }}\n{design}", h=CHANGING)
+        read(f"load = {{ history = 'h.csv' }}\n{design}", h=CHANGING).asked()
 
 
 def test_a_scene_without_a_test_says_so():
