@@ -303,12 +303,14 @@ class Scene:
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance, and the edge intensity only where there is an edge.
+            pressure only where the scene gives its distance, and the edge intensity only where there is an edge. Under
+            a displacement that makes the contact slip as a whole, `load.slides` says so, and only what depends on no
+            amplitude is given, and the peaks of stresses, which are those of sliding.
 
         Raises:
             SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
-                from the edge is larger than the stick radius or that of the punch, or under a displacement of the
-                scene the contact slips as a whole.
+                from the edge is larger than the stick radius or that of the punch, or the contact slips as a whole and
+                has nothing of what is asked for.
         """
         laws = laws_of_scene(self.contact, self.load, self.wear)
         distance = edge_distance(self.design_space, self.output)
@@ -335,11 +337,16 @@ class Scene:
         contact = solving.homogeneous(self.build_contact())
         if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
-        life = None
+        parts: dict[tuple[str, ...], Any] = {names: None}
+        if load is not None:
+            parts = {names: load.force} if load.slides is None else self._sliding(load, names)
+        names, life = tuple(name for name in names if any(name in part for part in parts)), None
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             life = self.wear.cycles, self.archard
-        force = None if load is None else Force(load.force, load.rig_stiffness)
-        values = solving.scene_values(names, points, digits, contact, force, weights, distance, life)
+        values: dict[str, Any] = {}
+        for part, force in parts.items():
+            acting = None if load is None else Force(force, load.rig_stiffness)
+            values |= solving.scene_values(part, points, digits, contact, acting, weights, distance, life)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
@@ -364,9 +371,23 @@ class Scene:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
                 places = zip("xz", values.get(f"{name} at", ()), strict=False)
-                at = "".join(f", {axis} = {written(float(one), 'm')}" for axis, one in places)
+                at = "".join(f", {axis} = {written(float(one), 'm')}{_side(axis, one)}" for axis, one in places)
                 found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{at}", edge_distance=place)
         return found
+
+    def _sliding(self, load: LoadSection, names: tuple[str, ...]) -> dict[tuple[str, ...], float]:
+        """The quantities that a contact has while it slips as a whole, with the amplitudes in N that give them."""
+        laws = laws_of(self.contact)
+        still = tuple(name for name in names if "F_x" not in laws[name].arguments)
+        peaks = tuple(name for name in names if name in STRESSES and load.table is None)
+        if load.slides is not None and not still + peaks:
+            raise load.slides
+        return {part: force for part, force in ((still, 0.0), (peaks, load.hardest)) if part}
+
+
+def _side(axis: str, value: float) -> str:
+    """On which side of the contact, as it moves, a place is."""
+    return f" ({'trailing' if value < 0.0 else 'leading'} side)" if axis == "x" and value else ""
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

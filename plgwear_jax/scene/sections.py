@@ -7,6 +7,7 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import near, one_line
 from plgwear_jax.catalogue import Law, element, laws_of
 from plgwear_jax.rules import (
@@ -263,31 +264,43 @@ class LoadSection(SimpleNamespace):
         return ~(self.given < np.asarray(self.moved.gross_slip if self.of_displacement else math.inf))
 
     @cached_property
+    def slides(self) -> SceneError | None:
+        """What says that the contact slips as a whole before any wear, under the first such displacement; else None."""
+        if not self.of_displacement or self.pressed:
+            return None
+        import numpy as np
+
+        (beyond,) = np.nonzero(self.in_gross_slip)
+        if not beyond.size:
+            return None
+        first, rows, wear = beyond[0], self.rows, self.wear
+        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
+        by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
+        if wear is not None and not wear.others:
+            name, given = next((name, x) for name in COEFFICIENTS if (x := getattr(wear, name)) is not None)
+            by = f"{by} with [wear] {name} = {given:g}"
+            worn = f"{1e18 * wear.archard(self.contact.friction) * work:.4g} µm³"
+        begins = written(float(self.moved.gross_slip), "m")
+        begins += "" if self.rig_stiffness is None else " at the actuator"
+        said = (
+            f"displacement = {self.given[first]:g}: this is gross slip, the contact slips as a whole from {begins} on; "
+            f"by {by} it wears {worn} a cycle at first, which plgwear wear follows over the cycles"
+        )
+        if self.file is None:
+            return SceneError(f"[load] {said}")
+        return OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
+
+    @cached_property
     def forces(self) -> "np.ndarray":
         """The force amplitudes in N of `given`, shape (n,), or a SceneError where the contact slips as a whole."""
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
-        if not self.of_displacement:
-            return self.given
+        if self.slides is not None:
+            raise self.slides
         import numpy as np
 
-        (beyond,) = np.nonzero(self.in_gross_slip)
-        if not beyond.size:
-            return np.asarray(self.moved.force)
-        first, rows, wear = beyond[0], self.rows, self.wear
-        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
-        worn = f"{work:.4g} N m times the wear coefficient"
-        if wear is not None and wear.exponent is None:
-            worn = f"{wear.archard(self.contact.friction) * work:.4g} m^3"
-        said = (
-            f"displacement = {self.given[first]:g}: this is gross slip, from {float(self.moved.gross_slip):.4g} m on "
-            f"the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole; by Archard's law such sliding "
-            f"wears {worn} a cycle at first; plgwear wear follows it over the cycles"
-        )
-        if self.file is None:
-            raise SceneError(f"[load] {said}")
-        raise OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
+        return np.asarray(self.moved.force) if self.of_displacement else self.given
 
     @property
     def amplitudes(self) -> "np.ndarray":
@@ -309,6 +322,15 @@ class LoadSection(SimpleNamespace):
     def largest(self) -> float:
         """The largest amplitude in N: it determines the worn state of a history, and the worst case of a table."""
         return float(self.amplitudes.max())
+
+    @property
+    def hardest(self) -> float:
+        """The largest amplitude in N before any wear; in gross slip the friction force, but for rounding."""
+        if self.slides is None:
+            return self.largest
+        import jax.numpy as jnp
+
+        return self.contact.friction * self.contact.normal_force * (1.0 - 4.0 * float(jnp.finfo(float).eps))
 
     @property
     def force(self) -> "float | np.ndarray":
