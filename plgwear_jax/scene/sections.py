@@ -284,7 +284,8 @@ class LoadSection(SimpleNamespace):
         begins += "" if self.rig_stiffness is None else " at the actuator"
         said = (
             f"displacement = {self.given[first]:g}: this is gross slip, the contact slips as a whole from {begins} on; "
-            f"by {by} it wears {worn} a cycle at first, which plgwear wear follows over the cycles"
+            f"by {by} it wears {worn} a cycle at first; "
+            "plgwear wear goes on, and plgwear design with cycles under [wear]"
         )
         if self.file is None:
             return SceneError(f"[load] {said}")

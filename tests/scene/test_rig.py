@@ -92,7 +92,8 @@ def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
         assert told_of_sliding(load)[1] == (
             f"[load] displacement = {begins:g}: this is gross slip, the contact slips as a whole from "
             f"{where} on; by Archard's law with [wear] coefficient_mm3_per_N_m = 1e-05 it wears "
-            f"{1e4 * energy / 0.4:.4g} µm³ a cycle at first, which plgwear wear follows over the cycles"
+            f"{1e4 * energy / 0.4:.4g} µm³ a cycle at first; plgwear wear goes on, and plgwear design "
+            "with cycles under [wear]"
         )
     for law in ("", "wear = { coefficient = 1e-14, half_space_coefficient = 1e-14 }"):
         given = read(f"load = {{ displacement = 5e-6 }}\n{law}")
@@ -107,7 +108,7 @@ def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
 def test_the_wear_of_the_first_cycle_of_gross_slip_is_that_of_its_run():
     """Not a number of cycles times it, from which the run differs since the scar grows."""
     given, line = told_of_sliding("displacement = 5e-6")
-    told = 1e-18 * float(line.split(" µm³ a cycle at first, ")[0].split()[-1])
+    told = 1e-18 * float(line.split(" µm³ a cycle at first; ")[0].split()[-1])
     run = given.over_cycles()
     np.testing.assert_allclose(told, run.rate(0.0), rtol=5e-3)
     assert "in 100000 cycles" not in line and abs(1e5 * told / float(run.volume(1e5)) - 1.0) > 0.01
