@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any
+from typing import Any, Self
 
 import jax
 import jax.numpy as jnp
@@ -18,9 +18,9 @@ from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.steady.batch import each_state, over_radii
+from plgwear_jax.steady.batch import as_numbers, each_state, over_radii
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
+from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
 from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
@@ -442,6 +442,20 @@ class NumericSteady(Steady):
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
+
+    def _given(self) -> Any:
+        return as_numbers((self.contact, super().tangential_force))
+
+    def _solved(self, given: Any) -> Self:
+        contact, force = given
+        return self._of(contact, solved_states(self._effort, contact, force))
+
+    def _of(self, contact: Any, solution: State) -> Self:
+        return self._unflatten((self.digits,), (contact, None, solution))
+
+    @property
+    def _known(self) -> Self:
+        return self._of(as_numbers(self.contact), self._solution)
 
     @property
     def _pressed(self) -> Pressed:

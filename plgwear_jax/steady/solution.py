@@ -14,6 +14,7 @@ from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
 from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of, check_arguments
+from plgwear_jax.steady.batch import as_numbers
 
 if TYPE_CHECKING:
     from plgwear_jax.stresses.field import Pressed, Stress
@@ -389,6 +390,19 @@ class Steady(Solution, abc.ABC):
     def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
         self._check(x=x, z=z)
         return guarded("x", x, ARGUMENTS["x"]), guarded("z", z, ARGUMENTS["z"])
+
+    def _given(self) -> Any:
+        """The numbers of the question, as arrays of one dtype."""
+        return as_numbers((self.contact, self.load, self._solution))
+
+    def _solved(self, given: Any) -> Self:
+        """What programs of stresses take, of such numbers and by programs alone."""
+        return self._unflatten((self.digits,), given)
+
+    @property
+    def _known(self) -> Self:
+        """The same of the solution that is known."""
+        return self._solved(self._given())
 
     @property
     @abc.abstractmethod

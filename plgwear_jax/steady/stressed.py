@@ -1,21 +1,33 @@
 """The stresses of steady states, each in one program with what it follows from."""
 
+import functools
+from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._startup.programs import program
-from plgwear_jax.steady.batch import each_state
+from plgwear_jax._core.domains import ArrayLike
+from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
+from plgwear_jax.steady.batch import as_numbers, each_state
 from plgwear_jax.stresses.field import Half, Pressed, Stress, field
-from plgwear_jax.stresses.peaks import Peak, peak
+from plgwear_jax.stresses.peaks import Peak, Wanted, in_si, peak_at, search
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    return _stress_program((_half_of(steady.contact.material), worn), steady, x, z)
+    fixed = _half_of(steady.contact.material), worn
+    return _read(functools.partial(_stress_program, fixed), steady, (jnp.asarray(x), jnp.asarray(z)))
+
+
+def _read(program: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
+    """What a program reads; at known numbers its derivatives are a program of their own."""
+    if follows((steady.contact, steady.load, more)):
+        return read_with_slopes(steady._solved, program, steady._given(), more, vars(steady))
+    return program(steady, more)
 
 
 def _half_of(material: Any) -> Half:
@@ -25,9 +37,9 @@ def _half_of(material: Any) -> Half:
 
 
 @program(static=1, level=1)
-def _stress_program(fixed: tuple[Half, bool], steady: Any, x: Array, z: Array) -> Stress:
+def _stress_program(fixed: tuple[Half, bool], steady: Any, places: tuple[Array, Array]) -> Stress:
     pressed = steady._pressed
-    x, z = (jnp.asarray(at, pressed.force.dtype) for at in (x, z))
+    x, z = (jnp.asarray(at, pressed.force.dtype) for at in places)
 
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
         return field(pressed, *fixed, x / pressed.radius, z / pressed.radius)
@@ -38,17 +50,31 @@ def _stress_program(fixed: tuple[Half, bool], steady: Any, x: Array, z: Array) -
 
 
 @program(static=1, level=1)
-def _peak_program(fixed: tuple[Half, str], steady: Any, least: Array, most: Array) -> Peak:
-    kind, name = fixed
-    pressed = steady._pressed
-    ends = tuple(jnp.asarray(at, pressed.force.dtype) for at in (least, most))
+def _searched(kind: Half, steady: Any, wanted: Wanted) -> tuple[Peak, Peak]:
+    """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
-    def one(pressed: Pressed, least: Array, most: Array) -> Peak:
-        return peak(pressed, kind, lambda stress: getattr(stress, name), least, most)
+    def one(pressed: Pressed, *wanted: Array) -> tuple[Peak, Peak]:
+        found = search(pressed, kind, Wanted(*wanted))
+        return in_si(pressed, kind, Wanted(*wanted), found), found
 
-    return each_state(one, pressed, ends)
+    return each_state(one, steady._pressed, wanted)
 
 
-def peak_stress_of(steady: Any, name: str, least: Array | float = 0.0, most: Array | float = np.inf) -> Peak:
+@program(static=1, level=1)
+def _at_known_place(kind: Half, steady: Any, known: tuple[Wanted, Array, Array]) -> Peak:
+    def one(pressed: Pressed, mises: Array, least: Array, most: Array, *place: Array) -> Peak:
+        return peak_at(pressed, kind, Wanted(mises, least, most), *place)
+
+    wanted, *place = known
+    return each_state(one, steady._pressed, (*wanted, *place))
+
+
+def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    return _peak_program((_half_of(steady.contact.material), name), steady, least, most)
+    kind, wanted = _half_of(steady.contact.material), Wanted(*as_numbers((float(name == "mises"), least, most)))
+    if not traced((steady.contact, steady.load, wanted)):
+        return _searched(kind, steady._known, wanted)[0]
+    few = follows((steady.contact, steady.load, wanted))
+    still = steady._solved(jax.lax.stop_gradient(steady._given())) if few else jax.lax.stop_gradient(steady)
+    _, place = _searched(kind, still, jax.lax.stop_gradient(wanted))
+    return _read(functools.partial(_at_known_place, kind), steady, (wanted, place.x, place.z))

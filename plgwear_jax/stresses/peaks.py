@@ -1,6 +1,5 @@
 """Where a stress is largest before any wear, and how large it is."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -26,36 +25,61 @@ _AROUND, _REACH, _CLOSER = np.linspace(-1.0, 1.0, 13), 0.17, 4.5
 _ROUNDS = 4
 
 
-def peak(pressed: Pressed, kind: Half, wanted: Callable[[Stress], Array], least: Array, most: Array) -> Peak:
-    """The largest value of what is wanted of the stresses of one contact, between two depths in m.
+class Wanted(NamedTuple):
+    """What is the largest stress wanted of."""
 
-    On a grid, then on finer ones around the best place. This is one in units of a_0 as the derivatives go, but for the
-    depths of both sides of each interface, which are among those of all grids, and for the ends of the depths.
-    """
-    dtype, still = pressed.force.dtype, lax.stop_gradient(pressed)
-    low = least / pressed.radius
-    high = jnp.maximum(low, jnp.minimum(most, _Z[-1] * pressed.radius) / pressed.radius)
-    ends = jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
-    around = jnp.asarray(_AROUND, dtype)
+    mises: Array  # 1 for von Mises' stress, 0 for the largest principal one
+    least: Array  # depths in m between which it is
+    most: Array
+
+    def of(self, stress: Stress) -> Array:
+        """The stress that is wanted."""
+        return jnp.where(self.mises > 0.0, stress.mises, stress.principal)
+
+    def ends(self, pressed: Pressed, kind: Half) -> Array:
+        """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
+        dtype = pressed.force.dtype
+        low = self.least / pressed.radius
+        high = jnp.maximum(low, jnp.minimum(self.most, _Z[-1] * pressed.radius) / pressed.radius)
+        return jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
+
+
+def search(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
+    """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
+    ends = wanted.ends(pressed, kind)
+    around = jnp.asarray(_AROUND, ends.dtype)
 
     def closer(count: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
         del count
         xs, zs, reach = state[:3]
-        zs = lax.stop_gradient(jnp.append(jnp.clip(zs, low, high), ends))
-        found = wanted(field(still, kind, False, xs, zs[:, None]))
+        zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
+        found = wanted.of(field(pressed, kind, False, xs, zs[:, None]))
         at = jnp.argmax(jnp.where(jnp.isnan(found), -jnp.inf, found))
         x, z = xs[at % xs.size], zs[at // xs.size]
         # Nearer to the surface by smaller steps.
         next_z = z + jnp.minimum(reach, 0.5 * z + 1e-3 * reach) * around
-        return x + reach * around, next_z, reach / _CLOSER, x, z
+        return x + reach * around, next_z, reach / _CLOSER, found.ravel()[at], x, z
 
-    begin = jnp.asarray(_X, dtype), jnp.asarray(_Z, dtype), jnp.asarray(_REACH, dtype), 0.0 * low, 0.0 * low
-    *_, x, z = lax.stop_gradient(lax.fori_loop(0, _ROUNDS, closer, begin))
+    begin = (jnp.asarray(each, ends.dtype) for each in (_X, _Z, _REACH, 0.0, 0.0, 0.0))
+    return Peak(*lax.fori_loop(0, _ROUNDS, closer, tuple(begin))[3:])
+
+
+def peak_at(pressed: Pressed, kind: Half, wanted: Wanted, x: Array, z: Array) -> Peak:
+    """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
+
+    It is there in units of a_0 as the derivatives go, but for the depths that are ends.
+    """
+    ends = wanted.ends(pressed, kind)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    value = wanted(field(pressed, kind, False, x, z))
-    if kind is None:  # where the modulus of the surface is infinite
-        unbounded = (pressed.body[0] < 0.0) & (low == 0.0)
+    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, kind, False, x, z)), x, z))
+
+
+def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
+    """The peak with its place in m, at the surface where the modulus is infinite there."""
+    value, x, z = peak
+    if kind is None:
+        unbounded = (pressed.body[0] < 0.0) & (wanted.least == 0.0)
         value, z = jnp.where(unbounded, jnp.inf, value), jnp.where(unbounded, 0.0, z)
     known = jnp.where(jnp.isnan(value), value, pressed.radius)
     return Peak(value, x * known, z * known)
