@@ -17,21 +17,18 @@ from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.catalogue import STRESSES, laws_of
 from plgwear_jax.rules import BY_THEN, PLACES, Complaint, placed_quantity
+from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
     Body,
-    DesignSpace,
     LoadSection,
     WearSection,
     contact_of,
-    edge_distance,
     kind_of_contact,
     kind_of_material,
-    laws_of_scene,
     material_of,
-    output_of,
 )
 
 if TYPE_CHECKING:
