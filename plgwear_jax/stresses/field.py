@@ -190,7 +190,7 @@ def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stres
     weights = jnp.zeros(0)
     if kind != "homogeneous":
         weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
-    zeta, least = jnp.asarray(given.zeta, z.dtype), jnp.finfo(z.dtype).eps
+    zeta, least = jnp.asarray(given.zeta, z.dtype), float(jnp.finfo(z.dtype).eps) ** 2
 
     def integrals(traction: Traction, rows: slice) -> Array:
         """q t^(q) J_i(q x) times these responses, integrated over q, shape (rows, 4, ...)."""

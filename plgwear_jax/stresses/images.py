@@ -25,9 +25,9 @@ class Traction(NamedTuple):
 
 def traction_of(t: np.ndarray, strips: Array, radius: Array) -> Traction:
     """The traction whose P at shares t of its radius, from 0 to 1, are radius times strips."""
-    slope = jnp.diff(strips) / np.diff(t * t)
+    slope = jnp.diff(strips) / jnp.asarray(np.diff(t * t), strips.dtype)
     weight = jnp.append(-jnp.diff(-slope), -slope[-1])
-    return Traction(radius * t[1:], weight / radius, radius, radius * strips[-1])
+    return Traction(radius * jnp.asarray(t[1:], strips.dtype), weight / radius, radius, radius * strips[-1])
 
 
 def transforms(traction: Traction, zeta: Array, x: Array) -> tuple[Array, Array]:
