@@ -199,7 +199,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.axhline(0.0, **GUIDE)
     axes.set_title(_less(design.saving), loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
-    seen = [*curve[kept], 0.0, change]
+    seen = [*curve[kept & np.isfinite(curve)], 0.0, change]  # some contacts may have no answer, as where they open
     low, high = _widened(seen, 0.2 * np.ptp(seen))
     shown = values[(low < curve) & (curve < high)]
     axes.set_ylim(low, high)
