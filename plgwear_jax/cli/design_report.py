@@ -39,7 +39,7 @@ class DesignReport:
         if given.life is not None:
             self._words[found.objective] += f" after {counted(given.life)} cycles"
         self._limited = {  # what each limit limits, at its place
-            one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else self._words[one.quantity]
+            one.name: self._words[one.quantity] if {*one.places} <= {"distance"} else placed(one.quantity, one.places)
             for one in question.limits
         }
         self.best, self.reference = described(found, comparison)
