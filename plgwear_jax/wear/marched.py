@@ -97,7 +97,7 @@ def _cell_shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
 def edges_of_grid(grid: _Grid, count: int) -> Array:
     """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
-    Where nothing sticks, or the contact grows far, their size grows with the radius instead.
+    Where nothing sticks or slips, or the contact grows far, their size grows with the radius instead.
     """
     inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _cell_shares(grid.end.dtype == jnp.float64, count))
     unworn = grid.unworn / grid.end
@@ -111,7 +111,7 @@ def edges_of_grid(grid: _Grid, count: int) -> Array:
     middle = 0.5 * unworn
     outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=grid.end.dtype)[1:]
     wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
-    return jnp.where(stick < 0.1 * unworn, wide, around)
+    return jnp.where((grid.stick < grid.unworn) & (stick >= 0.1 * unworn), around, wide)
 
 
 def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid, count: int) -> Disc:
@@ -166,6 +166,9 @@ def history_of(
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
     begins = np.arange(number) * (count + 1)
 
+    def moved(found: Moments) -> Array:
+        return found.force_amplitude[begins] > 1e-9 * blocks.friction * blocks.normal_force
+
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, TestHistory]:
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         tangential = ratio(grid.unworn)
@@ -207,7 +210,9 @@ def history_of(
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))
         first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, widest * (1.0 + room), last)
         most = jnp.nanmax(radius)
-        after = _Grid(stick, unworn, most + 0.25 * (most - stick), grid.last)
+        moves = jnp.any(moved(found))
+        end = jnp.where(moves, most + 0.25 * (most - stick), 1.1 * widest)
+        after = _Grid(jnp.where(moves, stick, unworn), unworn, end, grid.last)
         return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
     estimate = compliance.radius
@@ -217,8 +222,7 @@ def history_of(
     history = jax.tree.map(lambda x: x[-1], histories)
     # A ring that slips but is narrower than its cells would seem to stick, and nothing would ever wear.
     slip, touches = history.moments.slip[0], history.moments.pressure[0] > 0.0
-    moved = history.moments.force_amplitude[0] > 1e-9 * blocks.friction[0] * blocks.normal_force[0]
-    narrow = jnp.isnan(blocks.cycles[-1]) & moved & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
+    narrow = jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0] & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
     return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
 
 

@@ -16,12 +16,12 @@ from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, va
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import each
-from plgwear_jax.steady.numeric import over_radii_of
+from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.curves import moment_at
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of, weights
+from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
 from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
@@ -46,9 +46,9 @@ def numeric_rings_of(effort: Effort, resolution: MarchResolution, state: State) 
     edges = edges_of(unworn, grown, resolution)
     # One march after the other, so that the cells are compiled once and not once for each march.
     cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
-    units = jnp.sum(cells.steady, -1) / jnp.sum(cells.first * cells.gap, -1)
-    unit = jnp.asarray(weights(resolution, 2), state.c.dtype) @ units
     volume = state.c**2 * state.height(state.punch) * state.volume
+    # The cells know the first rate to four digits, and the energy of friction knows it to eight.
+    unit = 4.0 * state.friction * state.tangential * volume / energy_of(effort, state)
     scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
     return in_unit(cells, unit), scales, edges[1][int(np.argmax(resolution.refinements))]
 

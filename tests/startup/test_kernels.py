@@ -20,7 +20,7 @@ import pytest
 
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core import formula
-from plgwear_jax.fretting import ring, volume
+from plgwear_jax.fretting import ring
 from plgwear_jax.special import elementary
 
 PINNED = re.search(
@@ -95,18 +95,18 @@ def test_a_program_grows_no_further(name):
 
 TRICKS = {
     "separate kernels, within a result": (
-        (ring, volume),
+        (ring, formula),
         "separate_kernels",
         lambda copy, *values: values,
         fretting.wear_volume,
     ),
     "separate kernels, between results": (
-        (ring, volume),
+        (ring, formula),
         "separate_kernels",
         lambda copy, *values: values,
         with_gradient,
     ),
-    "one kernel": ((volume,), "one_kernel", lambda one, other, traced: (one, other), with_slope),
+    "one kernel": ((formula,), "one_kernel", lambda one, other, traced: (one, other), with_slope),
     "kept in register": ((elementary,), "kept_in_register", lambda ratio: ratio, fretting.wear_volume),
     "materialised": ((formula,), "materialised", lambda value, traced: value, along_two),
 }
