@@ -153,9 +153,10 @@ class Candidate:
         return _log_or_least(total / self.shared.scale)
 
     def excess(self) -> list[Array]:
-        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
+        """log(value/limit) for each limit, with the sign that is positive where the limit is broken, also by inf."""
         return [
-            (-1.0 if one.lowest else 1.0) * _log_or_least(self.value(one.quantity, one.places) / one.value)
+            (-1.0 if one.lowest else 1.0)
+            * jnp.minimum(_log_or_least(self.value(one.quantity, one.places) / one.value), 1e3)
             for one in self.question.limits
         ]
 
