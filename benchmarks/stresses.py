@@ -173,7 +173,7 @@ _WIDTH, _CELLS, _BELOW = 10.0, 512, 25  # of the periodic surface in contact rad
 
 def of_tamaas(mu: float, nu: float) -> tuple[np.ndarray, np.ndarray, Any]:
     """(x, z, stresses) of a sliding Hertzian contact by Tamaas, in units of the radius and the largest pressure."""
-    import tamaas  # not needed otherwise
+    tamaas: Any = harness.importlib.import_module("tamaas")  # not needed otherwise
 
     model = tamaas.ModelFactory.createModel(
         tamaas.model_type.volume_2d, [1.2, _WIDTH, _WIDTH], [_BELOW, _CELLS, _CELLS]

@@ -1,7 +1,7 @@
 """What `plgwear design` says about a design: numbers, words and tables."""
 
 import dataclasses
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class DesignReport:
         assert self._found.load is not None
         force, told, values = np.max(self._found.load.amplitudes), list[str](), list[float]()
         for contact in (self._found.contact, self._found.reference):
-            steady = contact.steady(force)
+            steady: Any = cast(FrettingContact, contact).steady(force)
             values.append(float(steady.peak_tension))
             at = placed("tension", dict(zip("xz", steady.peak_tension_at, strict=True))).partition(" at ")[2]
             told.append(f"{measure(values[-1], 'peak_tension')} at {at}")

@@ -326,7 +326,7 @@ class Scene:
         points = 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
-        within = {place: getattr(self.output, place, None) for place in WITHIN}
+        within: dict[str, Any] = {place: getattr(self.output, place, None) for place in WITHIN}
         load = self.load
         weights, table = (None, None) if load is None else (load.weights, load.table)
         for name in names if table is not None else ():

@@ -384,13 +384,13 @@ class Steady(Solution, abc.ABC):
         stresses alone. Scalars, or one pair for each contact of a batch.
         """
         self._check(least=least, most=most)
-        least, most = (guarded(name, z, ARGUMENTS[name]) for name, z in (("least", least), ("most", most)))
-        check("most - least", most - least, _THICKNESS)
+        low, high = (guarded(name, z, ARGUMENTS[name]) for name, z in (("least", least), ("most", most)))
+        check("most - least", high - low, _THICKNESS)
         from plgwear_jax.steady.stressed import peak_stress_of
 
         inside = 16.0 * jnp.finfo(real_dtype("least", tuple(jax.tree.leaves(self.contact)))).eps
-        most = most * (1.0 - inside) * one_or_nan(most > least)
-        return peak_stress_of(self, "mises", least * (1.0 + inside), most).value
+        high = high * (1.0 - inside) * one_or_nan(high > low)
+        return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
 
     def _peak(self, name: str) -> "Peak":
         from plgwear_jax.steady.stressed import peak_stress_of
