@@ -25,11 +25,11 @@ PROGRAMS = {  # with the tables of each
     "numeric": "surfaces random_contacts",
     "cycles": "transient rigs",
     "coatings": "rule pairs",
-    "stresses": "stresses",
+    "stresses": "stresses tamaas",
     "sweep": "sweep",
 }
 TABLES = {table: program for program, tables in PROGRAMS.items() for table in tables.split()}
-SLOW = {"matrix", "startup"}  # by name alone
+SLOW = {"matrix", "startup", "tamaas"}  # by name alone; the last one needs a package of this name
 
 
 def main(

@@ -5,6 +5,7 @@ wear, whose transforms it computes by quadrature.
 """
 
 import functools
+import time
 from typing import Any
 
 import harness
@@ -13,11 +14,13 @@ import numpy as np
 from harness import Part, Report
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded
+from plgwear_jax.stresses import Stress
 
 reference: Any = harness.importlib.import_module("half_space_stress")
 
 RADIUS, FORCE, E = 5e-3, 10.0, 210e9
-DEPTHS = 0.05, 0.3, 1.0, 3.0  # in contact radii
+DEPTHS = 0.02, 0.3, 1.0, 3.0  # in contact radii
+COUNT = 4  # contacts of each kind
 X = np.array([-2.0, -1.05, -0.9, -0.5, 0.0, 0.3, 0.6, 1.02])
 KINDS = "homogeneous", "a power law", "layers", "a table"
 
@@ -42,7 +45,7 @@ def divided(material: Any, a: float, z: float) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(1), np.ones(1)
     if isinstance(material, Layered):
         return np.append(0.0, np.cumsum(material.thickness)) / a, np.asarray(material.modulus) / E
-    tops = np.append(0.0, np.geomspace(1e-6, 1e3, 250))
+    tops = np.append(0.0, np.geomspace(1e-5, 1e2, 200))
     tops[np.argmin(abs(tops - z))] = z
     middle = np.sqrt(np.maximum(tops[:-1], 1e-9) * tops[1:])
     moduli = np.append(np.asarray(material.modulus_at(middle * a)), float(material.modulus_at(tops[-1] * a)))
@@ -54,8 +57,11 @@ def divided(material: Any, a: float, z: float) -> tuple[np.ndarray, np.ndarray]:
 def answers(material: Any, a: float) -> Any:
     """The responses of the reference, with the modulus at the depth itself."""
     nu = float(material.nu)
+    known = dict[float, list[np.ndarray]]()  # before wear and worn, wavenumbers are the same
 
     def respond(xi: np.ndarray, z: float) -> list[np.ndarray]:
+        if z in known:
+            return known[z]
         tops, moduli = divided(material, a, z)
         parts = [reference.responses(q, z, tops, moduli, nu) for q in np.array_split(xi, 1 + xi.size // 200)]
         found = [np.concatenate(rows) for rows in zip(*parts, strict=True)]
@@ -66,53 +72,154 @@ def answers(material: Any, a: float) -> Any:
                 normal = ratio * found[n + 2 - n % 2]
                 found[n] = normal + there * (found[n] - normal)
             found[8] = there * found[8]
+        known[z] = found
         return found
 
     return respond
 
 
-def transform_of(steady: Any, a: float, unit: float, p_0: float) -> Any:
-    """The transform of the pressure of a contact of the radius a, in other units of the length."""
+def rule(a: float) -> tuple[np.ndarray, np.ndarray]:
+    """Radii from 0 to a and the weights of an integral over them, which takes a root at a."""
     node, weight = np.polynomial.legendre.leggauss(250)
     u = 0.25 * np.pi * (1.0 + node)
-    r, weight = a / unit * np.sin(u), a / unit * 0.25 * np.pi * np.cos(u) * weight
+    return a * np.sin(u), a * 0.25 * np.pi * np.cos(u) * weight
+
+
+def transform_of(steady: Any, a: float, unit: float, p_0: float) -> Any:
+    """The transform of the pressure of a contact of the radius a, in other units of the length."""
+    r, weight = rule(a / unit)
     return reference.transform(r, weight, np.asarray(steady.initial_pressure(r * unit)) / p_0)
 
 
-def error(contact: Any, phi: float) -> float:
-    """The largest error of a stress, over the largest pressure."""
+def worn_transforms(steady: Any, a: float, p_0: float, phi: float) -> tuple[Any, Any]:
+    """The transforms of the pressure and the traction in the steady state, in units of a."""
+    c, mu, material = float(steady.stick_radius), float(steady.contact.friction), steady.contact.material
+    if isinstance(material, PowerLawGraded):  # its singularity is too strong for a rule
+        s, ratio = 0.5 * (1.0 + float(np.asarray(material.k))), c / a
+        share, flat = (1.0 - phi) / ratio**2, phi / ratio**2 * s / (1.0 + s)
+        own, punch = reference.bowl(s, ratio), reference.bowl(s - 1.0, ratio)
+        return (lambda xi: share * own(xi) + flat * punch(xi)), (lambda xi: mu * flat * punch(xi))
+    r, weight = rule(c / a)
+    pressure, traction = (np.asarray(field(r * a)) / p_0 for field in (steady.pressure, steady.traction))
+    return reference.transform(r, weight, pressure), reference.transform(r, weight, traction)
+
+
+def errors(contact: Any, phi: float) -> tuple[float, float]:
+    """The largest errors of a stress before any wear and in the steady state, over the largest pressure before it."""
     force, mu = float(contact.normal_force), float(contact.friction)
     steady = contact.steady(phi * mu * force)
     inner = FrettingContact(contact.material, RADIUS, (1.0 - phi) * force, mu).steady(0.0)
     a, c, p_0 = (float(x) for x in (steady.contact_radius, steady.stick_radius, steady.peak_initial_pressure))
     p, stuck = transform_of(steady, a, a, p_0), transform_of(inner, c, a, p_0)
-    respond, worst = answers(contact.material, a), 0.0
+    respond = answers(contact.material, a)
+    known = [(p, lambda xi: mu * (p(xi) - stuck(xi))), worn_transforms(steady, a, p_0, phi)]
+    worst = [at_the_surface(steady, inner, a, p_0), 0.0]
     for z in DEPTHS:
-        want = reference.stresses(p, lambda xi: mu * (p(xi) - stuck(xi)), respond, X, z, min(40.0 / z, 500.0))
-        worst = max(worst, float(np.max(abs(np.array(steady.stress(X * a, z * a)) / p_0 - want))))
-    return worst
+        for worn, (pressure, traction) in enumerate(known):
+            want = reference.stresses(pressure, traction, respond, X, z, min(40.0 / z, 500.0))
+            found = np.array(steady.stress(X * a, z * a, worn=bool(worn))) / p_0
+            worst[worn] = max(worst[worn], float(np.max(abs(found - want))))
+    return worst[0], worst[1]
 
 
-_peak = jax.jit(lambda contact: contact.steady(2.0).peak_tension)
+def at_the_surface(steady: Any, inner: Any, a: float, p_0: float) -> float:
+    """The error of what the surface carries, the pressure and the traction."""
+    x, mu = X * a, float(steady.contact.friction)
+    found = steady.stress(x, 0.0)
+    pressure, stuck = (np.asarray(one.initial_pressure(abs(x))) for one in (steady, inner))
+    return float(np.max(abs(np.array([found.zz + pressure, found.xz + mu * (pressure - stuck)]))) / p_0)
+
+
+def peaks(contact: Any) -> Any:
+    """Both peaks of a contact."""
+    steady = contact.steady(2.0)
+    return steady.peak_tension, steady.peak_mises
+
+
+def once(question: Any, contact: Any) -> float:
+    """Seconds for a first answer."""
+    begin = time.perf_counter()
+    jax.block_until_ready(question(contact))
+    return time.perf_counter() - begin
 
 
 def stresses(report: Report, quick: bool) -> None:
-    """Errors over random contacts, and milliseconds for a peak once it is compiled."""
-    random, rows = harness.generator(), []
+    """Errors over random contacts, and times of peaks."""
+    random, rows, times = harness.generator(), [], []
     a = float(FrettingContact(Elastic(E, 0.3), RADIUS, FORCE, 0.5).steady(0.0).contact_radius)
     for kind in KINDS:
         found = []
-        for _ in range(1 if quick else 12):
+        for _ in range(1 if quick else COUNT):
             contact = FrettingContact(half_space(kind, random, a), RADIUS, FORCE, random.uniform(0.1, 1.0))
-            found.append(error(contact, random.uniform(0.0, 0.99)))
+            found.append(errors(contact, random.uniform(0.0, 0.99)))
+        told = [f"{number:.0e}" for row in np.transpose(found) for number in (np.median(row), max(row))]
+        rows.append([kind, f"{len(found)}", *told])
         contact = FrettingContact(half_space(kind, random, a), RADIUS, FORCE, 0.5)
-        _, taken = harness.seconds(functools.partial(_peak, contact), 5 if quick else 25)
-        rows.append([kind, f"{np.median(found):.0e}", f"{max(found):.0e}", f"{1e3 * taken:.0f}"])
-    heads = ["half-space", "error, median", "error, worst", "ms for a peak"]
-    report.table("Errors over the largest pressure, from 0.05 to 3 contact radii below the surface", heads, rows)
+        peak = jax.jit(lambda contact: peaks(contact)[0])
+        first, slope, _ = once(peaks, contact), once(jax.jit(jax.grad(peak)), contact), peak(contact)
+        _, taken = harness.seconds(functools.partial(peak, contact), 5 if quick else 25)
+        times.append([kind, f"{first:.1f}", f"{slope:.1f}", f"{1e3 * taken:.1f}"])
+    heads = ["half-space", "contacts", "error, median", "error, worst", "worn, median", "worn, worst"]
+    report.table("Errors over the largest pressure, at depths from 0 to 3 contact radii, worn from 0.02", heads, rows)
+    heads = ["half-space", "first answer of both peaks (s)", "first gradient of one (s)", "a peak again (ms)"]
+    report.table("What peaks take within a process", heads, times)
 
 
-PARTS = {"stresses": Part("Stresses in the half-space", stresses)}
+# --- against another package ------------------------------------------------------------------------------------------
+
+_SLIDING = 1.0 - 1e-9  # F_x/(mu F_N), beside which everything slips
+_WIDTH, _CELLS, _BELOW = 10.0, 512, 25  # of the periodic surface in contact radii, and in cells; depths
+
+
+def of_tamaas(mu: float, nu: float) -> tuple[np.ndarray, np.ndarray, Any]:
+    """(x, z, stresses) of a sliding Hertzian contact by Tamaas, in units of the radius and the largest pressure."""
+    tamaas: Any = harness.importlib.import_module("tamaas")  # not needed otherwise
+
+    model = tamaas.ModelFactory.createModel(
+        tamaas.model_type.volume_2d, [1.2, _WIDTH, _WIDTH], [_BELOW, _CELLS, _CELLS]
+    )
+    model.E, model.nu = 1.0, nu
+    tamaas.ModelFactory.registerVolumeOperators(model)
+    cell = _WIDTH / _CELLS
+    x = (np.arange(_CELLS) - _CELLS // 2) * cell
+    inside = (np.arange(8) + 0.5) / 8.0 - 0.5  # the mean over each cell, from 8 by 8 points
+    squares = (x[:, None] + cell * inside) ** 2
+    p = np.array([np.sqrt(np.maximum(1.0 - row[:, None, None] - squares, 0.0)).mean((0, 2)) for row in squares])
+    strain = np.zeros((*model.displacement.shape[:3], 6))
+    stress = np.zeros_like(strain)
+    model.operators["boussinesq_gradient"](np.stack([mu * p, 0.0 * p, p], -1), strain)
+    model.operators["hooke"](strain, stress)
+    xx, yy, zz, _, xz, _ = np.moveaxis(stress[:, :, _CELLS // 2], -1, 0)
+    return x, np.linspace(0.0, 1.2, _BELOW), Stress(xx, yy, zz, xz / np.sqrt(2.0))
+
+
+def tamaas(report: Report, quick: bool) -> None:
+    """The stresses of sliding Hertzian contacts against those of Tamaas, on a periodic surface."""
+    rows = []
+    for mu, nu in ((1e-9, 0.3), (0.5, 0.3), (0.5, 0.0))[: 2 if quick else 3]:
+        x, z, theirs = of_tamaas(mu, nu)
+        steady = FrettingContact(Elastic(E, nu), RADIUS, FORCE, mu).steady(_SLIDING * mu * FORCE)
+        a, p_0 = float(steady.contact_radius), float(steady.peak_initial_pressure)
+        near, deep = abs(x) < 2.0, z > 0.09
+        ours = steady.stress(x[near] * a, z[:, None] * a)
+        worst = max(
+            np.max(abs(np.asarray(one) / p_0 - other[:, near])[deep]) for one, other in zip(ours, theirs, strict=True)
+        )
+        pairs = [(steady.peak_mises / p_0, np.max(theirs.mises)), (steady.peak_tension / p_0, np.max(theirs.principal))]
+        hamilton = (1.0 - 2.0 * nu) / 3.0 + mu * np.pi * (4.0 + nu) / 8.0
+        told = [f"{float(value):.3f}" for pair in pairs for value in pair]
+        rows.append([f"{mu:.1f}", f"{nu:g}", f"{worst:.0e}", *told, f"{hamilton:.3f}"])
+    heads = ["mu", "nu", "largest difference", "von Mises", "Tamaas", "tension", "Tamaas", "Hamilton"]
+    what = (
+        f"Peaks over the largest pressure; differences from 0.1 contact radii down; Tamaas {harness.version('tamaas')}"
+    )
+    report.table(f"{what}, {_CELLS} by {_CELLS} cells {_WIDTH / _CELLS:.2f} radii wide", heads, rows)
+
+
+PARTS = {
+    "stresses": Part("Stresses in the half-space", stresses),
+    "tamaas": Part("Stresses of sliding Hertzian contacts by Tamaas", tamaas),
+}
 
 if __name__ == "__main__":
     harness.run(PARTS)

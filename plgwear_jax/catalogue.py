@@ -6,7 +6,7 @@ it. Imports nothing that takes time: the command line reads its options from her
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 from plgwear_jax._core import ranges
@@ -51,7 +51,7 @@ def _cells_of(text: str) -> Iterator[list[str]]:
 # --- quantities -----------------------------------------------------------------------------------------------------
 
 Kind = Literal["fretting", "gross-slip"]
-Argument = Literal["r", "distance", "z", "F_x", "cycles", "wear_coefficient", "share"]
+Argument = Literal["r", "distance", "x", "z", "least", "most", "F_x", "cycles", "wear_coefficient", "share"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -105,6 +105,8 @@ _CALLED = dict(  # if not by their names
     h_N            factor
     holl_ratio     Holl's ratio
     peak_mises     peak von Mises stress
+    mises          von Mises stress
+    peak_mises_between  peak von Mises stress
     cycles_to      cycles to a share of the wear
     """)
 )
@@ -146,6 +148,9 @@ FRETTING = (
     peak_initial_pressure  p_0(0)        Pa        13  -  largest pressure before any wear, in the middle
     peak_tension           \sigma_1     Pa        -  F_x  largest principal stress anywhere before any wear
     peak_mises             \sigma_M     Pa        -  F_x  von Mises' stress before any wear where it is largest
+    peak_mises_between     \sigma_M     Pa        -  least most F_x  its largest value between two depths
+    tension                \sigma_1     Pa        -  x z F_x  largest principal stress before any wear at a place
+    mises                  \sigma_M     Pa        -  x z F_x  von Mises' stress before any wear at a place
     stick_radius           c             radius    16, 23  F_x  stick radius c, inner edge of the worn ring
     worn_radius            a_\infty      radius    26  F_x  outer radius a_inf of the worn ring
     penetration            d_\infty      height    11, 25  F_x  indentation depth d_inf of the worn indenter
@@ -167,7 +172,8 @@ FRETTING = (
     | TANGENTIAL
 )
 
-STRESSES = {"peak_tension", "peak_mises"}  # whose largest values have a place
+PEAKS = {"peak_tension", "peak_mises"}  # whose places are known
+STRESSES = PEAKS | {"peak_mises_between", "tension", "mises"}  # which take longer than all others
 
 GROSS_SLIP = _laws_in(
     r"""
@@ -242,7 +248,7 @@ def read(
         solved: What other quantities of the same question have solved; it is kept here.
     """
     arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
-    at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
+    at = {one: places[one] for one in arguments if one not in ("F_x", "wear_coefficient")}
     solved, lasts = {} if solved is None else solved, "wear_coefficient" in arguments
     key = lasts, "F_x" in arguments
     if key not in solved:
@@ -257,10 +263,10 @@ def read(
     return read_from(solved[key], asked.removeprefix("wear_") if lasts else asked, at)
 
 
-def read_from(solution: Any, name: str, places: Sequence[Any]) -> Any:
-    """A quantity of a `Steady` or a `Run`, by the name that it has there, at places in the order of its arguments."""
+def read_from(solution: Any, name: str, places: Mapping[str, Any]) -> Any:
+    """A quantity of a `Steady` or a `Run`, by the name that it has there, at places by the names of its arguments."""
     found = getattr(solution, name)
-    return found(*places) if places else found
+    return found(**places) if places else found
 
 
 # --- leaves and arguments -------------------------------------------------------------------------------------------
@@ -325,7 +331,10 @@ rig_stiffness     k_r  N/m  POSITIVE  -  stiffness of the rig  stiffness of the 
 factor            \lambda  1  POSITIVE  -  factor of the load  factor on all amplitudes of a load
 r                 r  m  RADIUS  a_0  radius  distance from the axis of the contact
 distance          s  m  RADIUS  a_0  distance inside the stick-slip boundary
+x                   x  m  FINITE  -  place along the motion  distance along the motion, negative behind the contact
 z                 z  m  RADIUS  -  depth  depth below the surface
+least             z_1  m  RADIUS  -  smallest depth
+most              z_2  m  RADIUS  -  largest depth
 cycles            N  1  NUMBER  -  cycles  number of cycles N
 wear_coefficient  K  1/Pa  POSITIVE  -  wear coefficient  Archard's wear coefficient K
 share             \Delta V/\Delta V_\infty  1  SHARE  -  share of the final volume
@@ -439,8 +448,10 @@ def unit_of(name: str) -> str | None:
 
 def placed(name: str, places: Mapping[str, Any]) -> str:
     """What a quantity is called at its place in m, such as "wear depth at r = 50 µm"."""
-    for place, value in places.items():
-        at = written(float(value), "m")
-        inside = f"pressure {at} inside the stick-slip boundary"
-        return inside if place == "distance" else f"{entry(name).name} at {'r = ' if place == 'r' else ''}{at}"
-    return entry(name).name
+    called, at = entry(name).name, {place: written(float(value), "m") for place, value in places.items()}
+    if "distance" in at:
+        return f"pressure {at['distance']} inside the stick-slip boundary"
+    if "least" in at:
+        return f"{called} between {at['least']} and {at['most']}"
+    told = at["z"] if [*at] == ["z"] else ", ".join(f"{place} = {value}" for place, value in at.items())
+    return f"{called} at {told}" if at else called

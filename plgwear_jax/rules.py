@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import QUANTITIES, STRESSES, TRANSIENT, Kind
+from plgwear_jax.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 
 __all__ = [
     "BY_THEN",
@@ -20,6 +20,7 @@ __all__ = [
     "OF_POWER_LAW",
     "PLACES",
     "VARIABLES",
+    "WITHIN",
     "Complaint",
     "Hold",
     "Kind",
@@ -52,8 +53,13 @@ LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the 
 PLACES = {
     "r": "the distance from the axis in m",
     "distance": "the distance from the stick-slip boundary in m",
+    "x": "the distance along the motion in m",
     "z": "the depth in m",
+    "least": "the smallest depth in m",
+    "most": "the largest depth in m",
 }
+
+WITHIN = "x", "z", "least", "most"  # places in the half-space, which a scene gives once for all quantities
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
 OF_POWER_LAW = ("k", "E0", "z0")
@@ -129,7 +135,7 @@ def complaint(
         return Complaint("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
     highest = vary["k"][1] if "k" in vary else None
     if isinstance(highest, int | float) and highest < 0.0:
-        for name in sorted(STRESSES.intersection([objective, *limits])):
+        for name in sorted(PEAKS.intersection([objective, *limits])):
             text = (
                 f"{name} is infinite for every k < 0, as the modulus of the surface is; give E(z) as a table or layers"
             )
@@ -140,13 +146,13 @@ def complaint(
 # --- quantities -------------------------------------------------------------------------------------------------------
 
 
-def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | None) -> str | Complaint:
+def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind | None) -> str | Complaint:
     """The name in the catalogue of a quantity at places, or why there is none.
 
     Args:
         key: The key under which the quantity is given, for the complaint.
         name: The quantity; "pressure" at a distance from the stick-slip boundary is `edge_pressure`.
-        places: The names of the places that are given, "r" or "distance".
+        places: The places that are given, by names such as "r" or "distance".
         kind: The kind of the contact, if it is known.
     """
     laws = QUANTITIES[kind] if kind is not None else QUANTITIES["gross-slip"] | QUANTITIES["fretting"]
@@ -166,6 +172,9 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
         if place not in needed:
             text = f"{name} takes {' and '.join(needed)} alone" if needed else f"{name} has one value for the contact"
             return Complaint(f"{key}.{place}", f"there is no such argument: {text}")
+    depths = [places[one] for one in ("least", "most") if isinstance(places.get(one), float | int)]
+    if len(depths) == 2 and not depths[0] < depths[1]:
+        return Complaint(f"{key}.most", "must be a larger depth than least")
     return name
 
 

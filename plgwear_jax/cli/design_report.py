@@ -1,12 +1,12 @@
 """What `plgwear design` says about a design: numbers, words and tables."""
 
 import dataclasses
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from plgwear_jax import optimise
-from plgwear_jax.catalogue import DESIGNED, placed
+from plgwear_jax.catalogue import DESIGNED, STRESSES, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
@@ -39,7 +39,7 @@ class DesignReport:
         if given.life is not None:
             self._words[found.objective] += f" after {counted(given.life)} cycles"
         self._limited = {  # what each limit limits, at its place
-            one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else self._words[one.quantity]
+            one.name: self._words[one.quantity] if {*one.places} <= {"distance"} else placed(one.quantity, one.places)
             for one in question.limits
         }
         self.best, self.reference = described(found, comparison)
@@ -54,6 +54,20 @@ class DesignReport:
         self._forever = optimise.in_steady_state(found) if steady else None
         self._higher = self._if_higher()
         self._doubtful = doubtful(found, comparison)
+        asked = {question.objective, *(one.quantity for one in question.limits)}
+        self._tension = self._tensions() if STRESSES & asked and question.by_force else None
+
+    def _tensions(self) -> str:
+        """The largest tension of both contacts under the largest load, and where: only where stresses are asked for."""
+        assert self._found.load is not None
+        force, told, values = np.max(self._found.load.amplitudes), list[str](), list[float]()
+        for contact in (self._found.contact, self._found.reference):
+            steady: Any = cast(FrettingContact, contact).steady(force)
+            values.append(float(steady.peak_tension))
+            at = placed("tension", dict(zip("xz", steady.peak_tension_at, strict=True))).partition(" at ")[2]
+            told.append(f"{measure(values[-1], 'peak_tension')} at {at}")
+        times = f"{values[0] / values[1]:.3g} times that of the reference"
+        return f"its peak tension, {told[0]}, is {times}, {told[1]}"
 
     def _if_higher(self) -> dict[str, Any] | None:
         """How far it is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without any."""
@@ -117,7 +131,7 @@ class DesignReport:
                 more = found.rival_value / float(found.value) - 1.0
                 worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
                 rival = f"the next best minimum, at {_where(found.rival)}, is {worse if more > 1e-9 else 'as good'}"
-            report.say(gain, self.verdict, rival, None if self._higher is None else self._higher["line"])
+            report.say(gain, self._tension, self.verdict, rival, None if self._higher is None else self._higher["line"])
         report.say(self._doubtful)
         self._tell_life(report)
 

@@ -129,7 +129,7 @@ class Candidate:
         if question.horizon is not None and (name in BY_THEN or is_after_cycles(name)):
             found = self._by_then(BY_THEN.get(name, name), places)
         else:
-            found = read_from(self.steady, name, [*places.values()])
+            found = read_from(self.steady, name, places)
         if load.amplitudes is None:
             return jnp.atleast_1d(found)
         amplitudes, between = self._amplitudes
@@ -144,7 +144,7 @@ class Candidate:
             return self.contact.material.modulus_at(places["z"])
         if self.question.load is None:
             return read(self.contact, name, None, places)
-        return jnp.ravel(read_from(self.largest, name, [*places.values()]))[0]
+        return jnp.ravel(read_from(self.largest, name, places))[0]
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""
@@ -153,9 +153,10 @@ class Candidate:
         return _log_or_least(total / self.shared.scale)
 
     def excess(self) -> list[Array]:
-        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
+        """log(value/limit) for each limit, with the sign that is positive where the limit is broken, also by inf."""
         return [
-            (-1.0 if one.lowest else 1.0) * _log_or_least(self.value(one.quantity, one.places) / one.value)
+            (-1.0 if one.lowest else 1.0)
+            * jnp.minimum(_log_or_least(self.value(one.quantity, one.places) / one.value), 1e3)
             for one in self.question.limits
         ]
 

@@ -18,6 +18,7 @@ from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
+from plgwear_jax._core.ranges import FINITE
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.catalogue import QUANTITIES, kind_of
@@ -144,9 +145,13 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     return tuple(found[name] for name in sorted(found))
 
 
+_PLACED = {"r": RADIUS, "x": FINITE, "least": RADIUS, "most": RADIUS}  # else they are positive
+
+
 def _check_places(said: str, places: Mapping[str, Any]) -> None:
+    domains = _PLACED | ({"z": RADIUS} if "x" in places else {})  # E(0) of a power law is no modulus
     for place, value in places.items():
-        check(said.format(place), value, RADIUS if place == "r" else POSITIVE)
+        check(said.format(place), value, domains.get(place, POSITIVE))
 
 
 def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[str, dict[str, Any]]:

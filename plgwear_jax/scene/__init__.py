@@ -13,11 +13,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from plgwear_jax._core.ranges import FINITE, POSITIVE
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.catalogue import STRESSES, laws_of
-from plgwear_jax.rules import BY_THEN, PLACES, Complaint, placed_quantity
-from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
+from plgwear_jax.rules import BY_THEN, PLACES, WITHIN, Complaint, placed_quantity
+from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
@@ -185,7 +186,7 @@ class Scene:
         Args:
             key: What it is given as, for messages, such as "x".
             given: Its name in the catalogue, and if it needs a place this in m: "penetration", "wear_depth@5e-5",
-                "edge_pressure@1e-6". Without a place it has that of its limit in [design].
+                "edge_pressure@1e-6", or two, "tension@-5e-5,0". Without one it has that of its limit in [design].
             distance: Its place, if it is given apart.
 
         Raises:
@@ -194,19 +195,24 @@ class Scene:
         given = given if distance is None else f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
-        law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed or {}
-        needed = next((place for place in PLACES if law is not None and place in law.arguments), "r")
-        values = [text] if at else [limits[one][needed] for one in its if needed in limits.get(one, {})]
-        places = {needed: values[0]} if values else {}
+        law, limits = laws_of(self.contact).get(its[0]), each_limit(self.asked().allowed)
+        needed = [place for place in PLACES if law is not None and place in law.arguments] or ["r"]
+        values = [text.split(",")] if at else []
+        values += [
+            [one[place] for place in needed] for one_name, one in limits if one_name in its and {*needed} <= {*one}
+        ]
+        try:
+            places = {place: float(x) for x_of in values[:1] for place, x in zip(needed, x_of, strict=True)}
+        except ValueError:
+            places = {needed[0]: math.nan}
         found = placed_quantity(key, name, places, self.contact.kind)
         if isinstance(found, Complaint):
             raise SceneError(f"{found.key}: {found.text}")
-        try:
-            places = {place: float(value) for place, value in places.items()}
-        except ValueError:
-            places = {needed: math.nan}
-        if not all(0.0 < value < math.inf for value in places.values()):
-            raise SceneError(f"{key} = {shown(given)}: {PLACES[needed]} must be a finite number > 0")
+        domain = FINITE if {*WITHIN} & {*places} else POSITIVE
+        for place, value in places.items():
+            if not domain.contains(value):
+                text = f"a finite number{'' if domain is FINITE else ' > 0'}"
+                raise SceneError(f"{key} = {shown(given)}: {PLACES[place]} must be {text}")
         return {found: places}
 
     def minimising(self, objective: dict[str, dict[str, float]]) -> "Scene":
@@ -312,13 +318,14 @@ class Scene:
         laws = laws_of_scene(self.contact, self.load, self.wear)
         distance = edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
-        left_out |= {"cycles"}
+        left_out |= {"cycles", *WITHIN}
         edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
         edgeless |= STRESSES  # which take longer than all others
         names = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments) and name not in edgeless)
         points = 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
+        within: dict[str, Any] = {place: getattr(self.output, place, None) for place in WITHIN}
         load = self.load
         weights, table = (None, None) if load is None else (load.weights, load.table)
         for name in names if table is not None else ():
@@ -343,7 +350,7 @@ class Scene:
         values: dict[str, Any] = {}
         for part, force in parts.items():
             acting = None if load is None else Force(force, load.rig_stiffness)
-            values |= solving.scene_values(part, points, digits, contact, acting, weights, distance, life)
+            values |= solving.scene_values(part, points, digits, contact, acting, weights, distance, life, within)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
@@ -367,8 +374,9 @@ class Scene:
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
-                places = zip("xz", values.get(f"{name} at", ()), strict=False)
-                at = "".join(f", {axis} = {written(float(one), 'm')}{_side(axis, one)}" for axis, one in places)
+                places = {axis: within[axis] for axis in law.arguments if axis in within}
+                places |= dict(zip("xz", values.get(f"{name} at", ()), strict=False))
+                at = "".join(f", {axis} = {written(float(z), 'm')}{_side(axis, z)}" for axis, z in places.items())
                 found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{at}", edge_distance=place)
         return found
 

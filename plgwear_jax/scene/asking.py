@@ -1,7 +1,7 @@
 """The sections of an input file that ask for something, [design] and [output], whose keys `keys` has checked."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
@@ -11,6 +11,8 @@ from plgwear_jax.catalogue import Law, element, laws_of
 from plgwear_jax.rules import (
     BY_THEN,
     OF_POWER_LAW,
+    PLACES,
+    WITHIN,
     Complaint,
     complaint,
     domain_of,
@@ -38,6 +40,12 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
         text = "only for a free gradient, with three to eight depths; at two it is |k|"
         raise WrongKeyError(f"{key}.steepness", text)
     return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
+
+
+def each_limit(allowed: Mapping[str, Any] | None) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The limits with the names of what they limit; of one quantity there may be several."""
+    for name, given in (allowed or {}).items():
+        yield from ((name, one) for one in (given if isinstance(given, list | tuple) else (given,)))
 
 
 class DesignSpace(SimpleNamespace):
@@ -122,8 +130,7 @@ class DesignSpace(SimpleNamespace):
     @property
     def edge_distance(self) -> float | None:
         """Distance in m inside the stick-slip boundary at which the pressure is limited; None without this limit."""
-        limits = self.limits or {}
-        return next((limits[name].get("distance") for name in ("edge_pressure", "pressure") if name in limits), None)
+        return next((one["distance"] for _, one in each_limit(self.limits) if "distance" in one), None)
 
     @property
     def free(self) -> bool:
@@ -137,7 +144,7 @@ class DesignSpace(SimpleNamespace):
 
     def _refuse(self) -> None:
         """Refuse what a design cannot have, for this contact under this load."""
-        reading, variables, allowed = self.reading, self.variables, self.allowed or {}
+        reading, variables, allowed = self.reading, self.variables, self.allowed or ()
         material, kind, load = reading.material, reading.contact.kind, reading.load
         lasts = reading.wear is not None and self.objective in BY_THEN
         if load is not None and load.pressed and not (lasts and load.cycles is not None):
@@ -147,14 +154,14 @@ class DesignSpace(SimpleNamespace):
         if not isinstance(self.minimise, str) and len(self.minimise) != 1:
             raise WrongKeyError("minimise", "must name one quantity")
         found = placed_quantity("minimise", self.objective, places, kind)
-        for name, given in allowed.items():
+        for name, given in each_limit(self.allowed):
             one = None if name == "modulus" else limited_quantity(name, given, kind)
             found = one if isinstance(found, str) and isinstance(one, Complaint) else found
         if isinstance(found, str) and not self.free:
             flat = getattr(material, "k", None) == 0.0
-            found = complaint(variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
+            found = complaint(variables, bool(self.hold), found, allowed, kind=kind, flat=flat)
         elif isinstance(found, str):
-            found = free_complaint(variables, bool(self.hold), [*allowed], kind=kind)
+            found = free_complaint(variables, bool(self.hold), allowed, kind=kind)
             if found is None and self.scenarios is not None:
                 found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
         if found is not None:
@@ -232,13 +239,18 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
         if "distance" in laws[name].arguments and nowhere:
             text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
+        places = {place: getattr(output, place) for place in WITHIN if place in laws[name].arguments}
+        given = {place: value for place, value in places.items() if value is not None}
+        wrong = placed_quantity("", name, given, contact.kind) if places else None
+        if isinstance(wrong, Complaint):
+            raise WrongKeyError(wrong.key.removeprefix("."), wrong.text)
     return output
 
 
 def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
     """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
     lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
-    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
+    given = {*PLACES, "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
     return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
 
 

@@ -118,6 +118,7 @@ class Reading:
         """The place of a key in the file, section by section, and its value."""
         place, node = list[float](), self.document
         for key in path:
+            node = {str(i): one for i, one in enumerate(node)} if isinstance(node, list) else node
             there = isinstance(node, dict) and key in node
             place.append(list(node).index(key) if there else math.inf)
             node: Any = node[key] if there else _ABSENT

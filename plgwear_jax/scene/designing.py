@@ -48,11 +48,14 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     if "scenarios" in arguments:
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
-    def of_x(one: str, limit: Any) -> bool:
-        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "pressure")
+    def others(one: str, limit: Any) -> Any:
+        if name != (one if one != "pressure" else "edge_pressure" if "distance" in limit else "pressure"):
+            return limit
+        # Of several limits of one quantity those at other places stay.
+        return [at for at in limit if places.items() - at.items()] if isinstance(limit, list | tuple) else None
 
     # The front replaces a limit of x by its own values.
-    limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}
+    limits = {one: rest for one, limit in arguments.pop("limits").items() if (rest := others(one, limit))}
     space = given.asked()
     wrong = complaint(space.variables, bool(space.hold), space.objective, [*limits, name], kind=given.contact.kind)
     if wrong is not None:

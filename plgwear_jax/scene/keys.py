@@ -118,6 +118,8 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
                 refuse(here, key.text)
             elif key.default is not None:
                 found[name] = key.default
+        elif inner == "Allowed" and isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
+            found[name] = tuple(values_of(inner, one, refuse, (*here, str(i))) for i, one in enumerate(value))
         elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
             found[name] = values_of(inner, value, refuse, here)
         elif inner or not _allows(key.schema, value):
@@ -203,6 +205,9 @@ def _definitions() -> dict[str, Any]:
     }
     elements = models.pop("Elements")["properties"]
     models["Vary"]["patternProperties"] = {_ELEMENT.pattern: elements["modulus"]}
+    for name in _LIMITED:
+        one = models["Limits"]["properties"][name]
+        one["anyOf"] = [{"$ref": one["$ref"]}, {"type": "array", "items": {"$ref": one.pop("$ref")}, "minItems": 1}]
     minimise = models["Design"]["properties"]["minimise"]
     minimise["anyOf"] = [{"enum": [*_LIMITED]}, *minimise["anyOf"][1:]]
     return models

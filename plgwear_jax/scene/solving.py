@@ -1,6 +1,7 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import STRESSES, laws_of, read, read_from
+from plgwear_jax.catalogue import PEAKS, laws_of, read, read_from
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
@@ -26,6 +27,7 @@ def scene_values(
     weights: np.ndarray | None,
     distance: float | None = None,
     life: tuple[float, float] | None = None,
+    within: Mapping[str, float | None] | None = None,
 ) -> dict[str, Array]:
     """The named quantities; weighted sums where the load has weights.
 
@@ -34,10 +36,11 @@ def scene_values(
     it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
     there, as "profile beside". Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
 
-    The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
+    The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa; `within` for those at
+    places in the half-space.
     """
     frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
-    given: dict[str, Any] = {"distance": distance}
+    given: dict[str, Any] = {"distance": distance} | dict(within or {})
     if life is not None:
         given["cycles"], given["wear_coefficient"] = life
 
@@ -62,8 +65,8 @@ def scene_values(
         if at_edge:
             found[f"{name} beside"], value = value[-1], value[:-1]
         found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
-        if name in STRESSES and weights is None:
-            found[f"{name} at"] = jnp.stack(read_from(solved[False, True], f"{name}_at", ()))
+        if name in PEAKS and weights is None:
+            found[f"{name} at"] = jnp.stack(read_from(solved[False, True], f"{name}_at", {}))
     return found
 
 

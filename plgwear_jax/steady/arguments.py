@@ -31,7 +31,7 @@ ARGUMENTS = {
     "r": RADIUS,
     "distance": DISTANCE,
     "x": FINITE,
-    "z": DEPTH,
+    **dict.fromkeys(("z", "least", "most"), DEPTH),
     "cycles": NUMBER,
     "share": SHARE,
     "depth": _WORN,

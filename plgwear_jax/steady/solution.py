@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, guarded, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, guarded, one_or_nan, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
@@ -19,6 +19,9 @@ from plgwear_jax.steady.batch import as_numbers
 if TYPE_CHECKING:
     from plgwear_jax.stresses.field import Pressed, Stress
     from plgwear_jax.stresses.peaks import Peak
+
+
+_THICKNESS = Domain("> 0", lambda h: h > 0.0)
 
 
 class Solution:
@@ -376,11 +379,19 @@ class Steady(Solution, abc.ABC):
         return self._peak("mises")[1:]
 
     def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
-        """Von Mises' stress in Pa where it is largest between two depths in m, such as those of a layer."""
-        ends = [guarded(name, z, ARGUMENTS["z"]) for name, z in (("least", least), ("most", most))]
+        """Von Mises' stress in Pa before any wear where it is largest between two depths in m, least < most.
+
+        At an interface `least` is just below it and `most` just above, so that the depths of a layer are those of its
+        stresses alone. Scalars, or one pair for each contact of a batch.
+        """
+        self._check(least=least, most=most)
+        low, high = (guarded(name, z, ARGUMENTS[name]) for name, z in (("least", least), ("most", most)))
+        check("most - least", high - low, _THICKNESS)
         from plgwear_jax.steady.stressed import peak_stress_of
 
-        return peak_stress_of(self, "mises", *ends).value
+        inside = 16.0 * jnp.finfo(real_dtype("least", tuple(jax.tree.leaves(self.contact)))).eps
+        high = high * (1.0 - inside) * one_or_nan(high > low)
+        return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
 
     def _peak(self, name: str) -> "Peak":
         from plgwear_jax.steady.stressed import peak_stress_of

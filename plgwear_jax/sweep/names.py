@@ -40,7 +40,7 @@ from plgwear_jax.catalogue import (
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import Displacement, Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
-from plgwear_jax.rules import OBJECTIVE
+from plgwear_jax.rules import OBJECTIVE, PLACES
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
@@ -84,7 +84,7 @@ class AxisNames:
         self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
         self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
         if isinstance(contact, FrettingContact):
-            self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", "r", "distance", "z"]
+            self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES]
             self.allowed += ["cycles", "wear_coefficient", "share"]
 
     def part_of_load(self, name: str) -> str | None:

@@ -82,7 +82,7 @@ PAIRS = {
 
 def everything(steady, r, distance, but=()):
     """All of the catalogue but some, and what it does not have, by name."""
-    at = {"r": r, "distance": distance, "z": 1e-5}
+    at = {"r": r, "distance": distance, "x": -3e-5, "z": 1e-5, "least": 1e-6, "most": 1e-4}
     asked = {name: [at[x] for x in law.arguments if x in at] for name, law in FRETTING.items() if name not in but}
     asked |= {name: [] for name in TANGENTIAL} | {"slip_amplitude": [r]}
     return {name: getattr(steady, name)(*given) if given else getattr(steady, name) for name, given in asked.items()}

@@ -475,7 +475,7 @@ def all_results(contact, names=None):
     """All that the steady state answers (or some), with a radius in the middle of it and a middling force."""
     frets = isinstance(contact, FrettingContact)
     steady = contact.steady(FORCE) if frets else contact.steady()
-    given = {"r": 4e-5 if frets else 1e-3, "distance": 1e-6, "z": 1e-5}
+    given = {"r": 4e-5 if frets else 1e-3, "distance": 1e-6, "x": -3e-5, "z": 1e-5, "least": 1e-6, "most": 1e-4}
     results = {}
     for name, law in QUANTITIES["fretting" if frets else "gross-slip"].items():
         if names is None or name in names:

@@ -41,7 +41,10 @@ RADII = np.array([1e-5, 5.5e-5, 6.6e-5])
 GIVEN = {
     "distance": 1e-6,
     "r": RADII,
+    "x": -5e-5,
     "z": 1e-5,
+    "least": 1e-6,
+    "most": 2e-5,
     "cycles": np.array([1e3, 1e5]),
     "wear_coefficient": 1e-13,
     "share": 0.3,

@@ -1,0 +1,169 @@
+"""Stresses at places and between depths as limits, objectives and axes, from Python and from input files."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
+from plgwear_jax.rules import placed_quantity
+from plgwear_jax.scene import SceneError
+
+compiled = pytest.mark.compiled
+
+SOFT = Layered([2e-5], [90e9, 210e9], 0.3)  # the coating is more compliant than what lies below
+CONTACT = FrettingContact(SOFT, 5e-3, 10.0, 0.5)
+SCENE = """
+[material]
+thickness = [2e-5]
+modulus = [90e9, 210e9]
+nu = 0.3
+[contact]
+kind = "fretting"
+radius = 5e-3
+normal_force = 10.0
+friction = 0.5
+[load]
+tangential_force = 2.5
+[output]
+quantities = ["tension", "peak_mises_between", "modulus_at"]
+x = -5e-5
+z = 1e-6
+least = 0
+most = 2e-5
+[design]
+vary = { "material.modulus[0]" = [60e9, 500e9] }
+minimise = "wear_volume"
+[design.limits]
+peak_mises_between = [{ below = 0.95e9, least = 0, most = 2e-5 }, { below = 0.81e9, least = 2e-5, most = 1 }]
+tension = { below = 2e9, x = -1e-4, z = 0 }
+"""
+
+
+def given(tmp_path, *changes):
+    text = SCENE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "layers.toml").write_text(text)
+    return scene.load(tmp_path / "layers.toml")
+
+
+# --- between depths -----------------------------------------------------------------------------------------------
+
+
+@compiled
+@pytest.mark.parametrize("modulus", [30e9, 600e9])
+def test_an_interface_belongs_to_neither_part(modulus):
+    """The depths of a layer are given as they are, with what rounding makes of them."""
+    steady = dataclasses.replace(CONTACT, material=dataclasses.replace(SOFT, modulus=[modulus, 210e9])).steady(2.5)
+    step = 1e-9
+    above, below = (steady.peak_mises_between(2e-5 - step, 2e-5), steady.peak_mises_between(2e-5, 2e-5 + step))
+    at = np.linspace(-2e-4, 2e-4, 801)
+    for found, z in ((above, 2e-5 - step), (below, 2e-5 + step)):
+        assert float(found) == pytest.approx(float(np.max(steady.mises(at, z))), rel=1e-3)
+    assert abs(np.log(float(below) / float(above))) > 0.1
+
+
+def test_depths_that_bound_nothing_are_refused():
+    steady = CONTACT.steady(2.5)
+    for least, most, line in [
+        (2e-6, 2e-6, r"^most - least = 0\.0 is outside the allowed range > 0"),
+        (2e-6, 1e-6, r"^most - least = -1e-06 is outside"),
+        (-1e-6, 1e-6, r"^least = -1e-06 is outside the allowed range z >= 0"),
+        (0.0, np.nan, r"^most = nan is outside"),
+    ]:
+        with pytest.raises(ValueError, match=line):
+            steady.peak_mises_between(least, most)
+    traced = jax.jit(steady.peak_mises_between)
+    assert np.isnan([traced(2e-6, 1e-6), traced(-1e-6, 1e-6), traced(1e-6, 1e-6)]).all()
+    assert np.isfinite(traced(0.0, np.inf))
+
+
+@compiled
+def test_the_derivative_between_depths_is_that_of_differences():
+    def value(modulus):
+        material = dataclasses.replace(SOFT, modulus=[modulus, 210e9])
+        return dataclasses.replace(CONTACT, material=material).steady(2.5).peak_mises_between(2e-5, 1.0)
+
+    step = 1e-3 * 90e9
+    by_difference = (value(90e9 + step) - value(90e9 - step)) / (2.0 * step)
+    assert float(jax.grad(value)(90e9)) == pytest.approx(float(by_difference), rel=1e-3)
+
+
+# --- designs --------------------------------------------------------------------------------------------------------
+
+
+@compiled
+def test_a_design_keeps_the_von_mises_stress_of_a_coating_and_of_what_lies_below(tmp_path):
+    found: Any = given(tmp_path).design()
+    assert found.keeps_limits and found.certified
+    coating, below, at = (found.limits[name] for name in ("peak_mises_between[0]", "peak_mises_between[1]", "tension"))
+    assert coating.active or below.active  # so that the wear is larger than without them
+    steady: Any = found.contact.steady(2.5)
+    for state, ends in ((coating, (0.0, 2e-5)), (below, (2e-5, 1.0))):
+        assert float(state.value) == pytest.approx(float(steady.peak_mises_between(*ends)), rel=1e-6)
+    assert float(at.value) == pytest.approx(float(steady.tension(-1e-4, 0.0)), rel=1e-6)
+
+
+@compiled
+def test_a_stress_between_depths_is_minimised(tmp_path):
+    objective = "minimise = { peak_mises_between = { least = 2e-5, most = 1 } }"
+    limits = ("[design.limits]", "[design.limits]\ncontact_radius = { below = 1e-3 }")
+    text = SCENE.partition("peak_mises_between = [")[0]
+    found: Any = given(tmp_path, (SCENE, text), ('minimise = "wear_volume"', objective), limits).design()
+    steady: Any = found.contact.steady(2.5)
+    assert float(found.value) == pytest.approx(float(steady.peak_mises_between(2e-5, 1.0)), rel=1e-6)
+    assert float(found.value) < float(CONTACT.steady(2.5).peak_mises_between(2e-5, 1.0))
+
+
+# --- from the command line ------------------------------------------------------------------------------------------
+
+
+@compiled
+def test_solve_gives_stresses_at_the_places_of_the_input_file(tmp_path):
+    found, steady = given(tmp_path).solve(), CONTACT.steady(2.5)
+    assert found["tension"].value == pytest.approx(float(steady.tension(-5e-5, 1e-6)), rel=1e-9)
+    assert found["peak_mises_between"].value == pytest.approx(float(steady.peak_mises_between(0.0, 2e-5)), rel=1e-9)
+    assert found["modulus_at"].value == 90e9
+    assert found["tension"].description.endswith(", x = -50 µm, z = 1 µm")
+
+
+def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
+    asked = given(tmp_path)
+    assert asked.traded("x", "tension@-5e-5,0") == {"tension": {"x": -5e-5, "z": 0.0}}
+    assert asked.traded("x", "tension") == {"tension": {"x": -1e-4, "z": 0.0}}
+    assert asked.traded("x", "peak_mises_between") == {"peak_mises_between": {"least": 0.0, "most": 2e-5}}
+    for text, line in [
+        ("tension@-5e-5", "x.z: must be a finite number, as tension needs the depth in m"),
+        ("tension@nan,0", 'x = "tension@nan,0": the distance along the motion in m must be a finite number'),
+        ("peak_mises_between@2e-6,1e-6", "x.most: must be a larger depth than least"),
+    ]:
+        with pytest.raises(SceneError) as caught:
+            asked.traded("x", text)
+        assert str(caught.value) == line
+
+
+def test_a_quantity_takes_its_own_places_alone():
+    found: Any = placed_quantity("minimise", "peak_mises", {"z": 1e-6}, "fretting")
+    assert found.text == "there is no such argument: peak_mises has one value for the contact"
+
+
+@compiled
+def test_depths_and_places_are_axes():
+    most = np.array([1e-5, 2e-5, 1e-3])
+    found = sweep.sweep(["peak_mises_between"], contact=CONTACT, tangential_force=2.5, least=0.0, most=most)
+    steady = CONTACT.steady(2.5)
+    each = [float(steady.peak_mises_between(0.0, end)) for end in most]
+    np.testing.assert_allclose(found.peak_mises_between, each, rtol=1e-6)
+    found = sweep.sweep(["mises"], contact=CONTACT, tangential_force=2.5, x=np.array([-5e-5, 0.0]), z=1e-6)
+    np.testing.assert_allclose(found.mises, steady.mises(np.array([-5e-5, 0.0]), 1e-6), rtol=1e-6)
+
+
+def test_limits_of_one_quantity_from_python_need_their_depths():
+    vary = {"material.modulus[0]": (60e9, 500e9)}
+    limits = {"peak_mises_between": [{"below": 1e9, "least": -1.0, "most": 1e-5}]}
+    with pytest.raises(ValueError, match=r"^limits: least of peak_mises_between = -1\.0 is outside"):
+        optimise.design(CONTACT, 2.5, vary, limits=limits)
