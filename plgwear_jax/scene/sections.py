@@ -410,7 +410,7 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class DesignSpace(SimpleNamespace):
-    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits.
+    """The section [design]: what may vary, the constraint, what is minimised, over which loads, within which limits.
 
     Attributes:
         variables: What may vary: bounds by name, such as k and indenter.E; for "modulus" the depths at, and the lower
