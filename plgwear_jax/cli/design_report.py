@@ -79,7 +79,7 @@ class DesignReport:
         else:
             loss, line = max(higher.loss, 0.0), "this design is still the best"
             if loss > 1e-6:
-                more = f"{100.0 * loss:.2g} % more {self._words[found.objective].partition(',')[0]}"
+                more = f"{100.0 * loss:.2g} % more {self._words[found.objective].partition(', ')[0]}"
                 line = f"this design has {more} than the best one for that amplitude"
         return {"line": f"{said} {line}", "loss": loss}
 

@@ -17,9 +17,11 @@ z0 = 1e-4                   # m
 k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.25                   # Poisson's ratio, or "holl"
 
-# table = "E_of_z.csv"      # instead of E0, z0, k: columns depth, modulus
-# thickness = [5e-4]        # or layers, in m from the surface downwards
-# modulus = [200e9, 210e9]  # and their moduli, the last one the substrate's
+                            # instead of E0, z0 and k a measured E(z):
+# table = "E_of_z.csv"      # columns depth, modulus, such as modulus (GPa)
+                            # or instead of E0, z0 and k layers:
+# thickness = [5e-4]        # m, of each layer, from the surface downwards
+# modulus = [200e9, 210e9]  # Pa, of each layer, and last of the substrate
 
 [contact]                   # the indenter wears: a ball of steel
 kind = "fretting"           # "gross-slip" is a flat punch at a fixed depth
@@ -30,27 +32,31 @@ indenter = { E = 210e9, nu = 0.3 }  # elastic; without this line rigid
 # shape = { kind = "power", exponent = 4 }  # or "cone", "rounded_flat", ...
 
 [load]
-tangential_force = 22.0     # N, amplitude < friction * normal_force; or
-# displacement = 1e-6       # m, amplitude at the contact; or
-# table = "loads.csv"       # columns tangential_force, weight; or
-# history = "cycles.csv"    # over the cycles, column tangential_force
-# rig_stiffness = 2e7       # N/m; displacement is then that of the actuator
-                            # a ball in gross slip: a displacement beyond
-                            # what plgwear regimes prints, and cycles below
+tangential_force = 22.0     # N, amplitude, below friction * normal_force
+                            # instead of the force a displacement, in gross
+                            # slip beyond the onset by plgwear regimes:
+# displacement = 1e-6       # m, amplitude (half the stroke) at the contact,
+# rig_stiffness = 2e7       # N/m; with this line that of the actuator
+                            # or instead a file of many amplitudes:
+# table = "loads.csv"       # with weights: columns tangential_force, weight
+# history = "cycles.csv"    # in their order: tangential_force, cycles
 
 [wear]                      # for plgwear wear, and design for a life
-coefficient_mm3_per_N_m = 3e-5      # or coefficient in 1/Pa,
+coefficient_mm3_per_N_m = 3e-5      # a placeholder: put in a measured one
+                            # instead of it coefficient, in 1/Pa,
                             # or energy_coefficient_mm3_per_J
-# cycles = 1e6              # the life; without it the steady state
+# cycles = 1e6              # the life; else until nothing wears any more
 
 [design]
-vary = { k = [-0.9, 0.9] }  # between these bounds
-hold = "contact_radius"     # keep it by adjusting E0;
-                            # or delete this line and vary E0 or z0 as well
+vary = { k = [-0.9, 0.9] }  # between these bounds; of layers such as
+                            # { "material.thickness[0]" = [1e-4, 1e-3] }
+hold = "contact_radius"     # keep it by adjusting E0. Delete this line for
+                            # layers, a table, or to vary E0 or z0 as well
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
 # over = { cvar = 0.9 }     # for a table; or "mean", "worst"
 
-[design.limits]             # moduli that your process can make
+[design.limits]             # moduli that your process can make; delete
+                            # both lines for layers or a table
 modulus.at = [1.6e-6, 4.9e-4]                        # m, two depths
 modulus.between = [[80e9, 350e9], [80e9, 350e9]]     # Pa, at each
 # edge_pressure = { below = 2.5e9, distance = 1e-5 } # Pa, m

@@ -3,11 +3,13 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
-from plgwear_jax.cli.terminal import refuse
+from plgwear_jax.cli.terminal import message, refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Quantity
@@ -27,6 +29,9 @@ def solve(
     gives the value at a distance inside the edge: distance under [output], else that of the limit of the edge pressure
     under [design], else a hundredth of the contact radius. --json gives all values.
 
+    Where the contact slips as a whole, only what does not depend on the amplitude is given, with the peaks of stresses,
+    and the exit code is 1.
+
     Example: plgwear solve design/electrical_contact.toml
     """
     given = read_scene(scene_file)
@@ -36,7 +41,7 @@ def solve(
     with computing("computing the quantities", one_question=True):
         import numpy as np
 
-        quantities = given.solve(digits=digits)
+        quantities, slides = given.solve(digits=digits), given.load and given.load.slides
     for name, quantity in quantities.items():
         values = np.asarray(quantity.value)
         # At the tip of a cone the largest pressure is infinite, on an infinite modulus stresses, of other numbers none.
@@ -51,8 +56,11 @@ def solve(
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
     if picture is not None and given.load is not None:
         contact: Any = given.build_contact()
-        report.draw("stress_picture", contact.steady(given.load.largest, digits=digits))
+        report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))
     report.end()
+    if slides:
+        warn(f"{message(slides, scene_file)}; all else exists in partial slip only")
+        raise typer.Exit(1)
 
 
 _HEADINGS = "quantity", "value", "unit", "at r", "meaning"

@@ -36,7 +36,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
             with _interrupts():
                 command(**given)
         except ValueError as error:
-            line = _message(error, given.get("scene_file"))
+            line = message(error, given.get("scene_file"))
             if line is None:
                 raise
             refuse(line)
@@ -77,7 +77,7 @@ def _interrupts() -> Iterator[None]:
 _SOON = 0.05  # s, after which a callback has mostly ended
 
 
-def _message(error: ValueError, scene_file: Any) -> str | None:
+def message(error: ValueError, scene_file: Any) -> str | None:
     """The message for an error in the input; None for an error of the program."""
     if isinstance(error, TargetError):
         return str(error)

@@ -63,7 +63,8 @@ def wear(
 
     The amplitude under [load] is constant, that of the force or that of the displacement. In partial slip the wear per
     cycle first rises. It then falls, since the worn ring sheds its load to the stick zone, and ends in the steady
-    state. In gross slip it goes on.
+    state. In gross slip it goes on, and is followed until the contact is ten times as wide. The life to be told is
+    cycles under [wear].
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
@@ -194,7 +195,8 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
         if steady is None:
             much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
-            report.say(f"{regime} {held}: {much}; the wear goes on")
+            on = "the wear goes on" if life else "it is followed no further; set your life by cycles under [wear]"
+            report.say(f"{regime} {held}: {much}; {on}")
         else:
             _tell_steady(report, held, shares, life, steady, end["volume"])
     report.say(both)

@@ -17,21 +17,18 @@ from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.catalogue import STRESSES, laws_of
 from plgwear_jax.rules import BY_THEN, PLACES, Complaint, placed_quantity
+from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
     Body,
-    DesignSpace,
     LoadSection,
     WearSection,
     contact_of,
-    edge_distance,
     kind_of_contact,
     kind_of_material,
-    laws_of_scene,
     material_of,
-    output_of,
 )
 
 if TYPE_CHECKING:
@@ -83,7 +80,8 @@ class Scene:
         load: The tangential force or displacement, with the amplitudes of the file if it names one; None for gross
             slip.
         wear: The wear coefficient and the life in cycles; None if there are none.
-        design_space: The section [design]: what may vary, be held and be limited; None if there is none.
+        design_space: The section [design]: what may vary, be held and be limited; None if there is none. Only its
+            keys are checked before a design is asked for.
         output: The quantities asked for; None for all single numbers.
     """
 
@@ -108,7 +106,7 @@ class Scene:
         """The section [design] of a scene for which a design can be looked for.
 
         Raises:
-            SceneError: There is no such section, or nothing wears.
+            SceneError: There is no such section, it does not go together or with the others, or nothing wears.
         """
         if self.design_space is None:
             raise SceneError("[design]: missing; it says what may vary")
@@ -117,7 +115,7 @@ class Scene:
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
-        return self.design_space
+        return self.design_space.checked()
 
     @property
     def life(self) -> float | None:
@@ -302,12 +300,14 @@ class Scene:
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance, and that factor only where there is an edge.
+            pressure only where the scene gives its distance, and the edge intensity only where there is an edge. Under
+            a displacement that makes the contact slip as a whole, `load.slides` says so, and only what depends on no
+            amplitude is given, and the peaks of stresses, which are those of sliding.
 
         Raises:
             SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
-                from the edge is larger than the stick radius or that of the punch, or under a displacement of the
-                scene the contact slips as a whole.
+                from the edge is larger than the stick radius or that of the punch, or the contact slips as a whole and
+                has nothing of what is asked for.
         """
         laws = laws_of_scene(self.contact, self.load, self.wear)
         distance = edge_distance(self.design_space, self.output)
@@ -334,11 +334,16 @@ class Scene:
         contact = solving.homogeneous(self.build_contact())
         if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
-        life = None
+        parts: dict[tuple[str, ...], Any] = {names: None}
+        if load is not None:
+            parts = {names: load.force} if load.slides is None else self._sliding(load, names)
+        names, life = tuple(name for name in names if any(name in part for part in parts)), None
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             life = self.wear.cycles, self.archard
-        force = None if load is None else Force(load.force, load.rig_stiffness)
-        values = solving.scene_values(names, points, digits, contact, force, weights, distance, life)
+        values: dict[str, Any] = {}
+        for part, force in parts.items():
+            acting = None if load is None else Force(force, load.rig_stiffness)
+            values |= solving.scene_values(part, points, digits, contact, acting, weights, distance, life)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
@@ -363,9 +368,23 @@ class Scene:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
                 places = zip("xz", values.get(f"{name} at", ()), strict=False)
-                at = "".join(f", {axis} = {written(float(one), 'm')}" for axis, one in places)
+                at = "".join(f", {axis} = {written(float(one), 'm')}{_side(axis, one)}" for axis, one in places)
                 found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{at}", edge_distance=place)
         return found
+
+    def _sliding(self, load: LoadSection, names: tuple[str, ...]) -> dict[tuple[str, ...], float]:
+        """The quantities that a contact has while it slips as a whole, with the amplitudes in N that give them."""
+        laws = laws_of(self.contact)
+        still = tuple(name for name in names if "F_x" not in laws[name].arguments)
+        peaks = tuple(name for name in names if name in STRESSES and load.table is None)
+        if load.slides is not None and not still + peaks:
+            raise load.slides
+        return {part: force for part, force in ((still, 0.0), (peaks, load.hardest)) if part}
+
+
+def _side(axis: str, value: float) -> str:
+    """On which side of the contact, as it moves, a place is."""
+    return f" ({'trailing' if value < 0.0 else 'leading'} side)" if axis == "x" and value else ""
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

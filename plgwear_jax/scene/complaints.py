@@ -1,8 +1,9 @@
 """Errors in an input file, each in one line: section, key, value, and what is allowed; the first one is told."""
 
+import contextlib
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Self
 
@@ -89,15 +90,21 @@ class Reading:
             kind: Tells this name by its keys, if there are several.
         """
         given = self.document.get(section)
-        try:
-            if given is None:
-                return
+        if given is None:
+            return
+        with self.telling(section):
             if not isinstance(given, dict):
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
             name = section.capitalize() if kind is None else kind(given)
             values = values_of(name, given, self.refuse, (section,))
             if section not in self.wrong:
                 setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name].keys) | values))
+
+    @contextlib.contextmanager
+    def telling(self, section: str) -> Iterator[None]:
+        """Keep what is raised within this context because of a section."""
+        try:
+            yield
         except WrongKeyError as error:
             self.refuse((section, *error.path), str(error))
         except OtherFileError as error:

@@ -118,7 +118,7 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
                 refuse(here, key.text)
             elif key.default is not None:
                 found[name] = key.default
-        elif inner and isinstance(value, dict) and (value or inner == "Window"):
+        elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
             found[name] = values_of(inner, value, refuse, here)
         elif inner or not _allows(key.schema, value):
             refuse(here, key.text)

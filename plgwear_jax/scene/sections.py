@@ -1,29 +1,16 @@
 """The sections of an input file, whose keys `keys` has checked: what does not go together is refused here."""
 
 import importlib
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import near, one_line
-from plgwear_jax.catalogue import Law, element, laws_of
-from plgwear_jax.rules import (
-    BY_THEN,
-    OF_POWER_LAW,
-    Complaint,
-    Kind,
-    complaint,
-    domain_of,
-    free_complaint,
-    limited_quantity,
-    placed_quantity,
-    window_complaint,
-)
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError, WrongKeyError
-from plgwear_jax.scene.keys import ELEMENTS, MATERIALS, SECTIONS
+from plgwear_jax.scene.keys import MATERIALS, SECTIONS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +25,7 @@ _CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
-def _from_table(form: Callable[[Any], Any], name: str, reading: Reading) -> "Table":
+def from_table(form: Callable[[Any], Any], name: str, reading: Reading) -> "Table":
     """The content of a CSV file that a scene names; `form` takes the module `tables` and gives its form."""
     from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
 
@@ -95,7 +82,7 @@ def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     kind = fields.pop("kind", MATERIALS.get(section, ""))
     if "table" in fields:
         form, name = "HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table")
-        file = _from_table(lambda tables: getattr(tables, form), name, reading)
+        file = from_table(lambda tables: getattr(tables, form), name, reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in ("indenter", "shape"):
         if name in fields:
@@ -182,7 +169,7 @@ class LoadSection(SimpleNamespace):
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
         file = None
         if named is not None:
-            file = _from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, reading)
+            file = from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, reading)
         found = cls(**values, file=file, material=reading.material, contact=contact, wear=reading.wear)
         if file is not None and not found.of_displacement:
             forces = file["tangential_force"]
@@ -265,31 +252,44 @@ class LoadSection(SimpleNamespace):
         return ~(self.given < np.asarray(self.moved.gross_slip if self.of_displacement else math.inf))
 
     @cached_property
+    def slides(self) -> SceneError | None:
+        """What says that the contact slips as a whole before any wear, under the first such displacement; else None."""
+        if not self.of_displacement or self.pressed:
+            return None
+        import numpy as np
+
+        (beyond,) = np.nonzero(self.in_gross_slip)
+        if not beyond.size:
+            return None
+        first, rows, wear = beyond[0], self.rows, self.wear
+        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
+        by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
+        if wear is not None and not wear.others:
+            name, given = next((name, x) for name in COEFFICIENTS if (x := getattr(wear, name)) is not None)
+            by = f"{by} with [wear] {name} = {given:g}"
+            worn = f"{1e18 * wear.archard(self.contact.friction) * work:.4g} µm³"
+        begins = written(float(self.moved.gross_slip), "m")
+        begins += "" if self.rig_stiffness is None else " at the actuator"
+        said = (
+            f"displacement = {self.given[first]:g}: this is gross slip, the contact slips as a whole from {begins} on; "
+            f"by {by} it wears {worn} a cycle at first; "
+            "plgwear wear goes on, and plgwear design with cycles under [wear]"
+        )
+        if self.file is None:
+            return SceneError(f"[load] {said}")
+        return OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
+
+    @cached_property
     def forces(self) -> "np.ndarray":
         """The force amplitudes in N of `given`, shape (n,), or a SceneError where the contact slips as a whole."""
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
-        if not self.of_displacement:
-            return self.given
+        if self.slides is not None:
+            raise self.slides
         import numpy as np
 
-        (beyond,) = np.nonzero(self.in_gross_slip)
-        if not beyond.size:
-            return np.asarray(self.moved.force)
-        first, rows, wear = beyond[0], self.rows, self.wear
-        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
-        worn = f"{work:.4g} N m times the wear coefficient"
-        if wear is not None and wear.exponent is None:
-            worn = f"{wear.archard(self.contact.friction) * work:.4g} m^3"
-        said = (
-            f"displacement = {self.given[first]:g}: this is gross slip, from {float(self.moved.gross_slip):.4g} m on "
-            f"the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole; by Archard's law such sliding "
-            f"wears {worn} a cycle at first; plgwear wear follows it over the cycles"
-        )
-        if self.file is None:
-            raise SceneError(f"[load] {said}")
-        raise OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
+        return np.asarray(self.moved.force) if self.of_displacement else self.given
 
     @property
     def amplitudes(self) -> "np.ndarray":
@@ -311,6 +311,15 @@ class LoadSection(SimpleNamespace):
     def largest(self) -> float:
         """The largest amplitude in N: it determines the worn state of a history, and the worst case of a table."""
         return float(self.amplitudes.max())
+
+    @property
+    def hardest(self) -> float:
+        """The largest amplitude in N before any wear; in gross slip the friction force, but for rounding."""
+        if self.slides is None:
+            return self.largest
+        import jax.numpy as jnp
+
+        return self.contact.friction * self.contact.normal_force * (1.0 - 4.0 * float(jnp.finfo(float).eps))
 
     @property
     def force(self) -> "float | np.ndarray":
@@ -392,192 +401,3 @@ class WearSection(SimpleNamespace):
         from plgwear_jax.wear_laws import law_of
 
         return law_of(self._indenter(friction) + (self.half_space_coefficient or 0.0), self.exponent)
-
-
-# --- designs --------------------------------------------------------------------------------------------------------
-
-
-def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The lowest and highest modulus that can be made, at two depths or more: at, lower, upper."""
-    at, between = values["at"], values["between"]
-    if len(at) != len(between):
-        text = f"must hold a pair [lower, upper] for each of the {len(at)} depths of at"
-        raise WrongKeyError(f"{key}.between", text)
-    if "steepness" in values and len(at) == 2:
-        text = "only for a free gradient, with three to eight depths; at two it is |k|"
-        raise WrongKeyError(f"{key}.steepness", text)
-    return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
-
-
-class DesignSpace(SimpleNamespace):
-    """The section [design]: what may vary, the constraint, what is minimised, over which loads, within which limits.
-
-    Attributes:
-        variables: What may vary: bounds by name, such as k and indenter.E; for "modulus" the depths at, and the lower
-            and upper moduli there: at two depths of a power law, at three to eight a free gradient.
-        steepness: The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit.
-        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0.
-        minimise: The quantity that is minimised, with its place if it has one.
-        level: The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case.
-        scenarios: A CSV file of what the contact may turn out to be.
-        scatter: The scenarios; None without.
-        allowed: The limits by name: above, below or between with the place, or the window; None without any.
-    """
-
-    @classmethod
-    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
-        """The design space of the contact, as far as that is known."""
-        material, contact, load, wear = reading.material, reading.contact, reading.load, reading.wear
-        variables, allowed = {}, dict(values["limits"] or {})
-        for name, given in values["vary"].items():
-            if name == "modulus":
-                variables[name] = _window_of("vary.modulus", given)
-                if len(given["at"]) == 2 and (said := window_complaint(**variables[name])) is not None:
-                    raise WrongKeyError("vary.modulus.between", said)
-            else:
-                inner = (
-                    {f"{name}.{one}": ends for one, ends in given.items()} if isinstance(given, dict) else {name: given}
-                )
-                variables |= inner
-        if "modulus" in allowed:
-            allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
-            if len(allowed["modulus"]["at"]) > 2:
-                text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
-                raise WrongKeyError("limits.modulus.at", text)
-        over = values["over"]
-        found = cls(
-            variables=variables,
-            steepness=values["vary"].get("modulus", {}).get("steepness"),
-            allowed=allowed or None,
-            level=over[1]["cvar"] if isinstance(over, tuple) else float(over == "worst"),
-            **{name: values[name] for name in ("hold", "minimise", "scenarios")},
-            scatter=None,
-        )
-        lasts = wear is not None and found.objective in BY_THEN
-        if load is not None and load.pressed and not (lasts and load.cycles is not None):
-            text = "a design cannot be combined with a history that changes the normal force or the friction"
-            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-        found._refuse(getattr(contact, "kind", None), getattr(material, "k", None) == 0.0)
-        if material is None or contact is None:
-            return found
-        found._refuse_to_vary(material, contact, load)
-        known = "load" not in reading.wrong
-        if over is not None and found.scenarios is None and known and (load is None or load.table is None):
-            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
-            raise WrongKeyError("over", text)
-        if found.scenarios is not None:
-            names = [*material.numbers(), *contact.numbers()]
-            names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
-            names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
-            columns = {name: domain_of(name) for name in names}
-            found.scatter = _from_table(lambda tables: tables.scenarios(columns), found.scenarios, reading)
-        return found
-
-    @property
-    def edge_distance(self) -> float | None:
-        """Distance in m inside the stick-slip boundary at which the pressure is limited; None without this limit."""
-        allowed = self.allowed or {}
-        return next((allowed[name].get("distance") for name in ("edge_pressure", "pressure") if name in allowed), None)
-
-    @property
-    def free(self) -> bool:
-        """The modulus is free at three depths or more: no power law is asked for."""
-        return "modulus" in self.variables and len(self.variables["modulus"]["at"]) > 2
-
-    @property
-    def objective(self) -> str:
-        """The quantity that is minimised."""
-        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
-
-    def _refuse(self, kind: Kind | None, flat: bool) -> None:
-        """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
-        places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
-        if not isinstance(self.minimise, str) and len(self.minimise) != 1:
-            raise WrongKeyError("minimise", "must name one quantity")
-        allowed = self.allowed or {}
-        found = placed_quantity("minimise", self.objective, places, kind)
-        for name, given in allowed.items():
-            one = None if name == "modulus" else limited_quantity(name, given, kind)
-            found = one if isinstance(found, str) and isinstance(one, Complaint) else found
-        if isinstance(found, str) and not self.free:
-            found = complaint(self.variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
-        elif isinstance(found, str):
-            found = free_complaint(self.variables, bool(self.hold), [*allowed], kind=kind)
-            if found is None and self.scenarios is not None:
-                found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-        if found is not None:
-            # the places of what is minimised have no keys of their own
-            raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
-
-    def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
-        """Refuse what needs a power law, bounds of what this contact does not have, and of what slips as a whole."""
-        if not self.free and material.kind != "power law":
-            asked = [f"vary.{name}" for name in self.variables if name in (*OF_POWER_LAW, "modulus")]
-            asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
-            if asked:
-                raise WrongKeyError(asked[0], f"needs a power law under [material], not {material.words}; {_INSTEAD}")
-        for name in self.variables:
-            first = name.partition(".")[0]
-            missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
-            if missing is not None and getattr(contact, first, None) is None:
-                raise WrongKeyError(f"vary.{first}", f"the contact has a {missing}")
-            if first == "material":
-                table, place = element(name.removeprefix("material."))
-                found = len(material.rows.get(table, ()))
-                if place is None or place >= found:
-                    has = f"has {found} of {table}" if found else f"has no {table}"
-                    text = f"there is no such number: [material], {material.words}, {has}"
-                    raise WrongKeyError(f"vary.{name}", text)
-            elif first not in (*OF_POWER_LAW, "nu", "modulus", *contact.fields):
-                raise WrongKeyError(f"vary.{name}", f"is no number of a {contact.kind} contact")
-        if "nu" in self.variables and isinstance(material.nu, str):
-            raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
-        varied = [name for name in PRESSED if name in self.variables]
-        if varied and load is not None and not (load.of_displacement or load.pressed):
-            lowest = (self.variables[name][0] if name in varied else getattr(contact, name) for name in PRESSED)
-            if not load.largest < math.prod(lowest):
-                text = f"at the lowest {' and '.join(varied)} the whole contact slips"
-                raise WrongKeyError(f"vary.{varied[0]}", text)
-
-
-_INSTEAD = (
-    f"vary {' and '.join(map(json.dumps, ELEMENTS))} and so on, "
-    "or give three depths or more in vary.modulus for a free gradient"
-)
-
-
-# --- what is asked for ------------------------------------------------------------------------------------------------
-
-
-def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
-    """The section [output]: names of quantities of the contact, if that is known."""
-    output, contact = SimpleNamespace(**values), reading.contact
-    for name in output.quantities:
-        if output.quantities.count(name) > 1:
-            raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
-    if contact is None:
-        return output
-    laws = laws_of_scene(contact, reading.load, reading.wear)
-    for name in output.quantities:
-        if name not in laws:
-            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
-            raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
-        nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
-        if "distance" in laws[name].arguments and nowhere:
-            text = f'"{name}" needs a distance from the stick-slip boundary'
-            raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
-    return output
-
-
-def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
-    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
-    lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
-    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
-    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
-
-
-def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
-    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
-    if output is not None and output.distance is not None:
-        return output.distance
-    return None if design is None else design.edge_distance

@@ -184,13 +184,13 @@ def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stres
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, given, body = pressed.nu, grid(False), body_of(pressed, kind)
+    nu, given, body = pressed.nu, grid(x.dtype == jnp.float64), body_of(pressed, kind)
     whole = jnp.where(pressed.body[0] == 0.0, 1.0, 0.0 * nu) if kind is None else jnp.ones_like(nu)
     first, second = alone = _first_responses(nu, whole)
     weights = jnp.zeros(0)
     if kind != "homogeneous":
         weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
-    zeta, least = jnp.asarray(given.zeta, z.dtype), jnp.finfo(z.dtype).eps
+    zeta, least = jnp.asarray(given.zeta, z.dtype), float(jnp.finfo(z.dtype).eps) ** 2
 
     def integrals(traction: Traction, rows: slice) -> Array:
         """q t^(q) J_i(q x) times these responses, integrated over q, shape (rows, 4, ...)."""

@@ -25,9 +25,9 @@ class Traction(NamedTuple):
 
 def traction_of(t: np.ndarray, strips: Array, radius: Array) -> Traction:
     """The traction whose P at shares t of its radius, from 0 to 1, are radius times strips."""
-    slope = jnp.diff(strips) / np.diff(t * t)
+    slope = jnp.diff(strips) / jnp.asarray(np.diff(t * t), strips.dtype)
     weight = jnp.append(-jnp.diff(-slope), -slope[-1])
-    return Traction(radius * t[1:], weight / radius, radius, radius * strips[-1])
+    return Traction(radius * jnp.asarray(t[1:], strips.dtype), weight / radius, radius, radius * strips[-1])
 
 
 def transforms(traction: Traction, zeta: Array, x: Array) -> tuple[Array, Array]:
@@ -93,10 +93,10 @@ class Grid(NamedTuple):
 
 
 @functools.cache
-def grid(coarse: bool) -> Grid:
+def grid(double: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    ratio, step = (0.55, 0.3) if coarse else (0.4, 0.3)
-    zeta, q = np.exp(np.arange(-11.5, 6.0, ratio)), np.exp(np.arange(-6.0, 11.6, step))
+    zeta, q = np.exp(np.arange(-11.5, 6.0, 0.4)), np.exp(np.arange(-6.0, 11.6, 0.3))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
-    fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9)
+    # Larger weights would cancel in float32.
+    fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9 if double else 1e-5)
     return Grid(q, zeta, fit * felt)

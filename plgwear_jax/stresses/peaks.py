@@ -40,7 +40,7 @@ class Wanted(NamedTuple):
         """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
-        high = jnp.maximum(low, jnp.minimum(self.most, _Z[-1] * pressed.radius) / pressed.radius)
+        high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
         return jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
 
 

@@ -825,17 +825,36 @@ load = { tangential_force = 0.0 }
     assert asked[1].keys() - asked[0].keys() == {"edge_intensity"} and asked[1]["edge_intensity"]["value"] > 0.0
 
 
-@pytest.mark.compiled
-def test_the_command_design_takes_gross_slip():
-    Path("sliding.toml").write_text(
-        """
+SLIDING = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
 contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
 load = { displacement = 1.5e-6 }
 wear = { coefficient = 1e-14, cycles = 4e5 }
 design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
 """
+
+
+def test_solve_in_gross_slip_gives_what_is_there_and_says_why_not_all_is():
+    """And reads nothing into a [design] that nobody could make."""
+    asked = 'output = { quantities = ["stick_radius", "contact_radius", "gross_slip_displacement"] }\n'
+    Path("sliding.toml").write_text(SLIDING.replace("k = [-0.5, 0.5]", "z0 = [1e-5, 1e-4]") + asked)
+    assert "vary.z0 = [1e-05, 0.0001]: has no effect at k = 0" in refused("design", "sliding.toml")
+    result = plgwear("solve", "sliding.toml")
+    assert result.exit_code == 1 and [*cells(result.stdout)] == ["contact_radius", "gross_slip_displacement"]
+    assert result.stderr == (
+        "sliding.toml: [load] displacement = 1.5e-06: this is gross slip, the contact slips as a whole from 445.2 nm "
+        "on; by Archard's law with [wear] coefficient = 1e-14 it wears 0.4575 µm³ a cycle at first; plgwear wear goes "
+        "on, and plgwear design with cycles under [wear]; all else exists in partial slip only\n"
     )
+    told = json.loads(plgwear("solve", "sliding.toml", "--json").stdout)
+    assert [*told["quantities"]] == ["contact_radius", "gross_slip_displacement"]
+
+
+@pytest.mark.compiled
+def test_the_command_design_takes_gross_slip(monkeypatch):
+    other = optimise.under_other_load
+    monkeypatch.setattr(optimise, "under_other_load", lambda *given: dataclasses.replace(other(*given), loss=0.00148))
+    Path("sliding.toml").write_text(SLIDING)
     result = plgwear("design", "sliding.toml")
     assert result.exit_code == 0, result.output
     assert (
@@ -843,4 +862,5 @@ design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
     )
     assert "wear volume after 400,000 cycles" in result.stdout and "stick radius" not in result.stdout
     assert "stress at the edge" not in result.stdout  # in gross slip there is none
+    assert "0.15 % more wear volume after 400,000 cycles than the best one" in result.stdout
     assert image.imread("sliding-design.png").std() > 0.1

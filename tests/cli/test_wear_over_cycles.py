@@ -275,6 +275,9 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     printed = plgwear().stdout
     assert f"the contact slips as a whole, from {float(its.steady(0.0).gross_slip_displacement):.4g} m on" in printed
     assert "gross slip at a constant displacement amplitude: " in printed and "steady" not in printed
+    assert "; the wear goes on\n" in printed
+    write(SLIDING.replace(", cycles = 5e5", ""))
+    assert "; it is followed no further; set your life by cycles under [wear]\n" in plgwear().stdout
 
 
 @pytest.mark.compiled

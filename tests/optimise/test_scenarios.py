@@ -280,7 +280,7 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
 def test_errors_in_a_table_of_scenarios(tmp_path, scatter, said):
     write(tmp_path, scatter)
     with pytest.raises(scene.SceneError) as error:
-        scene.load(tmp_path / "any.toml")
+        scene.load(tmp_path / "any.toml").asked()
     assert said in str(error.value) and "\n" not in str(error.value)
 
 

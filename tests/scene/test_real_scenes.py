@@ -38,7 +38,7 @@ def loaded(file: Path, **given: str) -> scene.Scene:
 
 def complaint(file: Path, **given: str) -> str:
     with pytest.raises(scene.SceneError) as caught:
-        loaded(file, **given)
+        loaded(file, **given).asked()
     return str(caught.value)
 
 

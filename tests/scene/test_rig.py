@@ -72,40 +72,72 @@ def test_tables_and_histories_take_displacements():
         tables.read("moves.csv", tables.LOADS)["tangential_force"]
 
 
+def told_of_sliding(load: str) -> tuple[scene.Scene, str]:
+    """A scene that wears in gross slip, and what it says of it."""
+    given = read(f"load = {{ {load} }}\nwear = {{ coefficient_mm3_per_N_m = 1e-5, cycles = 1e5 }}")
+    with pytest.raises(scene.SceneError) as refused:
+        given.solve()
+    return given, str(refused.value)
+
+
 def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
     """And it goes on from the last cycle of partial slip without a jump."""
-    wear = "wear = { coefficient_mm3_per_N_m = 1e-5, cycles = 1e5 }"
     contact = contact_of(read(MOVED))
     alone, rig = (float(contact.steady(Force(0.0, x)).gross_slip_displacement) for x in (None, 1e7))
-    for load, begins in ((f"displacement = {alone}", alone), (f"displacement = {rig}, rig_stiffness = 1e7", rig)):
-        given = read(f"load = {{ {load} }}\n{wear}")
-        with pytest.raises(scene.SceneError) as refused:
-            given.solve()
-        line = str(refused.value)
-        assert line.startswith(f"[load] displacement = {begins:g}: this is gross slip, from {begins:.4g} m on the ")
-        energy = float(contact.steady(4.0 * (1.0 - 1e-12)).energy_per_cycle)
-        worn = 1e-14 * energy / 0.4
-        assert line.endswith(
-            f"such sliding wears {worn:.4g} m^3 a cycle at first; plgwear wear follows it over the cycles"
+    energy = float(contact.steady(4.0 * (1.0 - 1e-12)).energy_per_cycle)
+    for load, begins, where in (
+        (f"displacement = {alone}", alone, "626.8 nm"),
+        (f"displacement = {rig}, rig_stiffness = 1e7", rig, "1.027 µm at the actuator"),
+    ):
+        assert told_of_sliding(load)[1] == (
+            f"[load] displacement = {begins:g}: this is gross slip, the contact slips as a whole from "
+            f"{where} on; by Archard's law with [wear] coefficient_mm3_per_N_m = 1e-05 it wears "
+            f"{1e4 * energy / 0.4:.4g} µm³ a cycle at first; plgwear wear goes on, and plgwear design "
+            "with cycles under [wear]"
         )
-    given = read("load = { displacement = 5e-6 }")
-    with pytest.raises(scene.SceneError, match=r"wears \S+ N m times the wear coefficient a cycle") as refused:
-        given.solve()
-    told = float(str(refused.value).split(" N m times")[0].split()[-1])
-    k = 0.25
-    assert told == pytest.approx(10.0 * (4.0 * (5e-6 - alone) + 4.0 * (1.0 + k) / (5.0 + k) * alone), rel=1e-3)
+    for law in ("", "wear = { coefficient = 1e-14, half_space_coefficient = 1e-14 }"):
+        given = read(f"load = {{ displacement = 5e-6 }}\n{law}")
+        with pytest.raises(scene.SceneError, match=r"it wears \S+ N m times the wear coefficient a cycle") as refused:
+            given.solve()
+        told = float(str(refused.value).split(" N m times")[0].split()[-1])
+        k = 0.25
+        assert told == pytest.approx(10.0 * (4.0 * (5e-6 - alone) + 4.0 * (1.0 + k) / (5.0 + k) * alone), rel=1e-3)
     assert partial_slip.energy_per_cycle(k, 1.0 - 1e-12) == pytest.approx(4.0 / (5.0 + k), rel=1e-6)
 
 
 def test_the_wear_of_the_first_cycle_of_gross_slip_is_that_of_its_run():
     """Not a number of cycles times it, from which the run differs since the scar grows."""
-    given = read("load = { displacement = 5e-6 }\nwear = { coefficient_mm3_per_N_m = 1e-5, cycles = 1e5 }")
-    with pytest.raises(scene.SceneError) as refused:
-        given.solve()
-    told = float(str(refused.value).split(" m^3 a cycle at first; ")[0].split()[-1])
+    given, line = told_of_sliding("displacement = 5e-6")
+    told = 1e-18 * float(line.split(" µm³ a cycle at first; ")[0].split()[-1])
     run = given.over_cycles()
     np.testing.assert_allclose(told, run.rate(0.0), rtol=5e-3)
-    assert "in 100000 cycles" not in str(refused.value) and abs(1e5 * told / float(run.volume(1e5)) - 1.0) > 0.01
+    assert "in 100000 cycles" not in line and abs(1e5 * told / float(run.volume(1e5)) - 1.0) > 0.01
+
+
+WANTED = '["wear_volume", "peak_tension", "contact_radius", "initial_pressure"]'
+
+
+def test_in_gross_slip_what_needs_no_amplitude_is_computed():
+    """Of a homogeneous half-space the tension is Hamilton's, under a traction of mu times the pressure."""
+    contact = CONTACT.replace("k = 0.25", "k = 0.0").replace('["wear_volume"]', f"{WANTED}, points = 6")
+    given = read("load = { displacement = 5e-6, rig_stiffness = 1e7 }", contact)
+    found, alone = given.solve(), contact_of(given).steady(0.0)
+    assert [*found] == ["peak_tension", "contact_radius", "initial_pressure"]
+    assert given.load is not None and "slips as a whole" in str(given.load.slides)
+    radius, pressure = float(alone.contact_radius), float(alone.peak_initial_pressure)
+    assert found["contact_radius"].value == radius
+    radii = found["initial_pressure"].radii
+    assert radii is not None
+    np.testing.assert_allclose(radii[-1], 1.25 * radius, rtol=1e-14)
+    np.testing.assert_allclose(found["initial_pressure"].value, alone.initial_pressure(radii), rtol=1e-14)
+    hamilton = pressure * ((1.0 - 2.0 * 0.3) / 3.0 + 0.4 * np.pi * (4.0 + 0.3) / 8.0)
+    assert found["peak_tension"].value == pytest.approx(hamilton, rel=1e-6)
+    assert found["peak_tension"].description.endswith(f", x = -{1e6 * radius:.4g} µm (trailing side), z = 0 m")
+    # A mean over several amplitudes needs all of them.
+    given = read('load = { table = "moves.csv" }', contact, moves="displacement,weight\n1e-8,1\n9e-6,1\n")
+    with pytest.raises(scene.SceneError, match="is a function of r"):
+        read('load = { table = "moves.csv" }', contact.replace("initial_pressure", "pressure")).solve()
+    assert [*given.solve()] == ["contact_radius", "initial_pressure"]
 
 
 def test_gross_slip_names_the_row_of_a_table():
@@ -218,7 +250,7 @@ def test_a_design_refuses_a_history_that_changes_the_normal_force():
     design = 'design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }'
     line = r"^scene.toml: \[design\]: a design cannot be combined with a history that changes the normal force"
     with pytest.raises(scene.SceneError, match=line):
-        read(f"load = {{ history = 'h.csv' }}\n{design}", h=CHANGING)
+        read(f"load = {{ history = 'h.csv' }}\n{design}", h=CHANGING).asked()
 
 
 def test_a_scene_without_a_test_says_so():

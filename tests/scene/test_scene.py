@@ -83,7 +83,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def complaint(file: Path, content: str | bytes) -> str:
     file.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(scene.SceneError) as caught:
-        scene.load(file)
+        scene.load(file).asked()
     return str(caught.value)
 
 
@@ -309,7 +309,7 @@ def limited(text: str) -> tuple[str, str]:
 @pytest.mark.parametrize(
     "changes, told",
     [
-        ([], DESIGNED | {"allowed": None}),
+        *((given, DESIGNED | {"allowed": None}) for given in ([], [limited("")])),
         ([(VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), FREE_HOLD, (MINIMISE, "minimise='worn_radius'")],
          {"hold": None, "variables": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}, "minimise": "worn_radius"}),
         ([(VARY, f"vary = {{ modulus = {EXAMPLE} }}"), FREE_HOLD], {"variables": {"modulus": PLAIN_WINDOW}}),
@@ -627,7 +627,9 @@ def test_junk_is_refused_in_one_line_or_read(sections, data):
             spot = data.draw(st.sampled_from(nested))
     spot[data.draw(st.sampled_from(list(spot)) | keys)] = data.draw(junk)
     try:
-        scene.scene_of(sections, "scene.toml", DESIGNS)
+        found = scene.scene_of(sections, "scene.toml", DESIGNS)
+        if found.design_space is not None:
+            found.design_space.checked()
     except scene.SceneError as error:
         line = str(error)
         assert line.startswith("scene.toml: ") or "table" in spot or "history" in spot or "scenarios" in spot

@@ -269,3 +269,12 @@ def test_many_contacts_answer_as_each_does():
         one = dataclasses.replace(many.contact, normal_force=force).steady(1.0)
         np.testing.assert_allclose(many.peak_tension[i], one.peak_tension, rtol=1e-9)
         np.testing.assert_allclose(many.stress(-A, 1e-6).xx[i], one.stress(-A, 1e-6).xx, rtol=1e-9)
+
+
+def test_peaks_in_single_precision():
+    contact = FrettingContact(LAYERS, RADIUS, FORCE, FRICTION)
+    found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5))
+    known = contact.steady(1.5)
+    for name in ("peak_tension", "peak_mises"):
+        assert getattr(found, name).dtype == jnp.float32
+        np.testing.assert_allclose(getattr(found, name), getattr(known, name), rtol=3e-3)

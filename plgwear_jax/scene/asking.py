@@ -1,0 +1,249 @@
+"""The sections of an input file that ask for something, [design] and [output], whose keys `keys` has checked."""
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Self
+
+from plgwear_jax._core.words import near, one_line
+from plgwear_jax.catalogue import Law, element, laws_of
+from plgwear_jax.rules import (
+    BY_THEN,
+    OF_POWER_LAW,
+    Complaint,
+    complaint,
+    domain_of,
+    free_complaint,
+    limited_quantity,
+    placed_quantity,
+    window_complaint,
+)
+from plgwear_jax.scene.complaints import Reading, WrongKeyError
+from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
+
+if TYPE_CHECKING:
+    from plgwear_jax.tables import Table
+
+# --- designs --------------------------------------------------------------------------------------------------------
+
+
+def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The lowest and highest modulus that can be made, at two depths or more: at, lower, upper."""
+    at, between = values["at"], values["between"]
+    if len(at) != len(between):
+        text = f"must hold a pair [lower, upper] for each of the {len(at)} depths of at"
+        raise WrongKeyError(f"{key}.between", text)
+    if "steepness" in values and len(at) == 2:
+        text = "only for a free gradient, with three to eight depths; at two it is |k|"
+        raise WrongKeyError(f"{key}.steepness", text)
+    return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
+
+
+class DesignSpace(SimpleNamespace):
+    """The section [design]: what may vary, the constraint, what is minimised, over which loads, within which limits.
+
+    Whether all this goes together is `checked` for what designs alone.
+
+    Attributes:
+        vary: What may vary, as in the file.
+        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0.
+        minimise: The quantity that is minimised, with its place if it has one.
+        over: How the amplitudes of a table, and scenarios, count, as in the file.
+        scenarios: A CSV file of what the contact may turn out to be.
+        limits: The limits, as in the file.
+        reading: What the other sections are.
+    """
+
+    @classmethod
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """What the section says."""
+        return cls(**values, reading=reading)
+
+    def checked(self) -> Self:
+        """The same, or a SceneError if it does not go together, or with the other sections."""
+        with self.reading.telling("design"):
+            self._refuse()
+        self.reading.end()
+        return self
+
+    @cached_property
+    def variables(self) -> dict[str, Any]:
+        """What may vary: bounds by name, such as k and indenter.E.
+
+        For "modulus" the depths at, and the lower and upper moduli there: at two depths of a power law, at three to
+        eight a free gradient.
+        """
+        found = {}
+        for name, given in self.vary.items():
+            if name == "modulus":
+                found[name] = _window_of("vary.modulus", given)
+                if len(given["at"]) == 2 and (said := window_complaint(**found[name])) is not None:
+                    raise WrongKeyError("vary.modulus.between", said)
+            else:
+                inner = {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
+                found |= inner
+        return found
+
+    @property
+    def steepness(self) -> float | None:
+        """The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit."""
+        return self.vary.get("modulus", {}).get("steepness")
+
+    @cached_property
+    def allowed(self) -> dict[str, Any] | None:
+        """The limits by name: above, below or between with the place, or the window; None without any."""
+        allowed = dict(self.limits or {})
+        if "modulus" in allowed:
+            allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
+            if len(allowed["modulus"]["at"]) > 2:
+                text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
+                raise WrongKeyError("limits.modulus.at", text)
+        return allowed or None
+
+    @property
+    def level(self) -> float:
+        """The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case."""
+        return self.over[1]["cvar"] if isinstance(self.over, tuple) else float(self.over == "worst")
+
+    @cached_property
+    def scatter(self) -> "Table | None":
+        """The scenarios; None without."""
+        reading = self.reading
+        if self.scenarios is None:
+            return None
+        material, contact, wear = reading.material, reading.contact, reading.wear
+        names = [*material.numbers(), *contact.numbers()]
+        names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
+        names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
+        columns = {name: domain_of(name) for name in names}
+        return from_table(lambda tables: tables.scenarios(columns), self.scenarios, reading)
+
+    @property
+    def edge_distance(self) -> float | None:
+        """Distance in m inside the stick-slip boundary at which the pressure is limited; None without this limit."""
+        limits = self.limits or {}
+        return next((limits[name].get("distance") for name in ("edge_pressure", "pressure") if name in limits), None)
+
+    @property
+    def free(self) -> bool:
+        """The modulus is free at three depths or more: no power law is asked for."""
+        return "modulus" in self.variables and len(self.variables["modulus"]["at"]) > 2
+
+    @property
+    def objective(self) -> str:
+        """The quantity that is minimised."""
+        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
+
+    def _refuse(self) -> None:
+        """Refuse what a design cannot have, for this contact under this load."""
+        reading, variables, allowed = self.reading, self.variables, self.allowed or {}
+        material, kind, load = reading.material, reading.contact.kind, reading.load
+        lasts = reading.wear is not None and self.objective in BY_THEN
+        if load is not None and load.pressed and not (lasts and load.cycles is not None):
+            text = "a design cannot be combined with a history that changes the normal force or the friction"
+            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
+        places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
+        if not isinstance(self.minimise, str) and len(self.minimise) != 1:
+            raise WrongKeyError("minimise", "must name one quantity")
+        found = placed_quantity("minimise", self.objective, places, kind)
+        for name, given in allowed.items():
+            one = None if name == "modulus" else limited_quantity(name, given, kind)
+            found = one if isinstance(found, str) and isinstance(one, Complaint) else found
+        if isinstance(found, str) and not self.free:
+            flat = getattr(material, "k", None) == 0.0
+            found = complaint(variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
+        elif isinstance(found, str):
+            found = free_complaint(variables, bool(self.hold), [*allowed], kind=kind)
+            if found is None and self.scenarios is not None:
+                found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
+        if found is not None:
+            # the places of what is minimised have no keys of their own
+            raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
+        self._refuse_other_materials(material)
+        self._refuse_to_vary(material, reading.contact, load)
+        if self.scatter is None and self.over is not None and (load is None or load.table is None):
+            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+            raise WrongKeyError("over", text)
+
+    def _refuse_other_materials(self, material: Body) -> None:
+        """Refuse all that needs a power law at once, and say what to write for this material."""
+        if self.free or material.kind == "power law":
+            return
+        kept = [name for name in self.variables if name not in (*OF_POWER_LAW, "modulus")]
+        asked = [f"vary.{name}" for name in self.variables if name not in kept]
+        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
+        if not asked:
+            return
+        first, *others = asked
+        as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
+        instead = ""
+        if not kept:
+            name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
+            value = float(material.rows[name][0])
+            instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
+            instead += ", or three depths or more in vary.modulus"
+        text = f"needs a power law under [material], not {material.words}{as_do}"
+        raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
+
+    def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
+        """Refuse bounds of what this contact does not have, and of what slips as a whole."""
+        for name in self.variables:
+            first = name.partition(".")[0]
+            missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
+            if missing is not None and getattr(contact, first, None) is None:
+                raise WrongKeyError(f"vary.{first}", f"the contact has a {missing}")
+            if first == "material":
+                table, place = element(name.removeprefix("material."))
+                found = len(material.rows.get(table, ()))
+                if place is None or place >= found:
+                    has = f"has {found} of {table}" if found else f"has no {table}"
+                    text = f"there is no such number: [material], {material.words}, {has}"
+                    raise WrongKeyError(f"vary.{name}", text)
+            elif first not in (*OF_POWER_LAW, "nu", "modulus", *contact.fields):
+                raise WrongKeyError(f"vary.{name}", f"is no number of a {contact.kind} contact")
+        if "nu" in self.variables and isinstance(material.nu, str):
+            raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
+        varied = [name for name in PRESSED if name in self.variables]
+        if varied and load is not None and not (load.of_displacement or load.pressed):
+            lowest = (self.variables[name][0] if name in varied else getattr(contact, name) for name in PRESSED)
+            if not load.largest < math.prod(lowest):
+                text = f"at the lowest {' and '.join(varied)} the whole contact slips"
+                raise WrongKeyError(f"vary.{varied[0]}", text)
+
+
+# --- what is asked for ------------------------------------------------------------------------------------------------
+
+
+def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
+    """The section [output]: names of quantities of the contact, if that is known."""
+    output, contact = SimpleNamespace(**values), reading.contact
+    for name in output.quantities:
+        if output.quantities.count(name) > 1:
+            raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
+    if contact is None:
+        return output
+    laws = laws_of_scene(contact, reading.load, reading.wear)
+    for name in output.quantities:
+        if name not in laws:
+            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
+            raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
+        nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
+        if "distance" in laws[name].arguments and nowhere:
+            text = f'"{name}" needs a distance from the stick-slip boundary'
+            raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
+    return output
+
+
+def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
+    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
+    lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
+    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
+    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
+
+
+def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
+    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
+    if output is not None and output.distance is not None:
+        return output.distance
+    return None if design is None else design.edge_distance
