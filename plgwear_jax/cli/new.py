@@ -66,7 +66,7 @@ modulus.between = [[80e9, 350e9], [80e9, 350e9]]     # Pa, at each
 [output]
 quantities = ["contact_radius", "peak_initial_pressure", "stick_radius",
               "worn_radius", "wear_volume", "deepest_wear"]
-# distance = 1e-5           # m, inside the stick-slip boundary, for "edge_pressure"
+# distance = 1e-5  # m, inside the stick-slip boundary, for "edge_pressure"
 """
 
 _GROSS_SLIP = """\
