@@ -33,8 +33,8 @@ indenter = { E = 210e9, nu = 0.3 }  # elastic; without this line rigid
 
 [load]
 tangential_force = 22.0     # N, amplitude, below friction * normal_force
-                            # instead of the force a displacement, in gross
-                            # slip beyond the onset by plgwear regimes:
+                            # instead of the force a displacement; beyond
+                            # what plgwear regimes says it is gross slip:
 # displacement = 1e-6       # m, amplitude (half the stroke) at the contact,
 # rig_stiffness = 2e7       # N/m; with this line that of the actuator
                             # or instead a file of many amplitudes:
