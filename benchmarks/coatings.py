@@ -79,8 +79,10 @@ def rule(report: Report, quick: bool) -> None:
         more = wear_at_the_same_radius(coating(kind, thickness, *moduli))
         surface = "stiff" if stiff else "compliant"
         rows.append([kind, f"{thickness:g}", surface, *(f"{x:+.1f}" for x in more)])
-    told = "Change of the worn volume in % against no gradient at the same contact radius; thickness in contact radii"
-    report.table(told, ["gradient", "thickness", "surface", *(f"phi {x:g}" for x in PHI)], rows)
+    told = "Change of the worn volume in % against a homogeneous body of the same contact radius"
+    report.table(
+        f"{told}; thickness in contact radii", ["gradient", "thickness", "surface", *(f"phi {x:g}" for x in PHI)], rows
+    )
 
 
 # --- digits -----------------------------------------------------------------------------------------------------------

@@ -107,7 +107,7 @@ def _symbol(axes: Axes, place: tuple[float, float], symbol: str, ha: str, va: st
 
 
 def draw_wear(axes: Axes, points: int) -> None:
-    """The wear volume of the example on two gradients over the force amplitude, compared with no gradient."""
+    """The wear volume of the example on two gradients over the force amplitude, compared with a homogeneous body."""
     given = scene.load(HERE / "steel_ball.toml")
     assert given.load is not None and given.design_space is not None and given.design_space.allowed is not None
     asked, force = given.arguments(), given.load.largest
@@ -138,7 +138,7 @@ def draw_wear(axes: Axes, points: int) -> None:
     axes.plot(*here, "o", color=COMPLIANT["color"], markersize=6, **MARK)
     axes.text(here[0], here[1] + 2.3, f"best for this ball: {here[1]:.1f} %".replace("-", "−"), ha="center", **NOTE)
     axes.axhline(0.0, color="0.45", linewidth=0.7, zorder=0)
-    axes.text(0.97, 0.3, "no gradient", ha="right", va="bottom", **NOTE)
+    axes.text(0.97, 0.3, "homogeneous", ha="right", va="bottom", **NOTE)
     axes.set(xlim=(0.0, 1.0), ylim=(-15.0, 20.0), ylabel="change of the wear volume (%)")
     axes.set_title("power laws, to any depth", loc="right")
     axes.set_xlabel(r"force amplitude over friction force, $F_x/(\mu F_N)$")

@@ -33,8 +33,8 @@ indenter = { E = 210e9, nu = 0.3 }  # elastic; without this line rigid
 
 [load]
 tangential_force = 22.0     # N, amplitude, below friction * normal_force
-                            # instead of the force a displacement, in gross
-                            # slip beyond the onset by plgwear regimes:
+                            # instead of the force a displacement; beyond
+                            # what plgwear regimes says it is gross slip:
 # displacement = 1e-6       # m, amplitude (half the stroke) at the contact,
 # rig_stiffness = 2e7       # N/m; with this line that of the actuator
                             # or instead a file of many amplitudes:
@@ -66,7 +66,7 @@ modulus.between = [[80e9, 350e9], [80e9, 350e9]]     # Pa, at each
 [output]
 quantities = ["contact_radius", "peak_initial_pressure", "stick_radius",
               "worn_radius", "wear_volume", "deepest_wear"]
-# distance = 1e-5           # m, inside the stick-slip boundary, for "edge_pressure"
+# distance = 1e-5  # m, inside the stick-slip boundary, for "edge_pressure"
 """
 
 _GROSS_SLIP = """\

@@ -1,4 +1,4 @@
-"""Gradients that wear least, with what may vary, what is held, the limits and the load."""
+"""Gradients that wear least, with what may vary, the constraint, the limits and the load."""
 
 from plgwear_jax.optimise.answers import (
     Comparison,

@@ -1,4 +1,4 @@
-"""The question of a design: what may vary, what is held, the limits, the load, and what is minimised.
+"""The question of a design: what may vary, the constraint, the limits, the load, and what is minimised.
 
 It is made once from the keywords of `design`; all other functions take it as it is. Wear grows with the amplitude for
 every material. So over a table of amplitudes the mean, the worst case and the mean of the worst cases are means with

@@ -306,7 +306,7 @@ class Scene:
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance, and the edge intensity only where there is an edge. Under
+            pressure only where the scene gives its distance, and `edge_intensity` only where there is an edge. Under
             a displacement that makes the contact slip as a whole, `load.slides` says so, and only what depends on no
             amplitude is given, and the peaks of stresses, which are those of sliding.
 

@@ -49,7 +49,7 @@ def each_limit(allowed: Mapping[str, Any] | None) -> Iterator[tuple[str, Mapping
 
 
 class DesignSpace(SimpleNamespace):
-    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits.
+    """The section [design]: what may vary, the constraint, what is minimised, over which loads, within which limits.
 
     Whether all this goes together is `checked` for what designs alone.
 

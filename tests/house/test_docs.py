@@ -422,9 +422,11 @@ WORDS = {
     "the penetration|penetration depth": "indentation depth",
     "edge intensity": "generalised stress intensity factor",
     "the onset|onset of (?:gross )?slip": "transition from partial to gross slip",
-    "marched (?:test|load|law)s?|is marched": "time stepping",
-    "windows? such": "bounds",
-    "without a gradient": "homogeneous",
+    "marched (?:test|load|law)s?|is marched|(?:the|a) march of the worn": "time stepping",
+    "dissipation ratio|ratio of energies": "energy ratio (Fouvry)",
+    "windows? (?:of|for) the moduli|windows? of (?:the )?modulus|windows? such|modulus windows?": "bounds",
+    "what is held|holding the contact radius|(?:is|are) held (?:equal|fixed|at its)": "constraint",
+    "without (?:a|any) gradient|no gradient at the same|(?:with|against) no gradient": "homogeneous",
     "oracle": "reference implementation",
 }
 READ = [path for folder in ("plgwear_jax", "design", "notebooks") for path in (ROOT / folder).rglob("*.*")]
