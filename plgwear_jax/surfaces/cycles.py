@@ -163,7 +163,7 @@ def _powers(
 
     alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
     total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
-    first = compliance.k > 0.0
+    first = compliance.k >= 0.0
     return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
 
 

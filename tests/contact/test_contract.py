@@ -131,6 +131,22 @@ def test_steady_states_of_both_engines_agree(pair, digits, most):
         assert np.all(good | ~compared(pair, name)), name
 
 
+def test_slopes_by_the_exponent_at_zero_are_those_beside_it():
+    """There the term of the compliance that leads at short waves changes."""
+
+    @jax.jit
+    def slope(k):
+        def results(k):
+            steady = contact_of(PowerLawGraded(200e9, 1e-4, k, 0.25), STEEL).steady(F_X)
+            ring = steady.wear_depth(0.5 * (steady.stick_radius + steady.worn_radius))
+            return jnp.log(jnp.stack([steady.stick_radius, steady.worn_radius, steady.wear_volume, ring]))
+
+        return jax.jvp(results, (k,), (1.0,))[1]
+
+    at, below, above = slope(0.0), slope(-1e-3), slope(1e-3)
+    np.testing.assert_allclose(at, 0.5 * (below + above), rtol=1e-4)
+
+
 @long
 @pytest.mark.xfail(strict=True, reason="the deepest wear is sought at places too far from a small stick area")
 def test_the_deepest_wear_next_to_gross_slip():
