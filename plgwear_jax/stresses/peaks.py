@@ -18,10 +18,11 @@ class Peak(NamedTuple):
     z: Array
 
 
-# In units of a_0: the edges of the contact are places of the grid, where the tension of a homogeneous one has its peak.
+# In units of a_0. Places of the grid are the edges of the contact, where the tension of a homogeneous half-space has its
+# peak, and those of the stick area, where von Mises' stress of a power law may have its own.
 _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
-_AROUND, _REACH, _CLOSER = np.linspace(-1.0, 1.0, 13), 0.17, 4.5
+_REACH, _CLOSER = 0.17, 4.5
 _ROUNDS = 4
 
 
@@ -47,7 +48,8 @@ class Wanted(NamedTuple):
 def search(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
     ends = wanted.ends(pressed, kind)
-    around = jnp.asarray(_AROUND, ends.dtype)
+    first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
+    sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
 
     def closer(count: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
         del count
@@ -57,10 +59,10 @@ def search(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
         at = jnp.argmax(jnp.where(jnp.isnan(found), -jnp.inf, found))
         x, z = xs[at % xs.size], zs[at // xs.size]
         # Nearer to the surface by smaller steps.
-        next_z = z + jnp.minimum(reach, 0.5 * z + 1e-3 * reach) * around
-        return x + reach * around, next_z, reach / _CLOSER, found.ravel()[at], x, z
+        next_z = z + jnp.minimum(reach, 0.5 * z + 1e-3 * reach) * downwards
+        return x + reach * sideways, next_z, reach / _CLOSER, found.ravel()[at], x, z
 
-    begin = (jnp.asarray(each, ends.dtype) for each in (_X, _Z, _REACH, 0.0, 0.0, 0.0))
+    begin = (jnp.asarray(each, ends.dtype) for each in (first, _Z, _REACH, 0.0, 0.0, 0.0))
     return Peak(*lax.fori_loop(0, _ROUNDS, closer, tuple(begin))[3:])
 
 
