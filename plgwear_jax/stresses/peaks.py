@@ -18,7 +18,7 @@ class Peak(NamedTuple):
     z: Array
 
 
-# In units of a_0. Places of the grid are the edges of the contact, where the tension of a homogeneous half-space has its
+# In units of a_0. Among the places are the edges of the contact, where the tension of a homogeneous half-space has its
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
 _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
