@@ -164,6 +164,8 @@ def test_the_fields_of_a_run_balance_its_numbers(name):
     pressed, worn = sums(run, cycles)
     np.testing.assert_allclose(pressed, contact.normal_force, rtol=5e-3)
     np.testing.assert_allclose(worn, volume[:, 0], rtol=5e-3)
+    if name == "closed forms":  # early, where the sum knows more digits of the pressures
+        np.testing.assert_allclose(pressed[0], contact.normal_force, rtol=3e-4)
     np.testing.assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
     slope = (np.asarray(run.volume(1.001 * cycles)) - np.asarray(run.volume(0.999 * cycles))) / (0.002 * cycles)
     np.testing.assert_allclose(slope, rate, rtol=most)

@@ -111,8 +111,8 @@ FEW = ("closed forms", "layers under steel", "a table under steel")  # of two pr
 
 
 def test_threads_have_the_answers_of_one_thread():
-    asked = 10 * questions(FEW, STEADY, 4) + 4 * questions(FEW[1:], (over_cycles,), 4)
-    assert wrong_answers(asked) == (392, [])
+    asked = 6 * questions(FEW, STEADY, 4) + 4 * questions(FEW[1:2], (over_cycles,), 4)
+    assert wrong_answers(asked) == (232, [])
 
 
 @pytest.mark.compiled

@@ -166,15 +166,15 @@ def test_the_largest_amplitude_decides(k):
 
 
 def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
-    k = np.array([-0.5, 0.0, 0.5])
+    k = np.linspace(-0.5, 0.5, len(LESS))[:, None]  # as many runs as those above, which share their program
     one = dome(k)
     onset = np.asarray(one.steady(0.0).gross_slip_displacement)
-    u = 3.0 * onset
-    run = one.over_cycles(Displacement(u), COEFFICIENT)
+    u, coefficient = 3.0 * onset, coefficient_of(one)
+    run = one.over_cycles(Displacement(u), coefficient)
     cycles = np.asarray(run.lasting_cycles)
     volume = np.asarray(run.volume(cycles))
     # In the end the slip is the displacement less what the surface gives way.
-    share = np.asarray(run.rate(cycles)) / (COEFFICIENT * FORCE * 4.0 * u)
+    share = np.asarray(run.rate(cycles)) / (coefficient * FORCE * 4.0 * u)
     assert np.all((share > 0.9) & (share < 1.0))
     way = np.asarray(run.volume(0.5 * cycles)) / volume
     np.testing.assert_allclose(way, 0.5, atol=0.02)
