@@ -117,7 +117,15 @@ def test_the_readme_has_the_numbers_of_the_first_design():
 # Pages whose Python designs, or has contacts without closed forms.
 DESIGNING = ("how-to/designs", "how-to/laboratory_test", "how-to/real_coatings", "how-to/uncertain_inputs")
 COMPILED = [
-    f"docs/{name}.md" for name in (*DESIGNING, "how-to/wear_over_cycles", "tutorial/rig_to_coating", "gallery", "index")
+    f"docs/{name}.md"
+    for name in (
+        *DESIGNING,
+        "how-to/stresses",
+        "how-to/wear_over_cycles",
+        "tutorial/rig_to_coating",
+        "gallery",
+        "index",
+    )
 ]
 
 
