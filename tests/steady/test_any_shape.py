@@ -382,6 +382,10 @@ def test_a_shape_of_ones_own_may_hold_an_array():
 # --- what is refused --------------------------------------------------------------------------------------------------
 
 
+SHRUNK = 7e-5 / RADII[-1]
+SHORT = Profile(SHRUNK * RADII, SHRUNK**2 * HEIGHTS)  # of as many rows as the table above, whose program it takes
+
+
 class Nothing(Shape):
     """Without a height."""
 
@@ -407,7 +411,7 @@ class Nothing(Shape):
             r"Nothing has no height\(r, radius\)",
         ),
         (
-            lambda: contact_with(Profile(RADII[:4], HEIGHTS[:4])).steady(0.0).contact_radius,
+            lambda: contact_with(SHORT).steady(0.0).contact_radius,
             "the table of heights ends at r = 7e-05 m, inside the worn radius",
         ),
     ],
@@ -418,7 +422,7 @@ def test_what_is_refused(make, told):
 
 
 def test_traced_shapes_that_are_none_give_nan():
-    short = contact_with(Profile(RADII[:4], HEIGHTS[:4]))
+    short = contact_with(SHORT)
     assert np.isnan(jax.jit(lambda force: short.steady(force).wear_volume)(2.0))
     falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).steady(0.0).contact_radius)
     assert np.isnan(falling(HEIGHTS[::-1].copy())) and np.isfinite(falling(HEIGHTS))
