@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
+from plgwear_jax.stresses import Stress
 
 compiled = pytest.mark.compiled
 
@@ -204,6 +205,15 @@ def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_
     np.testing.assert_allclose(found.xx / p_0, 3.0 / 7.0 * found.zz / p_0, rtol=0, atol=2e-3)
     assert np.isinf(stiff.peak_tension)
     assert np.isfinite(compliant.peak_tension)
+
+
+def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(seed):
+    xx, yy, zz, xz = np.random.default_rng(seed).normal(size=(4, 20))
+    none = np.zeros(20)
+    known = np.linalg.eigvalsh(np.moveaxis(np.array([[xx, none, xz], [none, yy, none], [xz, none, zz]]), -1, 0))
+    found = Stress(xx, yy, zz, xz)
+    np.testing.assert_allclose(found.principal, known[:, 2], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(found.mises, np.sqrt(4.5 * np.var(known, axis=1)), rtol=1e-12)
 
 
 # --- peaks and derivatives --------------------------------------------------------------------------------------------
