@@ -141,7 +141,7 @@ def test_derivatives_are_those_of_differences(kind, seed):
 
 # --- over cycles ------------------------------------------------------------------------------------------------------
 
-CLOSED, WEARS = kinds.KINDS["closed forms"], np.array([4e4, 2e5, 4e5])  # cycles: from a tenth to most is worn
+CLOSED, WEARS = kinds.KINDS["closed forms"], np.array([6e4, 2e5, 4e5])  # cycles: from a tenth or more to most is worn
 # The load, and how far the slope of the volume may be from the rate.
 LOADS = {
     "closed forms": (2.0, 1e-4),
@@ -164,7 +164,7 @@ def test_the_fields_of_a_run_balance_its_numbers(name):
     pressed, worn = sums(run, cycles)
     np.testing.assert_allclose(pressed, contact.normal_force, rtol=5e-3)
     np.testing.assert_allclose(worn, volume[:, 0], rtol=5e-3)
-    if name == "closed forms":  # early, where the sum knows more digits of the pressures
+    if name == "closed forms":  # where the sum knows most digits of the pressures, so that errors of either sign show
         np.testing.assert_allclose(pressed[0], contact.normal_force, rtol=3e-4)
     np.testing.assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
     slope = (np.asarray(run.volume(1.001 * cycles)) - np.asarray(run.volume(0.999 * cycles))) / (0.002 * cycles)
