@@ -101,14 +101,17 @@ def test_a_steep_table_has_the_compliance_of_the_equations():
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
+def log_volume(contact, force):
+    return jnp.log(contact.steady(force).wear_volume)
+
+
+slopes_of = jax.grad(log_volume, argnums=(0, 1))  # by both in each test, so that they share a program
+
+
 def test_slopes_of_the_wear_keep_the_similarity_of_contacts_and_are_those_of_differences():
     """Lengths times x and forces times x^2 give x^3 times the volume, moduli and forces times x the same volume."""
-
-    def log_volume(contact, force):
-        return jnp.log(contact.steady(force).wear_volume)
-
     contact = contact_of(LAYERS, STEEL)
-    by, by_force = jax.grad(log_volume, argnums=(0, 1))(contact, F_X)
+    by, by_force = slopes_of(contact, F_X)
     lengths = by.material.thickness @ THICKNESS + by.radius * RADIUS
     forces = by.normal_force * FORCE + by_force * F_X
     moduli = by.material.modulus @ MODULUS + by.indenter.E * STEEL.E
@@ -138,9 +141,7 @@ def test_layers_are_a_table_with_jumps():
 def test_one_modulus_is_a_homogeneous_half_space(layers):
     closed = every(contact_of(Elastic(110e9, NU), STEEL))
     np.testing.assert_allclose(every(contact_of(layers, STEEL)), closed, rtol=1e-5)
-    slope = jax.grad(lambda contact: jnp.log(contact.steady(F_X).wear_volume))
-    material = slope(contact_of(layers, STEEL)).material
-    alone = slope(contact_of(Elastic(110e9, NU), STEEL)).material
+    material, alone = (slopes_of(contact_of(body, STEEL), F_X)[0].material for body in (layers, Elastic(110e9, NU)))
     np.testing.assert_allclose(material.thickness * 1e-5, 0.0, atol=1e-9)
     assert material.thickness.shape == layers.thickness.shape
     np.testing.assert_allclose(np.sum(material.modulus), alone.E, rtol=1e-4)
