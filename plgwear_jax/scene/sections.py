@@ -336,7 +336,7 @@ class LoadSection(SimpleNamespace):
             row = self.rows.row[self.forces.argmax()]
             deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
             return f"history {one_line(self.history)}: {number}; {deciding}"
-        told = f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on"
+        told = f"the contact slips as a whole, from {written(float(self.moved.gross_slip), 'm')} on"
         if not self.in_gross_slip.any():
             told = f"a force amplitude of {self.largest:.4g} N before wear"
         return f"displacement {self.displacement:g} m{'' if self.rig_stiffness is None else ' of the rig'}: {told}"

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.steady.batch import as_numbers, each_state
 from plgwear_jax.stresses.field import Half, Pressed, Stress, field
-from plgwear_jax.stresses.peaks import Peak, Wanted, in_si, peak_at, search
+from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
 
@@ -54,7 +54,7 @@ def _searched(kind: Half, steady: Any, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
     def one(pressed: Pressed, *wanted: Array) -> tuple[Peak, Peak]:
-        found = search(pressed, kind, Wanted(*wanted))
+        found = highest(pressed, kind, Wanted(*wanted))
         return in_si(pressed, kind, Wanted(*wanted), found), found
 
     return each_state(one, steady._pressed, wanted)

@@ -45,7 +45,7 @@ class Wanted(NamedTuple):
         return jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
 
 
-def search(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
+def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
     ends = wanted.ends(pressed, kind)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))

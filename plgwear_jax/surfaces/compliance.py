@@ -32,7 +32,7 @@ def _front(s: Array) -> Array:
     return jnp.exp2(-s) / gamma(1.0 + s)
 
 
-def _sides(k: Array) -> tuple[Array, Array]:
+def _of_sign(k: Array) -> tuple[Array, Array]:
     """(max(k, 0), |k|), at k = 0 with the slopes of k > 0: all that depends on the side of k has to be of one side."""
     above = k >= 0.0
     return jnp.where(above, k, 0.0), jnp.where(above, k, -k)
@@ -90,7 +90,7 @@ class PowerLaw(NamedTuple):
     @property
     def abel(self) -> Array:
         """The exponent of Abel's integral: that of the term which leads at large q."""
-        return 0.5 * (1.0 + _sides(self.k)[0])
+        return 0.5 * (1.0 + _of_sign(self.k)[0])
 
     @property
     def lead(self) -> tuple[Array, Array]:
@@ -98,7 +98,7 @@ class PowerLaw(NamedTuple):
         power, homogeneous = self.log_g, jnp.log(self.homogeneous)
         both = jnp.logaddexp(power, homogeneous)
         log_g = jnp.where(self.k > 0.0, power, jnp.where(self.k < 0.0, homogeneous, both))
-        return _sides(self.k)[0], log_g
+        return _of_sign(self.k)[0], log_g
 
     @property
     def terms(self) -> tuple[Array, Array]:
@@ -121,7 +121,7 @@ class PowerLaw(NamedTuple):
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
-        found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * _sides(self.k)[1]
+        found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * _of_sign(self.k)[1]
         outside = jnp.asarray(bent(4 * effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
@@ -140,7 +140,7 @@ class PowerLaw(NamedTuple):
         """
         step, reach = float(log_y[1] - log_y[0]), 40
         log_q = -log_y[-1] + step * np.arange(-2 * reach, log_y.size + 2 * reach)  # of q c/2
-        inner, size = log_q[reach:-reach], _sides(self.k)[1]
+        inner, size = log_q[reach:-reach], _of_sign(self.k)[1]
         other = jnp.log(self.homogeneous) - self.log_g
         ratio = jnp.where(self.k >= 0.0, other, -other) - size * (jnp.asarray(log_q, c.dtype) + jnp.log(2.0 / c))
         means = step / (2.0 * math.pi) / np.cosh(inner[:, None] - log_q)
@@ -166,7 +166,7 @@ class _Inside(NamedTuple):
 @by_numbers
 def _inside(effort: Effort, numbers: Array) -> _Inside:
     k, s = numbers
-    (positive, size), above = _sides(k), k >= 0.0
+    (positive, size), above = _of_sign(k), k >= 0.0
     a, lag = 0.5 * (1.0 + positive), 0.5 * size
     other = jnp.where(above, 0.5, 0.5 * (1.0 + k))  # of the other term, not that which leads
     rise = 1.0 + s - other

@@ -273,7 +273,7 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     assert len(Path("course.csv").read_text().splitlines()) > 50
     assert image.imread("course.png")[..., :3].std() > 0.1
     printed = plgwear().stdout
-    assert f"the contact slips as a whole, from {float(its.steady(0.0).gross_slip_displacement):.4g} m on" in printed
+    assert f"the contact slips as a whole, from {1e9 * float(its.steady(0.0).gross_slip_displacement):.4g} nm on" in printed
     assert "gross slip at a constant displacement amplitude: " in printed and "steady" not in printed
     assert "; the wear goes on\n" in printed
     write(SLIDING.replace(", cycles = 5e5", ""))
