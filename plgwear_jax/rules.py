@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
-from plgwear_jax._core.words import near_or_all
+from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 
 __all__ = [
@@ -163,7 +163,7 @@ def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind |
         name = "edge_pressure"
     if name not in laws:
         whose = f"a {kind} contact" if kind else "any contact"
-        return Complaint(key, f"{name} is no quantity of {whose}{near_or_all(name, laws)}")
+        return Complaint(key, f"{one_line(name)} is no quantity of {whose}{near_or_all(name, laws)}")
     needed = [place for place in laws[name].arguments if place in PLACES]
     for place in needed:
         if place not in places:

@@ -159,7 +159,7 @@ class Report:
         self._found |= facts
         for name, value in facts.items():
             for one, x in (value if isinstance(value, dict) else {name: value}).items():
-                unit = None if isinstance(x, dict) or x is None else unit_of(one)
+                unit = None if isinstance(x, dict | str) or x is None else unit_of(one)
                 self._units |= {} if unit is None else {one: unit}
         self._units |= units or {}
 

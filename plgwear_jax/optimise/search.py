@@ -714,6 +714,7 @@ class _Scan(NamedTuple):
 
     values: Any  # of the objective
     excess: Any  # sum of the limits that are broken, each over its scale
+    worst: Any  # the limit that is broken most, or kept least, over its scale
     known: Any
     lowest: Any
     scale: Any  # of the objective and of the limits, (1 + m,)
@@ -736,7 +737,8 @@ def _overview(plan: SearchPlan, scanned: Any) -> _Scan:
     least = np.where(np.arange(1 + plan.limits) == 0, 0.0, plan.eps**0.375)
     scale = xp.where(xp.isfinite(change) & (change > least), change, 1.0).astype(plan.dtype)
     excess = xp.maximum(values[:, 1:] / scale[1:], 0.0).sum(1)
-    return _Scan(values[:, 0], excess, known, lowest[0].astype(plan.dtype), scale)
+    worst = (values[:, 1:] / scale[1:]).max(1, initial=-np.inf)
+    return _Scan(values[:, 0], excess, worst, known, lowest[0].astype(plan.dtype), scale)
 
 
 def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
@@ -755,6 +757,8 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     valleys, count = _lowest_of(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
     axis = xp.asarray(plan.axis_points())
     start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
+    if plan.limits and plan.variables == 1:
+        start = _on_limit(seen, axis, valleys, keeps)[:, None]
     descent = at_start(plan, start, np.arange(plan.starts) >= count)
     return state._replace(
         phase=xp.full_like(state.phase, DESCENT),
@@ -763,6 +767,22 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
         valleys=count.astype(state.valleys.dtype),
         descent=descent,
     )
+
+
+def _on_limit(seen: _Scan, axis: Any, valleys: Any, keeps: Any) -> Any:
+    """Where descents along one variable begin: in valleys, or where a limit is reached towards a lower neighbour.
+
+    From a valley that keeps the limits a step would go over a hill that is narrower than the scan.
+    """
+    xp = namespace(axis)
+    start = axis[valleys]
+    for step in (-1, 1):
+        other = xp.clip(valleys + step, 0, axis.size - 1)
+        lower = keeps[valleys] & ~keeps[other] & seen.known[other] & (seen.values[other] < seen.values[valleys])
+        slack = xp.where(lower, seen.worst[other] - seen.worst[valleys], 1.0)
+        share = xp.where(lower, -seen.worst[valleys] / xp.where(slack > 0.0, slack, 1.0), 0.0)
+        start = start + xp.clip(share, 0.0, 1.0) * (axis[other] - axis[valleys])
+    return start
 
 
 def _valleys(scanned: Any) -> Any:

@@ -438,7 +438,7 @@ def test_more_digits_than_there_are_are_refused(kind):
     for digits, call, told in (
         (int(steady.split()[-1]) + 1, lambda n: contact.steady(F_X, digits=n), steady),
         (6, lambda n: contact.over_cycles(F_X, COEFFICIENT, digits=n).volume(1e4), over_cycles),
-        (3, lambda n: contact.over_cycles(Displacement(1e-7), COEFFICIENT, digits=n), "1 <= digits <= 2 of a marched"),
+        (3, lambda n: contact.over_cycles(Displacement(1e-7), COEFFICIENT, digits=n), "1 <= digits <= 2 for this test"),
     ):
         with pytest.raises(ValueError, match=f"digits = {digits} is outside the allowed range {told}"):
             call(digits)
