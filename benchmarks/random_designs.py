@@ -170,7 +170,8 @@ def design(problem: Problem) -> Any:
     """The library's design."""
     given = problem.contact
     material = PowerLawGraded(given.E0, given.z0, given.k, given.nu)
-    asked: dict[str, Any] = {"minimise": problem.objective, "hold": problem.hold, "vary": problem.vary}
+    hold = "contact_radius" if problem.hold else None
+    asked: dict[str, Any] = {"minimise": problem.objective, "hold": hold, "vary": problem.vary}
     asked["limits"] = _limits(problem.limits)
     if given.depth is not None:
         return optimise.design(GrossSlipContact(material, given.radius, given.depth), None, **asked)

@@ -857,9 +857,7 @@ def test_the_command_design_takes_gross_slip(monkeypatch):
     Path("sliding.toml").write_text(SLIDING)
     result = plgwear("design", "sliding.toml")
     assert result.exit_code == 0, result.output
-    assert (
-        "the contact slips as a whole, from 445.2 nm on; every coating is given this displacement" in result.stdout
-    )
+    assert "the contact slips as a whole, from 445.2 nm on; every coating is given this displacement" in result.stdout
     assert "wear volume after 400,000 cycles" in result.stdout and "stick radius" not in result.stdout
     assert "stress at the edge" not in result.stdout  # in gross slip there is none
     assert "0.15 % more wear volume after 400,000 cycles than the best one" in result.stdout

@@ -123,7 +123,7 @@ def test_the_command_line_trades_any_two_quantities(tmp_path, monkeypatch):
         ({"x": {"wear_depth": {"r": -1.0}}}, "x: r = -1.0 is outside"),
         ({"x": {"wear_depth": {"r": 1e-5}}, "distance": 1e-6}, "distance: is the place of an x given by its name"),
         ({"x": "penetration", "larger": "z"}, 'larger = "z": must be one of'),
-        ({"x": "penetration", "limits": {"penetration": {"below": 1e-6}}}, "the front itself sets the indentation depth"),
+        ({"x": "penetration", "limits": {"penetration": {"below": 1e-6}}}, "the front itself sets the indentation"),
         ({"x": "contact_radius", "hold": "contact_radius"}, "contact_radius: cannot be limited while hold"),
         ({"x": "penetration", "y": "wear"}, "minimise: wear is no quantity"),
         ({"x": "penetration", "points": 1}, "points = 1: at least 2"),

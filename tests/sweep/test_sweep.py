@@ -129,7 +129,8 @@ def test_the_optimal_exponent_with_its_certificate(tmp_path):
     np.testing.assert_allclose(ds.optimal_exponent_k, best.k, rtol=1e-12)
     np.testing.assert_allclose(ds.optimal_exponent_wear_volume, best.wear_volume, rtol=1e-12)
     np.testing.assert_array_equal(ds.optimal_exponent_at_bound, best.at_bound)
-    assert ds.optimal_exponent_proven.dtype == bool and ds.optimal_exponent_proven.all()
+    found = ds.optimal_exponent_scan_found_nothing_better
+    assert found.dtype == bool and found.all()
     survives_netcdf(ds, tmp_path)
 
 
