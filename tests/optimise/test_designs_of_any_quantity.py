@@ -17,7 +17,9 @@ from plgwear_jax.optimise.question import question_of, with_variables
 
 STEEL = Elastic(210e9, 0.3)
 PLACES = {"distance": 2e-6, "r": 6.6e-5, "x": -5e-5, "z": 1e-5, "least": 1e-6, "most": 1e-5}  # within the worn ring
-POSITIVE = [name for name in FRETTING | TANGENTIAL if name not in ("initial_displacement", "steady_displacement")]
+POSITIVE = [
+    name for name in FRETTING | TANGENTIAL if name not in ("initial_displacement", "steady_displacement", "tension")
+]
 
 
 def places_of(name):
