@@ -747,10 +747,9 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     grid = plan.variables * (plan.samples,)
     height = (seen.values - seen.lowest) / seen.scale[0]
     merit = xp.where(seen.known, height + 10.0 * seen.excess, np.inf)
-    valley = _valleys(merit.reshape(grid))
+    keeps, valley = seen.known & (seen.excess <= 0.0), _valleys(merit.reshape(grid))
     if plan.limits:
         # First the valleys among points that keep the limits, then those where they are broken least.
-        keeps = seen.known & (seen.excess <= 0.0)
         valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
         valley = valley | _valleys(xp.where(seen.known, seen.excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
         merit = xp.where(keeps, height, 2.0 + merit)

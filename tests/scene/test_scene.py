@@ -429,8 +429,8 @@ def test_a_table_is_solved_for_its_mean(file):
             assert not quantity.description.startswith("mean")
         elif quantity.radii is None:
             expected = np.dot([0.25, 0.125, 0.625], each)
-            # Which of two places next to a peak is higher, roundings decide.
-            np.testing.assert_allclose(quantity.value, expected, rtol=1e-6 if name in catalogue.STRESSES else 1e-14)
+            # Peaks are those of a fine grid: which of its places is the highest, roundings may decide.
+            np.testing.assert_allclose(quantity.value, expected, rtol=1e-5 if name in catalogue.STRESSES else 1e-14)
             assert quantity.description.startswith("mean over loads.csv: ")
         else:  # before any wear, as far as the worn ring reaches at worst
             np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.steady(0.4).worn_radius, rtol=1e-14)
