@@ -779,8 +779,8 @@ def _on_limit(seen: _Scan, axis: Any, valleys: Any, keeps: Any) -> Any:
         other = xp.clip(valleys + step, 0, axis.size - 1)
         lower = keeps[valleys] & ~keeps[other] & seen.known[other] & (seen.values[other] < seen.values[valleys])
         slack = xp.where(lower, seen.worst[other] - seen.worst[valleys], 1.0)
-        share = xp.where(lower, -seen.worst[valleys] / xp.where(slack > 0.0, slack, 1.0), 0.0)
-        start = start + xp.clip(share, 0.0, 1.0) * (axis[other] - axis[valleys])
+        share = xp.where(lower, -seen.worst[valleys] / slack, 0.0)  # where a straight line reaches the limit
+        start = start + share * (axis[other] - axis[valleys])
     return start
 
 
