@@ -257,7 +257,7 @@ def test_blocks_and_fits_of_both_engines_agree(load):
     [
         pytest.param("closed forms", "force", marks=compiled),
         pytest.param("closed forms", "rig", marks=compiled),
-        pytest.param("layers under steel", "force", marks=compiled),
+        ("layers under steel", "force"),
         pytest.param("a shape", "force", marks=compiled),
         pytest.param("two homogeneous bodies", "displacement", marks=long),
         pytest.param("a power law under steel", "displacement", marks=long),
