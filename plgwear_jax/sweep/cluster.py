@@ -94,6 +94,6 @@ def _compute_and_write(numbers: Sequence[int], plan: SweepPlan, path: str, versi
         with _compiling:  # the threads of a worker share the plan, and so its program
             engine = plan.engine
         for batch in engine.batches(missing):
-            for number, variables in zip(batch, engine.finish(batch, engine.start(batch)), strict=True):
+            for number, variables in engine.finish(batch, engine.start(batch)):
                 write_chunk(arrays, plan, number, variables)
     return plan.size(numbers)

@@ -64,23 +64,21 @@ class AxisNames:
         allowed: All names; elements of an array are one.
     """
 
-    def __init__(self, contact: Any, load: Load | None = None) -> None:
+    def __init__(self, contact: Any, load: Any = None) -> None:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
-        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
+        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
         self.own, self._load = dict[str, Any](), load
         for path, value in leaves.items():
-            points = [f"{path}[{place}]" for place in range(np.shape(value)[-1])] if np.ndim(value) else [path]
             name = path.removeprefix("material.")
-            if path not in AXES:
-                self.paths = {one.removeprefix("material."): one for one in points} | self.paths
-            self.paths |= {one: one for one in points}
-            self.own[name if name in AXES and name not in leaves and path not in AXES else path] = value
-        self.of_load = {} if load is None else paths_of(load)
-        if load is not None and load.lasts:
-            self.of_load = {name.removesuffix("_amplitude"): value for name, value in self.of_load.items()}
-        else:
-            self.of_load = {f"load{path.removeprefix('of')}": value for path, value in self.of_load.items()}
+            name = path if path in AXES or name in leaves else name
+            for place in [f"[{i}]" for i in range(np.shape(value)[-1])] if np.ndim(value) else [""]:
+                self.paths |= {name + place: path + place, path + place: path + place}
+            self.own[name if name in AXES else path] = value
+        self.of_load = {
+            path.removesuffix("_amplitude") if load.lasts else f"load{path.removeprefix('of')}": value
+            for path, value in paths_of(load).items()
+        }
         self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
         self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
         if isinstance(contact, FrettingContact):
@@ -167,12 +165,8 @@ class SweepQuantity:
     equation: str
 
 
-def is_search(name: str) -> bool:
-    """Whether the quantity needs a search or a march over cycles, which take a thousand times as long as a formula."""
-    return name.split(".")[0] in _SEARCHES
-
-
-_SEARCHES = ("optimal_exponent", "design", "transient")
+# A search or a march over cycles takes a thousand times as long as a formula.
+SEARCHES = {"optimal_exponent", "design", "transient"}
 
 
 def digits_of(name: str, subject: SweepTarget) -> str | None:

@@ -12,10 +12,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import dask.array
 import jax
 import jax.experimental
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
@@ -24,11 +26,11 @@ from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
+    SEARCHES,
     SweepQuantity,
     SweepTarget,
     axis_unit,
     digits_of,
-    is_search,
     label_of,
     resolve,
     variable_name,
@@ -38,25 +40,6 @@ LOAD = "load_case"
 
 # To be raised when the same sweep gets other results, beyond rounding. A store of other formulas is not continued.
 FORMULAS = 1
-
-
-@dataclasses.dataclass(frozen=True)
-class Variable:
-    """A quantity as an array.
-
-    Attributes:
-        name: Of the array, which can be an attribute in Python: `wear_volume_dk`.
-        quantity: As it was asked for: "wear_volume.dk".
-        dims: The axes that it depends on, in the order of the sweep.
-        dtype: Of its values.
-        attributes: Unit, meaning, equation and digits, as text.
-    """
-
-    name: str
-    quantity: str
-    dims: tuple[str, ...]
-    dtype: np.dtype
-    attributes: dict[str, str]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -118,8 +101,6 @@ class SweepPlan:
 
     def size(self, numbers: Sequence[int]) -> int:
         """The number of points in the chunks with these numbers."""
-        if len(numbers) == self.chunks:
-            return self.points
         places = (self.place(number).values() for number in numbers)
         return sum(math.prod(part.stop - part.start for part in place) for place in places)
 
@@ -129,16 +110,19 @@ class SweepPlan:
         return tuple(resolve(name, self.subject) for name in self.names)
 
     @functools.cached_property
-    def variables(self) -> tuple[Variable, ...]:
-        """The quantities as arrays, each along the axes that it depends on."""
+    def variables(self) -> dict[str, xr.Variable]:
+        """The quantities as arrays without values, each along the axes that it depends on, in the order of the sweep.
+
+        Their names can be attributes in Python: `wear_volume_dk`. They have unit, meaning, equation and digits as text.
+        """
         rows = [jax.ShapeDtypeStruct((2,), self.row_dtype(name)) for name in self.axes]
-        shapes = jax.eval_shape(self._evaluate, *rows)
-        found = []
-        for asked, array in zip(self.asked, shapes, strict=True):
-            dims = tuple(name for name, length in zip(self.axes, array.shape, strict=True) if length == 2)
-            dtype = np.dtype(array.dtype)
-            found.append(Variable(variable_name(asked.name), asked.name, dims, dtype, self._attributes(asked)))
-        return tuple(found)
+        found = {}
+        for asked, array in zip(self.asked, jax.eval_shape(self._evaluate, *rows), strict=True):
+            along = [place for place, length in enumerate(array.shape) if length == 2]
+            dims, shape, chunks = ([each[place] for place in along] for each in ([*self.axes], self.shape, self.chunk))
+            empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
+            found[variable_name(asked.name)] = xr.Variable(dims, empty, self._attributes(asked))
+        return found
 
     def row_dtype(self, name: str) -> np.dtype:
         """The dtype in which the values of an axis enter the program."""
@@ -175,9 +159,8 @@ class SweepPlan:
     def program(self, *rows: Array) -> dict[str, Array]:
         """The variables of one chunk by name."""
         found = {}
-        for variable, x in zip(self.variables, self._evaluate(*rows), strict=True):
-            others = [place for place, name in enumerate(self.axes) if name not in variable.dims]
-            found[variable.name] = jax.lax.squeeze(x, others)
+        for (name, variable), x in zip(self.variables.items(), self._evaluate(*rows), strict=True):
+            found[name] = jax.lax.squeeze(x, [place for place, one in enumerate(self.axes) if one not in variable.dims])
         return found
 
     def coordinate_attributes(self, name: str) -> dict[str, str]:
@@ -254,11 +237,10 @@ def _as_json(value: Any) -> Any:
 
 def default_chunk(names: Sequence[str], amplitudes: int, slow: bool = False) -> int:
     """The points of a chunk: some megabytes of results, or about a second of searching or of slow contacts."""
+    heads = {name.split(".")[0] for name in names}
     if slow:
-        points = 2**2 if any(name.startswith("design") for name in names) else 2**8
-        return max(points // max(amplitudes, 1), 1)
-    points = 2**14 if any(map(is_search, names)) else 2**20
-    return max(points // max(amplitudes, 1), 2**10)
+        return max((2**2 if "design" in heads else 2**8) // amplitudes, 1)
+    return max((2**14 if heads & SEARCHES else 2**20) // amplitudes, 2**10)
 
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
@@ -326,12 +308,9 @@ class Engine:
         with in_precision(plan.dtype):
             return self._compiled(*jax.device_put(rows, self._sharding))
 
-    def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> list[dict[str, np.ndarray]]:
-        """The variables of each of the chunks that were started, without the padding."""
-        whole = [(variable, np.asarray(started[variable.name])) for variable in self.plan.variables]
-        found = list[dict[str, np.ndarray]]()
+    def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+        """The numbers of the chunks that were started, each with its variables, without the padding."""
         for device, number in enumerate(numbers):
-            place = self.plan.place(number)
-            kept = {name: slice(part.stop - part.start) for name, part in place.items()}
-            found.append({one.name: x[(device, *(kept[dim] for dim in one.dims))] for one, x in whole})
-        return found
+            kept = {name: slice(part.stop - part.start) for name, part in self.plan.place(number).items()}
+            places = {name: (device, *map(kept.get, one.dims)) for name, one in self.plan.variables.items()}
+            yield number, {name: np.asarray(started[name])[place] for name, place in places.items()}

@@ -1,14 +1,14 @@
 """A sweep in a Zarr store: created as a whole, continued after a stop, refused if it holds another sweep."""
 
+import contextlib
 import json
 import os
 import shutil
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Self
 
-import dask.array
 import numpy as np
 import xarray as xr
 import zarr
@@ -20,7 +20,7 @@ from zarr.storage import LocalStore
 from plgwear_jax._core.words import cut, one_line, shown
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import variable_name
-from plgwear_jax.sweep.plan import LOAD, SweepPlan, Variable
+from plgwear_jax.sweep.plan import LOAD, SweepPlan
 
 _MANIFEST = "plgwear_sweep"
 UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"
@@ -56,38 +56,36 @@ class SweepStore:
         self.path = Path(os.path.abspath(path))
         self._name = one_line(os.fspath(path))
         self._plan = plan
-        self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
         if self.path.suffix != ".zarr":
             raise SweepError(f"{self._name}: must end in .zarr")
 
     def __enter__(self) -> Self:
         if not self.path.parent.is_dir():
             raise SweepError(f"{self._name}: cannot be written: there is no folder to put it in")
+        lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
         try:
-            self._lock.acquire(timeout=0)
+            with contextlib.ExitStack() as held:
+                lock.acquire(timeout=0)
+                held.callback(lock.release)
+                held.callback(
+                    Path(lock.lock_file).unlink, missing_ok=True
+                )  # before the release: nobody else has it
+                self._remove_litter()
+                if os.path.lexists(self.path):
+                    _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)
+                else:
+                    self._create()
+                with _damaged(self._name):
+                    self._arrays = arrays_of(self.path, self._plan)
+                self._held = held.pop_all()
         except Timeout:
             raise SweepError(f"{self._name}: another process is sweeping into it") from None
         except OSError as error:
             raise self._unwritable(error) from None
-        try:
-            self._remove_litter()
-            if os.path.lexists(self.path):
-                _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)
-            else:
-                self._create()
-            try:
-                self._arrays = arrays_of(self.path, self._plan)
-            except (KeyError, ValueError, TypeError) as error:
-                raise _damaged(self._name, error) from None
-        except BaseException as error:
-            self._release()
-            if isinstance(error, OSError):
-                raise self._unwritable(error) from None
-            raise
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._release()
+        self._held.close()
 
     def missing(self) -> list[int]:
         """The numbers of the chunks that are not there yet."""
@@ -127,20 +125,15 @@ class SweepStore:
     def _create(self) -> None:
         """Create everything but the chunks, under another name until it is complete."""
         part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
-        plan = self._plan
-        lengths = dict(zip(plan.axes, plan.shape, strict=True))
-        sizes = dict(zip(plan.axes, plan.chunk, strict=True))
-        found, encoding = labelled(plan).assign_attrs(status=UNFINISHED), {}
-        for variable in plan.variables:
-            shape, chunks = ([some[dim] for dim in variable.dims] for some in (lengths, sizes))
-            empty = dask.array.empty(shape, dtype=variable.dtype, chunks=chunks)
-            found[variable.name] = (variable.dims, empty, variable.attributes)
-            encoding[variable.name] = {
-                "chunks": tuple(chunks),
+        found = labelled(self._plan).assign_attrs(status=UNFINISHED).assign(self._plan.variables)
+        encoding = {
+            name: {
                 "compressors": [BloscCodec(cname="lz4", clevel=1, shuffle="bitshuffle")],
                 # chunks that are missing read as NaN
                 "fill_value": np.nan if variable.dtype.kind == "f" else 0,
             }
+            for name, variable in self._plan.variables.items()
+        }
         try:
             found.to_zarr(part, mode="w", compute=False, consolidated=False, zarr_format=3, encoding=encoding)
             _consolidate(part)
@@ -154,10 +147,6 @@ class SweepStore:
             shutil.rmtree(part, ignore_errors=True)
         remove_partial(self.path)
 
-    def _release(self) -> None:
-        Path(self._lock.lock_file).unlink(missing_ok=True)  # before the release: nobody else holds the lock yet
-        self._lock.release()
-
     def _unwritable(self, error: OSError) -> SweepError:
         return SweepError(f"{self._name}: cannot be written: {error.strerror or error}")
 
@@ -169,16 +158,11 @@ def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
         SweepError: There is no sweep.
     """
     names = _manifest_at(Path(path), one_line(os.fspath(path)))["quantities"]
-    missing = files = 0
-    try:
+    with _damaged(one_line(os.fspath(path)), OSError):
         group = zarr.open_group(path, mode="r", use_consolidated=False)
-        for name in names:
-            array = _array(group, name)
-            files += array.nchunks
-            missing += sum(not _is_there(array, index) for index in np.ndindex(*array.cdata_shape))
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise _damaged(one_line(os.fspath(path)), error) from None
-    return names, missing, files
+        arrays = [_array(group, variable_name(name)) for name in names]
+        there = [_is_there(array, index) for array in arrays for index in np.ndindex(*array.cdata_shape)]
+    return names, there.count(False), len(there)
 
 
 def arrays_of(path: Path, plan: SweepPlan) -> dict[str, zarr.Array]:
@@ -186,45 +170,40 @@ def arrays_of(path: Path, plan: SweepPlan) -> dict[str, zarr.Array]:
     # A chunk of NaN only can be a finished one, so its file has to be written too.
     with zarr.config.set({"array.write_empty_chunks": True}):
         group = zarr.open_group(path, mode="r+", use_consolidated=False)
-        return {variable.name: _array(group, variable.quantity) for variable in plan.variables}
+        return {name: _array(group, name) for name in plan.variables}
 
 
 def holds(arrays: Mapping[str, zarr.Array], plan: SweepPlan, number: int) -> bool:
     """Whether all files of a chunk exist."""
     index = plan.index(number)
-    return all(
-        _is_there(arrays[variable.name], tuple(index[dim] for dim in variable.dims))
-        for variable in plan.variables
-        if _writes(variable, index)
-    )
+    written = _written(plan, index)
+    return all(_is_there(arrays[name], tuple(index[dim] for dim in dims)) for name, dims in written)
 
 
 def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
     """Write a chunk into arrays, of a store or in memory."""
-    index, place = plan.index(number), plan.place(number)
-    for variable in plan.variables:
-        if _writes(variable, index):
-            arrays[variable.name][tuple(place[dim] for dim in variable.dims)] = variables[variable.name]
+    place = plan.place(number)
+    for name, dims in _written(plan, plan.index(number)):
+        arrays[name][tuple(place[dim] for dim in dims)] = variables[name]
 
 
 def remove_partial(path: Path) -> None:
     """Remove unfinished files of writers that were killed."""
-    for folder, _, files in os.walk(path):
-        for file in files:
-            if file.endswith(".partial"):
-                Path(folder, file).unlink(missing_ok=True)
+    for file in path.rglob("*.partial"):
+        file.unlink(missing_ok=True)
 
 
-def _writes(variable: Variable, index: Mapping[str, int]) -> bool:
-    """Whether the chunk at an index writes a variable: of chunks that differ only along other axes, the first does."""
-    return all(place == 0 for name, place in index.items() if name not in variable.dims)
+def _written(plan: SweepPlan, index: Mapping[str, int]) -> list[tuple[str, Any]]:
+    """The variables that the chunk at an index writes: of chunks that differ only along other axes, the first does."""
+    away = {name for name, place in index.items() if place}
+    return [(name, one.dims) for name, one in plan.variables.items() if away.issubset(one.dims)]
 
 
-def _array(group: zarr.Group, quantity: str) -> zarr.Array:
+def _array(group: zarr.Group, name: str) -> zarr.Array:
     """The array of a quantity."""
-    array = group[variable_name(quantity)]
+    array = group[name]
     if not isinstance(array, zarr.Array):
-        raise TypeError(f"{quantity} is no array")
+        raise TypeError(f"{name} is no array")
     return array
 
 
@@ -261,8 +240,13 @@ def _manifest_at(path: Path, name: str) -> dict[str, Any]:
     return manifest
 
 
-def _damaged(name: str, error: Exception) -> SweepError:
-    return SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}")
+@contextlib.contextmanager
+def _damaged(name: str, *errors: type[Exception]) -> Iterator[None]:
+    """Say that a store is damaged where its arrays cannot be found."""
+    try:
+        yield
+    except (KeyError, ValueError, TypeError, *errors) as error:
+        raise SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}") from None
 
 
 def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:

@@ -176,7 +176,7 @@ def _run(
     for some in [*engine.batches(numbers), ()]:
         started = engine.start(some) if some else {}
         if before is not None:
-            for number, variables in zip(before[0], engine.finish(*before), strict=True):
+            for number, variables in engine.finish(*before):
                 keep(number, variables)
             done += plan.size(before[0])
             report(done, plan.points)
@@ -184,15 +184,13 @@ def _run(
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
-    lengths = dict(zip(plan.axes, plan.shape, strict=True))
-    shapes = {variable.name: [lengths[dim] for dim in variable.dims] for variable in plan.variables}
     try:
-        arrays = {variable.name: np.empty(shapes[variable.name], variable.dtype) for variable in plan.variables}
+        arrays = {name: np.empty(variable.shape, variable.dtype) for name, variable in plan.variables.items()}
     except (MemoryError, ValueError):
-        size = sum(np.prod(shapes[one.name], dtype=float) * one.dtype.itemsize for one in plan.variables)
+        size = sum(variable.nbytes for variable in plan.variables.values())
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
     _run(plan, range(plan.chunks), functools.partial(write_chunk, arrays, plan), progress)
-    return labelled(plan).assign({one.name: (one.dims, arrays[one.name], one.attributes) for one in plan.variables})
+    return labelled(plan).assign({name: one.copy(data=arrays[name]) for name, one in plan.variables.items()})
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------
@@ -261,9 +259,8 @@ def _plan(
         raise
     except (ValueError, TypeError) as error:
         raise SweepError(str(error)) from None
-    used = {dim for variable in plan.variables for dim in variable.dims}
     for name in rows:
-        if name not in used:
+        if not any(name in variable.dims for variable in plan.variables.values()):
             raise AxisError(f"{name}: none of {', '.join(names)} depends on it")
     return plan
 
