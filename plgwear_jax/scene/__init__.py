@@ -19,7 +19,7 @@ from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.catalogue import STRESSES, laws_of
 from plgwear_jax.rules import BY_THEN, PLACES, WITHIN, Complaint, placed_quantity
 from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
-from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
+from plgwear_jax.scene.complaints import NAMES, OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
@@ -325,11 +325,11 @@ class Scene:
         points = 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
-        within: dict[str, Any] = {place: getattr(self.output, place, None) for place in WITHIN}
+        places: dict[str, Any] = {place: getattr(self.output, place, None) for place in WITHIN} | {"distance": distance}
         load = self.load
         weights, table = (None, None) if load is None else (load.weights, load.table)
-        for name in names if table is not None else ():
-            if {"r", "F_x"} <= {*laws[name].arguments}:
+        for name in names:
+            if table is not None and {"r", "F_x"} <= {*laws[name].arguments}:
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         import numpy as np
@@ -344,13 +344,13 @@ class Scene:
         parts: dict[tuple[str, ...], Any] = {names: None}
         if load is not None:
             parts = {names: load.force} if load.slides is None else self._sliding(load, names)
-        names, life = tuple(name for name in names if any(name in part for part in parts)), None
+        names = tuple(name for name in names if any(name in part for part in parts))
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
-            life = self.wear.cycles, self.archard
+            places |= {"cycles": self.wear.cycles, "wear_coefficient": self.archard}
         values: dict[str, Any] = {}
         for part, force in parts.items():
             acting = None if load is None else Force(force, load.rig_stiffness)
-            values |= solving.scene_values(part, points, digits, contact, acting, weights, distance, life, within)
+            values |= solving.scene_values(part, points, digits, contact, acting, weights, places)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
@@ -373,11 +373,11 @@ class Scene:
                 found[name] = Quantity(value, law.unit, law.description, values["radii"], *beside)
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
-                place = distance if "distance" in law.arguments else None
-                places = {axis: within[axis] for axis in law.arguments if axis in within}
-                places |= dict(zip("xz", values.get(f"{name} at", ()), strict=False))
-                at = "".join(f", {axis} = {written(float(z), 'm')}{_side(axis, z)}" for axis, z in places.items())
-                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{at}", edge_distance=place)
+                inside = distance if "distance" in law.arguments else None
+                at = {axis: places[axis] for axis in law.arguments if axis in WITHIN}
+                at |= dict(zip("xz", values.get(f"{name} at", ()), strict=False))
+                told = "".join(f", {axis} = {written(float(z), 'm')}{_side(axis, z)}" for axis, z in at.items())
+                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{told}", edge_distance=inside)
         return found
 
     def _sliding(self, load: LoadSection, names: tuple[str, ...]) -> dict[tuple[str, ...], float]:
@@ -447,5 +447,4 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     reading.read("design", DesignSpace.of)
     reading.read("output", output_of)
     reading.end()
-    sections = "material", "contact", "load", "wear", "design", "output"
-    return Scene(*(getattr(reading, section) for section in sections))
+    return Scene(*(getattr(reading, section) for section in NAMES))

@@ -125,7 +125,7 @@ class DesignSpace(SimpleNamespace):
         names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
         names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
         columns = {name: domain_of(name) for name in names}
-        return from_table(lambda tables: tables.scenarios(columns), self.scenarios, reading)
+        return from_table("scenarios", self.scenarios, reading, columns)
 
     @property
     def edge_distance(self) -> float | None:

@@ -11,7 +11,7 @@ from plgwear_jax._core.words import bare, near_or_all, shown
 from plgwear_jax.scene.keys import SECTIONS, values_of
 
 _ABSENT = object()
-_NAMES = "material", "contact", "load", "wear", "design", "output"
+NAMES = "material", "contact", "load", "wear", "design", "output"
 
 
 class SceneError(ValueError):
@@ -54,7 +54,7 @@ class Reading:
         self.file, self.document, self.folder, self.wrong = file, document, folder, set[str]()
         self._lines: list[tuple[list[float], str]] = []
         for name in document:
-            if name not in _NAMES:
+            if name not in NAMES:
                 self.refuse((name,), "")
 
     def end(self) -> None:
@@ -67,10 +67,10 @@ class Reading:
         place, value = self._find(path)
         section, *keys = map(bare, path)
         given, told = shown(value), f"[{section}] {'.'.join(keys)}".rstrip()
-        if path[0] not in _NAMES and not isinstance(value, dict):
-            line = f"{section} = {given}: stands outside the sections; allowed are {', '.join(_NAMES)}"
-        elif path[0] not in _NAMES:
-            line = f"{told}: there is no such section{near_or_all(path[0], _NAMES)}"
+        if path[0] not in NAMES and not isinstance(value, dict):
+            line = f"{section} = {given}: stands outside the sections; allowed are {', '.join(NAMES)}"
+        elif path[0] not in NAMES:
+            line = f"{told}: there is no such section{near_or_all(path[0], NAMES)}"
         elif value is _ABSENT:
             line = f"{told}: missing; it {text}" if keys else f"{told}: {text}"
         elif keys:
@@ -107,7 +107,7 @@ class Reading:
             yield
         except WrongKeyError as error:
             self.refuse((section, *error.path), str(error))
-        except OtherFileError as error:
+        except ValueError as error:  # of another file
             self._keep(section, self._find((section,))[0], str(error))
 
     def _keep(self, section: str, place: list[float], line: str) -> None:

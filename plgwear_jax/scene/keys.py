@@ -125,7 +125,7 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
         elif inner or not _allows(key.schema, value):
             refuse(here, key.text)
         else:
-            found[name] = _taken(value, key.schema)
+            found[name] = _taken(value, key.schema, refuse, here)
     return found
 
 
@@ -133,21 +133,17 @@ def _section_of(schema: Mapping[str, Any]) -> str:
     return schema.get("$ref", "").rpartition("/")[2]
 
 
-def _taken(value: Any, schema: Mapping[str, Any]) -> Any:
+def _taken(value: Any, schema: Mapping[str, Any], *where: Any) -> Any:
     """An allowed value as the library takes it: tuples for lists, and of a section among others also its name."""
     for one in schema.get("anyOf", ()):
-        inner = _section_of(one)
-        if (value or not inner) and _allows(one, value):
-            return (inner, values_of(inner, value, _never)) if inner else _taken(value, one)
+        if _allows(one, value):
+            inner = _section_of(one)
+            return (inner, values_of(inner, value, *where)) if inner else _taken(value, one)
     if isinstance(value, dict):
         return {name: _taken(one, schema["additionalProperties"]) for name, one in value.items()}
     if isinstance(value, list | tuple):
         return tuple(_taken(one, schema["items"]) for one in value)
     return float(value) if schema.get("type") == "number" else value
-
-
-def _never(path: tuple[str, ...], text: str) -> None:
-    raise AssertionError(f"{'.'.join(path)}: {text}")  # in a section that its schema allows
 
 
 def _allows(schema: Mapping[str, Any], value: Any) -> bool:

@@ -2,7 +2,7 @@
 
 import importlib
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
@@ -25,14 +25,12 @@ _CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
-def from_table(form: Callable[[Any], Any], name: str, reading: Reading) -> "Table":
-    """The content of a CSV file that a scene names; `form` takes the module `tables` and gives its form."""
+def from_table(form: str, name: str, reading: Reading, *columns: Any) -> "Table":
+    """The content of a CSV file that a scene names, by the name of its form in `tables`, a function of some columns."""
     from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
 
-    try:
-        return tables.read(reading.folder / name, form(tables))
-    except tables.TableError as error:
-        raise OtherFileError(str(error)) from None
+    found = getattr(tables, form)
+    return tables.read(reading.folder / name, found(*columns) if columns else found)
 
 
 # --- what touches ---------------------------------------------------------------------------------------------------
@@ -81,8 +79,7 @@ def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     fields, file = dict(values), None
     kind = fields.pop("kind", MATERIALS.get(section, ""))
     if "table" in fields:
-        form, name = "HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table")
-        file = from_table(lambda tables: getattr(tables, form), name, reading)
+        file = from_table("HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table"), reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in ("indenter", "shape"):
         if name in fields:
@@ -167,21 +164,19 @@ class LoadSection(SimpleNamespace):
         if force is not None and not force < limit:
             text = f"this is gross slip, F_x = {force:g} N is not below mu F_N = {limit:g} N"
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
-        file = None
-        if named is not None:
-            file = from_table(lambda tables: tables.LOADS if kind == "table" else tables.HISTORY, named, reading)
+        file = None if named is None else from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
         found = cls(**values, file=file, material=reading.material, contact=contact, wear=reading.wear)
         if file is not None and not found.of_displacement:
             forces = file["tangential_force"]
             own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * forces for name in PRESSED} | found.pressed
             limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
-            try:
-                file.refuse(
-                    ~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N"
-                )
-            except ValueError as error:
-                raise OtherFileError(str(error)) from None
+            file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
         return found
+
+    @property
+    def columns(self) -> "Mapping[str, np.ndarray]":
+        """Those of the file; none without one."""
+        return {} if self.file is None else self.file.columns
 
     @cached_property
     def rows(self) -> "Table":
@@ -198,7 +193,7 @@ class LoadSection(SimpleNamespace):
     @property
     def of_displacement(self) -> bool:
         """The amplitudes are those of the displacement."""
-        return self.displacement is not None or (self.file is not None and "displacement" in self.file.columns)
+        return self.displacement is not None or "displacement" in self.columns
 
     @property
     def given(self) -> "np.ndarray":
@@ -208,20 +203,19 @@ class LoadSection(SimpleNamespace):
     @property
     def cycles(self) -> "np.ndarray | None":
         """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
-        return None if self.file is None else self.file.columns.get("cycles")
+        return self.columns.get("cycles")
 
     @property
     def pressed(self) -> "dict[str, np.ndarray]":
         """The normal forces in N and the coefficients of friction that a history has of its own, each of shape (n,)."""
-        own = {} if self.file is None else self.file.columns
-        return {name: own[name] for name in reversed(PRESSED) if name in own}
+        return {name: self.columns[name] for name in reversed(PRESSED) if name in self.columns}
 
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
         if self.file is None:
             return not (self.tangential_force or self.displacement)
-        return not (self.given * self.file.columns.get("weight", 1.0)).any()
+        return not (self.given * self.columns.get("weight", 1.0)).any()
 
     def record(self) -> Any:
         """The load of a test over cycles: an amplitude, or the blocks of a history."""
@@ -294,7 +288,7 @@ class LoadSection(SimpleNamespace):
     @property
     def amplitudes(self) -> "np.ndarray":
         """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0."""
-        weight = self.rows.columns.get("weight")
+        weight = self.columns.get("weight")
         return self.forces if weight is None else self.forces[weight > 0.0]
 
     @property
@@ -304,7 +298,7 @@ class LoadSection(SimpleNamespace):
             return None
         from plgwear_jax.optimise.scenarios import shares
 
-        weight = self.rows["weight"]
+        weight = self.columns["weight"]
         return shares(weight[weight > 0.0])
 
     @property

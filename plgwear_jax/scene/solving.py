@@ -25,9 +25,7 @@ def scene_values(
     contact: FrettingContact | GrossSlipContact,
     load: Force | None,
     weights: np.ndarray | None,
-    distance: float | None = None,
-    life: tuple[float, float] | None = None,
-    within: Mapping[str, float | None] | None = None,
+    places: Mapping[str, float | None] | None = None,
 ) -> dict[str, Array]:
     """The named quantities; weighted sums where the load has weights.
 
@@ -36,30 +34,28 @@ def scene_values(
     it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
     there, as "profile beside". Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
 
-    The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa; `within` for those at
-    places in the half-space.
+    The `places` are the distance, those in the half-space, and for quantities over cycles these and Archard's wear
+    coefficient in 1/Pa.
     """
     frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
-    given: dict[str, Any] = {"distance": distance} | dict(within or {})
-    if life is not None:
-        given["cycles"], given["wear_coefficient"] = life
+    given: dict[str, Any] = {"distance": None, **(places or {})}
 
     def value_of(name: str) -> Any:
         return read(contact, name, load, given, digits=digits, solved=solved)
 
-    found, beside, punch = dict[str, Array](), None, jnp.asarray(contact.radius)
+    found, beside, punch = dict[str, Array](), jnp.asarray(0.0), jnp.asarray(contact.radius)
     if any(laws[name].unbounded_at for name in names):
         found["edge radius"] = jnp.min(value_of("stick_radius")) if frets else punch
         relative = _RELATIVE * (value_of("contact_radius") if frets else punch)
-        found["edge distance"] = relative if distance is None else jnp.asarray(distance)
+        found["edge distance"] = relative if given["distance"] is None else jnp.asarray(given["distance"])
         beside = jnp.maximum(found["edge radius"] - found["edge distance"], 0.0)
     if any("r" in laws[name].arguments for name in names):
         widest = 1.25 * jnp.max(value_of("worn_radius")) if frets else 2.0 * punch
         found["radii"] = widest * jnp.linspace(0.0, 1.0, points)
     for name in names:
         law, given["r"] = laws[name], found.get("radii")
-        at_edge = beside is not None and law.unbounded_at and "r" in law.arguments
-        if beside is not None and at_edge:
+        at_edge = law.unbounded_at and "r" in law.arguments
+        if at_edge:
             given["r"] = jnp.append(found["radii"], beside)
         value = value_of(name)
         if at_edge:

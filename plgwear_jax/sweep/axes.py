@@ -125,11 +125,8 @@ def _values_of_file(name: str, path: str) -> np.ndarray:
     rows, lines = numbered_lines(read_text(path, "the values of an axis come from a file, one per line", AxisError))
     if not lines:
         raise AxisError(f"{one_line(path)}: holds no values of {name}; there must be at least one")
-    values = np.empty(len(lines))
-    for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
-        number = number_in(line)
-        if number is None or not leaf(name).domain.contains(number):
-            given = cut(one_line(line.strip()))
-            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {leaf(name).domain.text}")
-        values[place] = number
+    domain, values = leaf(name).domain, np.array([*map(number_in, lines)], float)  # a word is NaN, which no axis takes
+    for place in np.flatnonzero(~domain.contains(values)):
+        given = cut(one_line(lines[place].strip()))
+        raise AxisError(f"{one_line(path)}: row {rows[place]}: {name} = {given}: must be {domain.text}")
     return values

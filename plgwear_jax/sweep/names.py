@@ -60,6 +60,7 @@ class AxisNames:
         paths: The path in the contact of each of its numbers, by all names that it has.
         own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
             has them.
+        load: The load.
         of_load: The numbers of the load.
         allowed: All names; elements of an array are one.
     """
@@ -68,7 +69,7 @@ class AxisNames:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
         self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self._load = dict[str, Any](), load
+        self.own, self.load = dict[str, Any](), load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -89,11 +90,10 @@ class AxisNames:
         """The path in the load of a number of a block, also of one that it has not; None of other names."""
         path = f"of{name.removeprefix('load')}"
         try:
-            return (
-                path if name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(self._load, path)) else None
-            )
+            number = name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(self.load, path))
         except (AttributeError, LookupError, TypeError):
-            return None
+            number = False
+        return path if number else None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -107,8 +107,8 @@ class SweepTarget:
         paths: The path in the contact of each axis and each single value that is a number of it.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
-        forces: Amplitudes in N of each load, shape (loads, n), padding without weight at the end; None without loads.
-        weights: Their weights, of the same shape.
+        amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
+            end; None without loads.
         design: Further arguments of `optimise.designs`; None if no design can be asked for.
         bounds: Of `optimal_exponent`.
         digits: Correct digits wanted.
@@ -120,8 +120,7 @@ class SweepTarget:
     paths: Mapping[str, str] = dataclasses.field(default_factory=dict)
     inputs: tuple[str, ...] = ()
     holl: bool = False
-    forces: np.ndarray | None = None
-    weights: np.ndarray | None = None
+    amplitudes: tuple[np.ndarray, np.ndarray] | None = None
     design: Mapping[str, Any] | None = None
     bounds: tuple[float, float] = (-0.95, 0.95)
     digits: int | None = None
@@ -268,18 +267,18 @@ def _quantities_of(subject: SweepTarget) -> dict[str, SweepQuantity]:
 def _of_function(function: Callable[..., Array], law: Law, subject: SweepTarget) -> SweepQuantity:
     parameters = inspect.signature(function).parameters.values()
     needs = tuple(one.name for one in parameters if one.default is one.empty)
-    slopes = tuple(name for name in needs if not (name == "nu" and subject.holl))
 
     def evaluate(values: Values, _: dict[Any, Any]) -> Array:
         return function(*(values[name] for name in needs), digits=subject.digits)
 
     unit = law.scale or "1"
-    return SweepQuantity(function.__name__.lstrip("_"), needs, slopes, evaluate, unit, law.description, law.equation)
+    name, slopes = function.__name__.lstrip("_"), _differentiable(needs, subject)
+    return SweepQuantity(name, needs, slopes, evaluate, unit, law.description, law.equation)
 
 
 def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     moved = "F_x" in law.arguments
-    mean = moved and subject.forces is not None
+    mean = moved and subject.amplitudes is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
     needs = (*given, *(subject.inputs if moved else ()))
 
@@ -344,10 +343,10 @@ def contact_at(subject: SweepTarget, values: Values) -> Any:
 def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
     """The load, and the weights of its amplitudes along a last axis or None."""
     factor = jnp.asarray(values.get("factor", 1.0))
-    if subject.forces is not None and subject.weights is not None:
-        row, dtype = values["load_case"], jnp.asarray(values["normal_force"]).dtype
-        forces = factor.astype(dtype)[..., None] * jnp.asarray(subject.forces, dtype)[row]
-        return Force(forces), jnp.asarray(subject.weights, dtype)[row]
+    if subject.amplitudes is not None:
+        dtype = jnp.asarray(values["normal_force"]).dtype
+        forces, weights = (jnp.asarray(each, dtype)[values["load_case"]] for each in subject.amplitudes)
+        return Force(factor.astype(dtype)[..., None] * forces), weights
     given = {name: values[name] for name in subject.inputs}
     if subject.load is not None:
         load = subject.load

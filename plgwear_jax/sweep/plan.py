@@ -129,16 +129,14 @@ class SweepPlan:
         return np.dtype(np.int32) if name == LOAD else self.dtype
 
     def _attributes(self, asked: SweepQuantity) -> dict[str, str]:
-        digits = self.subject.digits
+        digits = self.subject.digits or digits_of(asked.name, self.subject) or f"all of {self.dtype}"
         return {
             "quantity": asked.name,
             "units": asked.unit,
             "label": label_of(asked.name),
             "long_name": asked.description,
             **({"equation": asked.equation} if asked.equation else {}),
-            "digits": str(digits)
-            if digits is not None
-            else digits_of(asked.name, self.subject) or f"all of {self.dtype}",
+            "digits": str(digits),
         }
 
     def _evaluate(self, *rows: Array) -> tuple[Array, ...]:
@@ -150,7 +148,7 @@ class SweepPlan:
         }
         for place, (name, row) in enumerate(zip(self.axes, rows, strict=True)):
             values[name] = row.reshape([-1 if place == axis else 1 for axis in range(count)])
-        if self.subject.forces is not None and LOAD not in values:
+        if self.subject.amplitudes is not None and LOAD not in values:
             values[LOAD] = jnp.zeros((), np.int32)
         shared: dict[Any, Any] = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
@@ -167,16 +165,12 @@ class SweepPlan:
         """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
         if name == LOAD:
             return {"label": "load", "long_name": "load"}
-        kind = leaf(name)
-        label = kind.label
-        if name == "radius" and hasattr(self.subject.contact, "depth"):
-            label = "radius of the punch $a$"
-        units, values = axis_unit(name, self.subject.contact), self.axes.get(name, np.zeros(1))
+        kind, of_punch = leaf(name), name == "radius" and hasattr(self.subject.contact, "depth")
         return {
-            "units": units,
-            "label": label,
+            "units": axis_unit(name, self.subject.contact),
+            "label": "radius of the punch $a$" if of_punch else kind.label,
             "long_name": kind.description,
-            "spacing": spacing_of(name, values),
+            "spacing": spacing_of(name, self.axes.get(name, np.zeros(1))),
         }
 
     @functools.cached_property
@@ -187,9 +181,7 @@ class SweepPlan:
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
         """A description of the sweep that can be compared with another and read by people."""
-        subject = self.subject
-        exponent = any(name.startswith("optimal_exponent") for name in self.names)
-        designed = any(name.startswith("design") for name in self.names)
+        subject, heads = self.subject, {name.split(".")[0] for name in self.names}
         return {
             "version": __version__,
             "formulas": FORMULAS,
@@ -199,11 +191,12 @@ class SweepPlan:
             "contact": type(subject.contact).__name__ if subject.contact is not None else "none",
             **({"bodies": _told_bodies(subject)} if subject.numeric else {}),
             "loads": list(self.loads)
-            if subject.forces is None or subject.weights is None
-            else {"names": list(self.loads), "forces": _told(subject.forces), "weights": _told(subject.weights)},
+            if subject.amplitudes is None
+            else {"names": list(self.loads)}
+            | dict(zip(("forces", "weights"), map(_told, subject.amplitudes), strict=True)),
             **({"held": type(subject.load).__name__} if subject.load is not None else {}),
-            "bounds": list(map(float, subject.bounds)) if exponent else "not used",
-            "design": json.loads(json.dumps(subject.design, default=_as_json)) if designed else "not used",
+            "bounds": list(map(float, subject.bounds)) if "optimal_exponent" in heads else "not used",
+            "design": json.loads(json.dumps(subject.design, default=_as_json)) if "design" in heads else "not used",
             "digits": "all" if subject.digits is None else subject.digits,
             "dtype": str(self.dtype),
             "axes": list(self.axes),

@@ -67,9 +67,7 @@ class SweepStore:
             with contextlib.ExitStack() as held:
                 lock.acquire(timeout=0)
                 held.callback(lock.release)
-                held.callback(
-                    Path(lock.lock_file).unlink, missing_ok=True
-                )  # before the release: nobody else has it
+                held.callback(Path(lock.lock_file).unlink, missing_ok=True)  # before the release: nobody else has it
                 self._remove_litter()
                 if os.path.lexists(self.path):
                     _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)

@@ -111,7 +111,58 @@ def sweep(
         >>> print(dict(ds.sizes), ds.wear_volume.attrs["units"])
         {'k': 5, 'phi': 2} a_0^4/R
     """
-    plan = _plan(quantities, contact, load, loads, design, bounds, digits, chunk, axes)
+    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    if not names:
+        raise QuantityError("quantities: name at least one")
+    for name in names:
+        if names.count(name) > 1:
+            raise QuantityError(f"{name}: is asked for more than once")
+    for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
+        if not isinstance(contact, FrettingContact):
+            raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
+    if contact is not None:
+        doubt(*of_contact(contact))
+    if loads is not None and not loads:
+        raise SweepError("loads: name at least one")
+    given = None if load is None else load_of(load)
+    held = given if given is not None and not given.lasts else None
+    known = AxisNames(contact, given)
+    of_load = {name: values for name, values in known.of_load.items() if name not in axes}
+    rows, fixed, paths = _sorted_out(of_load | axes, known, contact)
+    inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
+    if "displacement" in inputs and SLIPS not in names:
+        names = *names, SLIPS
+    amplitudes = _side_by_side(loads) if loads else None
+    if loads is not None and len(loads) > 1:
+        rows[LOAD] = np.arange(len(loads))
+    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+    dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
+    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
+    digits = check_digits(digits, dtype)
+    check_bounds(bounds, EXPONENT, dtype)
+    holl = any(isinstance(value, str) for value in fixed.values())
+    subject = SweepTarget(contact, known, held, paths, inputs, holl, amplitudes, design, bounds, digits)
+
+    if not rows:
+        raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
+    # Checked once more: rounded to float32 a value may have left its range.
+    rows = {name: row if name == LOAD else check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
+    if chunk is not None and chunk < 1:
+        raise SweepError(f"chunk = {chunk}: must be at least 1 point")
+    width = 1 if amplitudes is None else amplitudes[0].shape[1]
+    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, width, subject.slow))
+    plan = SweepPlan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
+    _refuse_gross_slip_anywhere(plan)
+    _refuse_needs(plan)
+    try:
+        used = {axis for variable in plan.variables.values() for axis in variable.dims}
+    except (QuantityError, AxisError):
+        raise
+    except (ValueError, TypeError) as error:  # of the library itself
+        raise SweepError(str(error)) from None
+    for name in rows:
+        if name not in used:
+            raise AxisError(f"{name}: none of {', '.join(names)} depends on it")
     if out is None:
         if scheduler is not None:
             raise SweepError("scheduler: a sweep on a cluster needs out, a Zarr store that all its workers see")
@@ -196,75 +247,6 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
 # --- what is refused ------------------------------------------------------------------------------------------------
 
 
-def _plan(
-    quantities: str | Sequence[str],
-    contact: FrettingContact | GrossSlipContact | None,
-    load: LoadGiven,
-    loads: Mapping[str, tuple[ArrayLike, ArrayLike]] | None,
-    design: Mapping[str, Any] | None,
-    bounds: tuple[float, float],
-    digits: int | None,
-    chunk: int | None,
-    axes: Mapping[str, ArrayLike | str],
-) -> SweepPlan:
-    """The plan of a sweep, or a ValueError."""
-    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
-    if not names:
-        raise QuantityError("quantities: name at least one")
-    for name in names:
-        if names.count(name) > 1:
-            raise QuantityError(f"{name}: is asked for more than once")
-    for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
-        if not isinstance(contact, FrettingContact):
-            raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
-    if contact is not None:
-        doubt(*of_contact(contact))
-    if loads is not None and not loads:
-        raise SweepError("loads: name at least one")
-    given = None if load is None else load_of(load)
-    held = given if given is not None and not given.lasts else None
-    known = AxisNames(contact, given)
-    of_load = {name: values for name, values in known.of_load.items() if name not in axes}
-    rows, fixed, paths = _sorted_out(of_load | dict(axes), known, contact, held)
-    inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
-    if "displacement" in inputs and SLIPS not in names:
-        names = *names, SLIPS
-    forces, weights = _side_by_side(loads) if loads else (None, None)
-    if loads is not None and len(loads) > 1:
-        rows[LOAD] = np.arange(len(loads))
-    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-    dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
-    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
-    digits = check_digits(digits, dtype)
-    check_bounds(bounds, EXPONENT, dtype)
-    holl = any(isinstance(value, str) for value in fixed.values())
-    subject = SweepTarget(contact, known, held, paths, inputs, holl, forces, weights, design, bounds, digits)
-
-    rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
-    if not rows:
-        raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
-    for name, row in rows.items():
-        if name != LOAD:
-            check_axis(name, row)  # once more: rounded to float32 a value may have left its range
-    if chunk is not None and chunk < 1:
-        raise SweepError(f"chunk = {chunk}: must be at least 1 point")
-    amplitudes = 1 if forces is None else forces.shape[1]
-    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.slow))
-    plan = SweepPlan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
-    _refuse_gross_slip_anywhere(plan)
-    _refuse_needs(plan)
-    try:
-        plan.variables  # noqa: B018 - what the library itself refuses
-    except (QuantityError, AxisError):
-        raise
-    except (ValueError, TypeError) as error:
-        raise SweepError(str(error)) from None
-    for name in rows:
-        if not any(name in variable.dims for variable in plan.variables.values()):
-            raise AxisError(f"{name}: none of {', '.join(names)} depends on it")
-    return plan
-
-
 def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
     """The inputs of the load of a fretting contact, among the names that are given."""
     several = [name for name, there in (("loads", loads), ("load", held is not None)) if there]
@@ -278,7 +260,7 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 
 
 def _sorted_out(
-    axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None, load: Any
+    axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
     """The axes, the inputs with a single value, including the fields of the contact, and the paths of both there."""
     fixed: dict[str, Any] = {}
@@ -290,15 +272,15 @@ def _sorted_out(
     paths = {known.paths[name]: name for name in fixed}
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
-        path = known.paths.get(name)
-        of_block = None if path is not None or load is None else known.part_of_load(name)
+        path, of_block = known.paths.get(name), known.part_of_load(name)
         if path is None and name not in known.allowed and of_block is None:
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
             raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, known.allowed)}")
         if path is not None:
-            if paths.get(path, name) in axes and paths.get(path, name) != name:
-                raise AxisError(f"{name}: is the same as {paths[path]}")
-            fixed.pop(paths.get(path, name), None)
+            before = paths.get(path, name)
+            if before in axes and before != name:
+                raise AxisError(f"{name}: is the same as {before}")
+            fixed.pop(before, None)
             paths[path] = name
         if isinstance(values, str):
             of_ratio = name == "nu" or path == "material.nu"
@@ -309,7 +291,7 @@ def _sorted_out(
         array = check_axis(name, values)
         try:
             if path is not None or of_block is not None:
-                with_leaf(load if path is None else contact, path or of_block, array)
+                with_leaf(known.load if path is None else contact, path or of_block, array)
         except ValueError as error:
             raise AxisError(f"{name}: {error}") from None
         if array.ndim:
@@ -337,13 +319,9 @@ def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
     """Refuse amplitudes that reach the friction force in any combination of the axes."""
     if not {LOAD, "tangential_force"} & {*plan.subject.inputs}:
         return
-
-    def values(name: str) -> np.ndarray:
-        return np.asarray(plan.axes.get(name, plan.fixed.get(name, 0.0)))
-
-    forces = values("tangential_force") if plan.subject.forces is None else plan.subject.forces
-    factor = np.max(np.asarray(plan.axes.get("factor", plan.fixed.get("factor", 1.0))))
-    largest, limit = factor * np.max(forces), np.min(values("friction")) * np.min(values("normal_force"))
+    known: dict[str, Any] = {"factor": 1.0, "tangential_force": 0.0, **plan.fixed, **plan.axes}
+    forces, _ = plan.subject.amplitudes or (known["tangential_force"], None)
+    largest, limit = np.max(known["factor"]) * np.max(forces), np.min(known["friction"]) * np.min(known["normal_force"])
     if not PARTIAL_SLIP.contains(largest / limit):
         raise AxisError(
             f"tangential_force = {largest}: this is gross slip; it must be below the least mu F_N, {limit:g} N"
@@ -352,7 +330,7 @@ def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
 
 def _refuse_needs(plan: SweepPlan) -> None:
     """Refuse quantities that need an input without a value."""
-    available = {*plan.axes, *plan.fixed, *([LOAD] if plan.subject.forces is not None else [])}
+    available = {*plan.axes, *plan.fixed, LOAD}
     allowed = plan.subject.names.allowed
     for asked in plan.asked:
         for need in asked.needs:
