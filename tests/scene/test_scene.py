@@ -99,30 +99,8 @@ def changed(text: str, *replacements: tuple[str, str]) -> str:
 QUANTITIES = 'quantities = ["wear_volume", "profile"]'
 VARY = "vary = { k = [-0.9, 0.9] }"
 HOLD = 'hold = "contact_radius"\n'
-MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
-EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
-SOME = f"{', '.join([*LAWS['fretting']][:12])}, and {len(LAWS['fretting']) - 12} more"
 MINIMISE = 'minimise = "wear_volume"'
-WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
 EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
-BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
-BOUNDS = (
-    "must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "
-    "or bounds of the modulus"
-)
-MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius", or left out'
-OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-LIMITS = "must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, or of the modulus"
-HIGHEST = "must be a finite number > 0, the highest value in the SI unit of the quantity"
-LENGTH = "must be { below = ... } in m, or with above, or with between = [lowest, highest]"
-GOAL = 'must be a quantity such as "wear_volume", or one with its place, { edge_pressure = { distance = 1e-6 } }'
-LOWEST = "must be a finite number > 0, the lowest value in the SI unit of the quantity"
-DEPTHS = "must be [lower, upper] with 0 < lower < upper, finite, in m"
-POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
-NAMES = "must be a list of one or more names of quantities"
-POINTS = "must be a whole number from 2 to 100000"
 
 REFUSED = Path(__file__).with_name("refused.toml")
 
@@ -149,30 +127,9 @@ LOADS = "tangential_force,weight\n0.1,2\n0.4,1\n# broken\n0.6,0\n0.2,5\n"
 CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
 
 
-@pytest.mark.parametrize(
-    "load, loads, line",
-    [
-        ('table = "loads.csv"', "", "loads.csv: is empty; it must begin with the row tangential_force,weight"),
-        ('table = "loads.csv"', "tangential_force,weight\n0.1,1\n0.2,-0.5\n",
-         "loads.csv: row 3: weight = -0.5: must be a finite number >= 0"),
-        ('history = "loads.csv"', LOADS,
-         "loads.csv: row 1: column weight: there is no such column; "
-         "allowed are tangential_force, displacement, cycles, normal_force, friction"),
-        ('table = "loads.csv"', CYCLES,
-         "loads.csv: row 1: column weight: missing; the first row must be tangential_force,weight"),
-        ('table = "loads.csv"', LOADS.replace("0.6", "4"),
-         "loads.csv: row 5: tangential_force = 4.0: this is gross slip, it must be below mu F_N = 4 N"),
-        ('history = "loads.csv"', CYCLES.replace("0.4", "5.5"),
-         "loads.csv: row 4: tangential_force = 5.5: this is gross slip, it must be below mu F_N = 4 N"),
-        ('table = "load.csv"', LOADS, "load.csv: there is no such file"),
-        ('table = "."', LOADS, ".: is a folder; a table is a CSV file"),
-        ('table = "scene.toml"', LOADS,
-         'scene.toml: row 2: column "[material]": there is no such column; '
-         "allowed are tangential_force, displacement, weight"),
-    ],
-)  # fmt: skip
-def test_refusal_of_a_table_names_its_file_and_row(file, load, loads, line):
-    assert complaint(file, with_files(FRETTING, load, loads=loads)) == line
+@cases(REFUSED, "loads")
+def test_refusal_of_a_table_names_its_file_and_row(file, case):
+    assert complaint(file, with_files(FRETTING, case["load"], loads=case["content"])) == case["line"]
 
 
 def test_tables_lie_beside_the_scene(file):
@@ -224,24 +181,16 @@ def test_refusal_of_a_depth_without_effect(file):
     assert design is not None and design.variables == {"k": (-0.5, 0.5), "z0": (1e-5, 1e-3)}
 
 
-@pytest.mark.parametrize(
-    "content, line",
-    [
-        ("", "[material]: missing; every input file needs this section"),
-        ("[material]\nE0 = \n", "is not valid TOML: Invalid value (at line 2, column 6)"),
-        (
-            "[contact]\nfriction = 0,4\n",
-            "is not valid TOML: Expected newline or end of document after a statement (at line 2, column 13); "
-            "decimals are set off by a point",
-        ),
-        ("k = 1\nk = 2\n", "is not valid TOML: Cannot overwrite a value (at line 2, column 6)"),
-        (b"[material]\nE0 = '\xff'\n", "is not a text file in UTF-8 (byte 17)"),
-        (f"a = {5000 * '1'}\n", "is not valid TOML: a number too long or brackets too deep"),
-        (f"a = {5000 * '['}\n", "is not valid TOML: a number too long or brackets too deep"),
-    ],
-)
-def test_refusal_of_what_is_not_toml(file, content, line):
-    assert complaint(file, content) == f"scene.toml: {line}"
+@cases(REFUSED, "files")
+def test_refusal_of_what_is_not_toml(file, case):
+    assert is_told(complaint(file, case["content"]), case, "scene.toml")
+
+
+def test_refusal_of_what_no_reader_of_toml_can_take(file):
+    assert complaint(file, b"[material]\nE0 = '\xff'\n") == "scene.toml: is not a text file in UTF-8 (byte 17)"
+    for digit in "1[":
+        line = complaint(file, f"a = {5000 * digit}\n")
+        assert line == "scene.toml: is not valid TOML: a number too long or brackets too deep"
 
 
 def test_refusal_of_what_cannot_be_read(file):

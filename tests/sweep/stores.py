@@ -1,0 +1,58 @@
+"""A small sweep into a store, how it is stopped, and what is then there."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plgwear_jax.sweep import SweepError, sweep
+
+QUANTITIES = ["wear_volume", "wear_volume.dk", "gross_slip.force_ratio"]
+AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
+CHUNKS = 12
+
+
+def into(out: Path, **changes: Any) -> Any:
+    return sweep(**({"quantities": QUANTITIES, "chunk": 100, "out": out} | AXES | changes))
+
+
+def refusal(ask: Callable[..., Any], *given: Any, **changes: Any) -> str:
+    """The one line that refuses a sweep."""
+    with pytest.raises(SweepError) as error:
+        ask(*given, **changes)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def files(path: Path) -> dict[str, tuple[Any, ...]]:
+    """Every file, what identifies it, when it was written and all that it holds."""
+    found = {}
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+        status = file.lstat()
+        held = file.read_bytes() if file.is_file() else None
+        found[str(file)] = (status.st_ino, status.st_mtime_ns, held)
+    return found
+
+
+def held(path: Path) -> dict[str, bytes]:
+    """All that the files hold."""
+    return {name: content for name, (_, _, content) in files(path).items() if content is not None}
+
+
+class Stop:
+    """A progress that stops the sweep after some chunks, or only counts them."""
+
+    def __init__(self, after: int = 10**9, error: BaseException | None = None) -> None:
+        self.after, self.error, self.done = after, error, list[int]()
+
+    def __call__(self, done: int, points: int) -> None:
+        assert points == 1200
+        self.done.append(done)
+        if len(self.done) > self.after and self.error is not None:
+            raise self.error
+
+    @property
+    def chunks(self) -> int:
+        return len(self.done) - 1  # the first tells what was there
