@@ -6,6 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import jax
 import numpy as np
@@ -194,18 +195,17 @@ def test_refusal_of_what_no_reader_of_toml_can_take(file):
 
 
 def test_refusal_of_what_cannot_be_read(file):
-    def line(path):
-        with pytest.raises(scene.SceneError) as caught:
-            scene.load(path)
-        return str(caught.value)
-
-    assert line("missing.toml") == "missing.toml: there is no such file"
     Path("folder.toml").mkdir()
-    assert line("folder.toml") == "folder.toml: is a folder; an input file is a TOML file"
     file.write_text(FRETTING)
-    assert line("scene.toml/inside") == "scene.toml/inside: cannot be read: Not a directory"
-    assert line("a\0b") == "a\\x00b: cannot be read: embedded null byte"
-    assert line("a\nb") == "a\\nb: there is no such file"
+    for path, line in {
+        "missing.toml": "missing.toml: there is no such file",
+        "folder.toml": "folder.toml: is a folder; an input file is a TOML file",
+        "scene.toml/inside": "scene.toml/inside: cannot be read: Not a directory",
+        "a\0b": "a\\x00b: cannot be read: embedded null byte",
+        "a\nb": "a\\nb: there is no such file",
+    }.items():
+        with pytest.raises(scene.SceneError, match=f"^{re.escape(line)}$"):
+            scene.load(path)
 
 
 def test_first_mistake_in_the_file_is_told(file):
@@ -280,25 +280,24 @@ def test_design_has_what_the_search_takes(file, changes, told):
 
 
 def test_load_has_the_amplitudes_of_the_file(file):
-    one = read(file, FRETTING).load
-    assert one is not None and one.amplitudes.tolist() == [0.32] and one.weights is None
+    def load(given: str, **files: str) -> Any:
+        return read(file, with_files(SINGLE_NUMBERS, given, **files)).load
+
+    one = load("tangential_force = 0.32")
+    assert one.amplitudes.tolist() == [0.32] and one.weights is None
     assert one.force == one.largest == 0.32 and one.remark is None
-    history = read(file, with_files(FRETTING, 'history = "cycles.csv"', cycles=CYCLES)).load
-    assert history is not None and history.amplitudes.tolist() == [0.1, 0.4, 0.4, 0.2] and history.weights is None
+    history = load('history = "cycles.csv"', cycles=CYCLES)
+    assert history.amplitudes.tolist() == [0.1, 0.4, 0.4, 0.2] and history.weights is None
     assert history.force == history.largest == 0.4 and isinstance(history.force, float)
     assert history.remark == "history cycles.csv: 4 amplitudes; the largest, 0.4 N (row 4), decides the worn state"
-    single = read(file, with_files(FRETTING, 'history = "a\\nb.csv"', **{"a\nb": "tangential_force\n0.125\n"})).load
-    assert single is not None
+    single = load('history = "a\\nb.csv"', **{"a\nb": "tangential_force\n0.125\n"})
     assert single.remark == "history a\\nb.csv: 1 amplitude; the largest, 0.125 N (row 2), decides the worn state"
-    table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=LOADS)).load
-    assert table is not None and table.amplitudes.tolist() == [0.1, 0.4, 0.2] and table.weights is not None
-    np.testing.assert_allclose(table.weights, [0.25, 0.125, 0.625], rtol=1e-15)
-    np.testing.assert_array_equal(table.force, table.amplitudes)
-    assert table.largest == 0.4 and table.remark is None and table.tangential_force is None  # 0.6 has no weight
     heavy = LOADS.replace("5\n", "1e308\n").replace("1\n", "1e308\n")
-    table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=heavy)).load
-    assert table is not None and table.weights is not None
-    np.testing.assert_allclose(table.weights, [1e-308, 0.5, 0.5], rtol=1e-15)
+    for content, weights in ((LOADS, [0.25, 0.125, 0.625]), (heavy, [1e-308, 0.5, 0.5])):
+        table = load('table = "loads.csv"', loads=content)
+        assert table.amplitudes.tolist() == table.force.tolist() == [0.1, 0.4, 0.2]
+        np.testing.assert_allclose(table.weights, weights, rtol=1e-15)
+        assert table.largest == 0.4 and table.remark is None and table.tangential_force is None  # 0.6 has no weight
 
 
 TWO_LIMITS = (
@@ -348,18 +347,26 @@ def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
         read(file, SINGLE_NUMBERS).front(distance=0.0)
 
 
-def test_a_history_is_solved_for_its_largest_amplitude(file):
-    one = read(file, changed(FRETTING, ("0.32", "0.4"))).solve()
-    history = read(file, with_files(FRETTING, 'history = "cycles.csv"', cycles=CYCLES)).solve()
+@pytest.mark.parametrize(
+    "text, load, content, said, rtol",
+    [
+        (FRETTING, 'history = "few.csv"', CYCLES, "", 0.0),
+        (SINGLE_NUMBERS, 'table = "few.csv"', "weight,tangential_force\n3,0.4\n", "mean over few.csv: ", 1e-14),
+    ],
+)
+def test_a_history_is_its_largest_amplitude_and_a_table_of_one_row_that_one(file, text, load, content, said, rtol):
+    one = read(file, changed(text, ("0.32", "0.4"))).solve()
+    several = read(file, with_files(text, load, few=content)).solve()
     for name, quantity in one.items():
-        np.testing.assert_array_equal(history[name].value, quantity.value)
-        assert history[name].description == quantity.description
+        np.testing.assert_allclose(several[name].value, quantity.value, rtol=rtol)
+        assert several[name].description == f"{'' if name in WITHOUT_LOAD else said}{quantity.description}"
 
 
-def places_of(name):
-    """Those of [output] that a quantity takes."""
-    law = next(laws[name] for laws in LAWS.values() if name in laws)
-    return {place: PLACES[place] for place in law.arguments if place in PLACES}
+def said_by(steady, name, radii):
+    """What a contact says of a quantity, at the places of [output] or over the radius."""
+    found, law = getattr(steady, name), next(laws[name] for laws in LAWS.values() if name in laws)
+    places = {place: PLACES[place] for place in law.arguments if place in PLACES}
+    return found(radii) if radii is not None else found(**places) if places else found
 
 
 @pytest.mark.compiled
@@ -370,9 +377,7 @@ def test_a_table_is_solved_for_its_mean(file):
     contact, found = given.build_contact(), given.solve()
     assert isinstance(contact, FrettingContact) and list(found) == wanted
     for name, quantity in found.items():
-        each = [getattr(contact.steady(force), name) for force in (0.1, 0.4, 0.2)]
-        places = places_of(name)
-        each = [one(**places) for one in each] if places else each
+        each = [said_by(contact.steady(force), name, quantity.radii) for force in (0.1, 0.4, 0.2)]
         if name in WITHOUT_LOAD:
             np.testing.assert_allclose(quantity.value, each[0], rtol=1e-14)
             assert not quantity.description.startswith("mean")
@@ -383,15 +388,8 @@ def test_a_table_is_solved_for_its_mean(file):
             assert quantity.description.startswith("mean over loads.csv: ")
         else:  # before any wear, as far as the worn ring reaches at worst
             np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.steady(0.4).worn_radius, rtol=1e-14)
-            np.testing.assert_allclose(quantity.value, each[0](quantity.radii), rtol=1e-12)
+            np.testing.assert_allclose(quantity.value, each[0], rtol=1e-12)
     assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == SINGLE
-
-
-def test_a_table_of_one_row_is_that_amplitude(file):
-    one = read(file, SINGLE_NUMBERS).solve()
-    table = read(file, with_files(SINGLE_NUMBERS, 'table = "t.csv"', t="weight,tangential_force\n3,0.32\n")).solve()
-    for name, quantity in one.items():
-        np.testing.assert_allclose(table[name].value, quantity.value, rtol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -411,17 +409,14 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
     edge = 1.25 * contact.steady(0.32).worn_radius if isinstance(contact, FrettingContact) else 2.0 * contact.radius
     for name, quantity in found.items():
         assert quantity.unit == units[name] and quantity.description
-        expected, places = getattr(steady, name), places_of(name)
         if quantity.radii is None:
             assert isinstance(quantity.value, float)
-            expected = expected(**places) if places else expected
             assert quantity.edge_distance == (1e-6 if name == "edge_pressure" else None)
         else:
             np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
-            expected = expected(quantity.radii)
         # A peak is searched for, and rounding decides where it is found.
         rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
-        np.testing.assert_allclose(quantity.value, expected, rtol=rtol, atol=1e-30)
+        np.testing.assert_allclose(quantity.value, said_by(steady, name, quantity.radii), rtol=rtol, atol=1e-30)
 
 
 def test_without_output_all_single_numbers_are_computed(file):
@@ -453,17 +448,6 @@ def test_a_life_is_solved_for_what_is_worn_by_then(file):
     assert said in complaint(file, text)  # which has no life
 
 
-def test_default_points_and_singular_edges(file):
-    wanted = '"pressure", "initial_pressure"'
-    found = read(file, changed(FRETTING, ('"wear_volume", "profile"', wanted))).solve()
-    assert found["pressure"].unbounded_at == "the stick-slip boundary"
-    assert found["initial_pressure"].unbounded_at is None
-    assert np.shape(found["pressure"].value) == (201,)
-    assert found["initial_pressure"].edge_value is found["initial_pressure"].edge_distance is None
-    still = changed(FRETTING, ('"wear_volume", "profile"', wanted), ("0.32", "0.0"))
-    assert read(file, still).solve()["pressure"].unbounded_at is None
-
-
 LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
 
 
@@ -476,17 +460,21 @@ LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
     ],
 )
 def test_what_is_unbounded_is_given_at_a_distance(file, changes, distance):
-    wanted = 'quantities = ["pressure", "traction"]'
-    given = read(file, changed(FRETTING, (QUANTITIES, wanted), *changes))
+    wanted = 'quantities = ["pressure", "traction", "initial_pressure"]'
+    text = changed(FRETTING, (QUANTITIES, wanted), *changes)
+    given = read(file, text)
     contact, found = given.build_contact(), given.solve()
     assert isinstance(contact, FrettingContact)
     inside = 0.01 * float(contact.steady(0.0).contact_radius) if distance is None else distance
-    pressure, traction = found["pressure"], found["traction"]
+    pressure, traction, bounded = found.values()
+    assert pressure.unbounded_at == "the stick-slip boundary"
+    assert bounded.unbounded_at is bounded.edge_value is bounded.edge_distance is None
+    assert read(file, changed(text, ("0.32", "0.0"))).solve()["pressure"].unbounded_at is None
     assert pressure.edge_distance == traction.edge_distance == pytest.approx(inside, rel=1e-14)
     assert pressure.edge_value == pytest.approx(float(contact.steady(0.32).edge_pressure(inside)), rel=1e-10)
     expected = contact.steady(0.32).traction(contact.steady(0.32).stick_radius - inside)
     assert traction.edge_value == pytest.approx(float(expected), rel=1e-10)
-    assert np.shape(pressure.value) == (201,)
+    assert np.shape(pressure.value) == (201,)  # by default
 
 
 def test_the_punch_has_its_pressure_beside_its_edge(file):

@@ -1,6 +1,6 @@
 """Sweeps: every quantity at every point, labelled, in memory and in a store, and what is refused."""
 
-import dataclasses
+import functools
 import importlib
 import json
 import math
@@ -22,6 +22,7 @@ from optima import optima
 from refusals import cases, is_told
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
+from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax.sweep.plan import chunk_shape
 
@@ -33,8 +34,7 @@ PUNCH = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.2, nu="holl"), radi
 VALUES = {"k": K, "phi": PHI, "nu": 0.3, "r": np.array([0.5, 1.1]), "distance": 0.01}
 
 
-def grid(*rows):
-    return np.meshgrid(*rows, indexing="ij")
+grid = functools.partial(np.meshgrid, indexing="ij")
 
 
 # --- values ---------------------------------------------------------------------------------------------------------
@@ -77,8 +77,7 @@ def test_short_names_are_those_of_fretting_first():
 def test_radii_and_the_relative_amplitude_of_a_contact():
     r = np.array([1e-5, 6.6e-5])
     ds = sweep.sweep(["wear_depth", "edge_pressure"], contact=CONTACT, r=r, phi=PHI, distance=1e-6)
-    full = grid(r, 4.0 * PHI)
-    np.testing.assert_allclose(ds.wear_depth, CONTACT.steady(full[1]).wear_depth(full[0]), rtol=1e-10, atol=1e-22)
+    np.testing.assert_allclose(ds.wear_depth, CONTACT.steady(4.0 * PHI).wear_depth(r[:, None]), rtol=1e-10, atol=1e-22)
     np.testing.assert_allclose(ds.edge_pressure, CONTACT.steady(4.0 * PHI).edge_pressure(1e-6), rtol=1e-12)
     assert ds.edge_pressure.dims == ("phi",) and ds.r.attrs["units"] == "m"
 
@@ -89,8 +88,7 @@ def test_derivatives_are_those_of_the_formula():
     c, sticks = (1.0 - phi) ** (1.0 / (k + 3.0)), (1.0 - phi) * (k + 3.0)
     by_k = -c * np.log1p(-phi) / (k + 3.0) ** 2
     mixed = (np.log1p(-phi) / (k + 3.0) + 1.0) * c / (sticks * (k + 3.0))
-    for name, expected in zip(ds, (by_k, -c / sticks, mixed), strict=True):
-        np.testing.assert_allclose(ds[name], expected, rtol=1e-12)
+    np.testing.assert_allclose([*ds.values()], [by_k, -c / sticks, mixed], rtol=1e-12)
     assert ds.stick_radius_dk.attrs["long_name"].startswith("derivative by k of: stick radius")
 
 
@@ -101,15 +99,12 @@ def test_derivatives_by_what_is_not_swept():
     # c = a_0 (1 - phi)^(1/(k+3)), and a_0^(k+3) goes with F_N/E0
     phi = np.array(force) / 4.0
     c = np.asarray(CONTACT.steady(np.array(force)).stick_radius) / (CONTACT.material.k + 3.0)
-    np.testing.assert_allclose(ds.stick_radius_dE0, -c / 110e9, rtol=1e-12)
-    np.testing.assert_allclose(ds.stick_radius_dnormal_force, c / (1.0 - phi) / 10.0, rtol=1e-12)
-    np.testing.assert_allclose(ds.stick_radius_dtangential_force, -c / (1.0 - phi) / 4.0, rtol=1e-12)
+    expected = [-c / 110e9, c / (1.0 - phi) / 10.0, -c / (1.0 - phi) / 4.0]
+    np.testing.assert_allclose([*ds.values()], expected, rtol=1e-12)
     assert [variable.attrs["units"] for variable in ds.values()] == ["m/Pa", "m/N", "m/N"]
 
-
-def test_units_of_derivatives_are_quotients():
-    ds = sweep.sweep(["steady_displacement.dr"], k=[0.1], phi=0.3, r=[0.5])
-    assert ds.steady_displacement_dr.attrs["units"] == "(a_0^2/R)/a_0"
+    units = sweep.sweep("steady_displacement.dr", k=[0.1], phi=0.3, r=[0.5]).steady_displacement_dr.attrs["units"]
+    assert units == "(a_0^2/R)/a_0"
 
 
 # --- optima ---------------------------------------------------------------------------------------------------------
@@ -125,11 +120,8 @@ def survives_netcdf(ds, folder):
 def test_the_optimal_exponent_with_its_certificate(tmp_path):
     fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "scan_found_nothing_better")]
     ds = sweep.sweep(fields, phi=PHI, bounds=(-0.5, 0.5))
-    best = optima(PHI, (-0.5, 0.5))
-    np.testing.assert_allclose(ds.optimal_exponent_k, best.k, rtol=1e-12)
-    np.testing.assert_allclose(ds.optimal_exponent_wear_volume, best.wear_volume, rtol=1e-12)
-    np.testing.assert_array_equal(ds.optimal_exponent_at_bound, best.at_bound)
-    found = ds.optimal_exponent_scan_found_nothing_better
+    best, (*values, found) = optima(PHI, (-0.5, 0.5)), ds.values()
+    np.testing.assert_allclose(values, [best.k, best.wear_volume, best.at_bound], rtol=1e-12)
     assert found.dtype == bool and found.all()
     survives_netcdf(ds, tmp_path)
 
@@ -155,9 +147,8 @@ def test_loads_are_an_axis_and_quantities_their_means():
     assert ds.wear_volume.dims == ("z0", "load_case")
     assert ds.contact_radius.dims == ("z0",) and list(ds.load_case.values) == ["calm", "storm"]
     for z0 in (1e-5, 1e-4):
-        contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=z0))
         for name, (force, weight) in LOADS.items():
-            expected = np.average(contact.steady(force).wear_volume, weights=weight)
+            expected = np.average(with_leaf(CONTACT, "material.z0", z0).steady(force).wear_volume, weights=weight)
             np.testing.assert_allclose(ds.wear_volume.sel(z0=z0, load_case=name), expected, rtol=1e-13)
     assert ds.wear_volume.attrs["long_name"].startswith("mean over the load of: ")
 
@@ -172,16 +163,13 @@ def test_designs_of_loads_are_those_of_optimise():
         z0=[1e-5, 1e-4],
     )
     for name, (force, weight) in LOADS.items():
-        contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
-        best = optimise.design(contact, force, DESIGN["vary"], weight=weight, level=0.5, hold=DESIGN["hold"])
+        best = optimise.design(with_leaf(CONTACT, "material.z0", 1e-5), force, weight=weight, level=0.5, **DESIGN)
         found = ds.sel(z0=1e-5, load_case=name)
         np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
         np.testing.assert_allclose(found.design_wear_volume, best.value, rtol=1e-12)
         np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
-        assert (
-            bool(found.design_certified) is best.certified
-            and bool(found.design_scan_found_nothing_better) is best.scan_found_nothing_better
-        )
+        flags = found.design_certified, found.design_scan_found_nothing_better
+        assert tuple(map(bool, flags)) == (best.certified, best.scan_found_nothing_better)
     assert ds.design_wear_volume.attrs["units"] == "m^3"
 
 
@@ -217,8 +205,8 @@ def test_fewer_digits_are_said():
 def test_loads_and_ratios_of_holl_survive_netcdf(tmp_path):
     ds = sweep.sweep("wear_volume", contact=CONTACT, loads=LOADS, nu="holl")
     assert ds.attrs["nu"] == "holl" and "nu" not in ds.coords
-    holl = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, nu="holl"))
-    expected = np.average(holl.steady(LOADS["calm"][0]).wear_volume, weights=LOADS["calm"][1])
+    force, weight = LOADS["calm"]
+    expected = np.average(with_leaf(CONTACT, "material.nu", "holl").steady(force).wear_volume, weights=weight)
     np.testing.assert_allclose(ds.wear_volume.sel(load_case="calm"), expected, rtol=1e-13)
     ds.to_netcdf(tmp_path / "map.nc", engine="scipy")
     with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as back:
@@ -241,15 +229,13 @@ AXES = {"k": np.linspace(-0.9, 0.9, 7), "phi": np.linspace(0.1, 0.9, 5)}
 
 def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     steps = []
-    stored = sweep.sweep(
-        NAMES, **AXES, chunk=6, out=tmp_path / "map.zarr", progress=lambda done, points: steps.append((done, points))
-    )
+    told = {"out": tmp_path / "map.zarr", "progress": lambda *step: steps.append(step)}
+    stored = sweep.sweep(NAMES, **AXES, chunk=6, **told)
     xr.testing.assert_identical(stored.load().drop_attrs(), sweep.sweep(NAMES, **AXES, chunk=6).drop_attrs())
     assert stored.attrs["unfinished"] == 0 and list(stored) == [name.replace(".", "_") for name in NAMES]
     assert stored.gross_slip_force_ratio.dims == ("k",)
-    assert [points for _, points in steps] == [35] * len(steps)
-    done = [step for step, _ in steps]
-    assert done[0] == 0 and done[-1] == 35 and done == sorted(done) and len(done) == 1 + 8
+    done, points = zip(*steps, strict=True)
+    assert points == (35,) * (1 + 8) and (done[0], done[-1]) == (0, 35) and [*done] == sorted(done)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.zarr"]
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
@@ -264,10 +250,9 @@ def test_the_size_of_chunks_changes_rounding_at_most():
 
 def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):
     # Nothing wears at phi = 0; and what is no number there is no reason to compute it again.
-    names = ["wear_volume", "steady_pressure"]
-    r = [0.0, 1.0]
+    asked = {"k": [0.1, 0.2], "phi": [0.0], "r": [0.0, 1.0], "chunk": 1, "out": tmp_path / "map.zarr"}
     for _ in range(2):
-        found = sweep.sweep(names, k=[0.1, 0.2], phi=[0.0], r=r, chunk=1, out=tmp_path / "map.zarr")
+        found = sweep.sweep(["wear_volume", "steady_pressure"], **asked)
         assert found.attrs["unfinished"] == 0 and not found.wear_volume.any()
 
 
@@ -312,7 +297,7 @@ def test_more_than_memory_holds_is_refused_with_what_to_do():
 
 
 def test_an_array_field_of_a_contact_is_refused():
-    many = dataclasses.replace(CONTACT, normal_force=jnp.array([1.0, 2.0]))
+    many = with_leaf(CONTACT, "normal_force", jnp.array([1.0, 2.0]))
     assert complaint(WEAR, contact=many, phi=PHI) == (
         "normal_force: the contact holds 2 values; give them as an axis of the sweep"
     )
