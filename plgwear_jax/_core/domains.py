@@ -44,7 +44,6 @@ __all__ = [
     "check_digits",
     "check_real",
     "guarded",
-    "is_of",
     "on_host",
     "one_or_nan",
     "real_dtype",
@@ -181,11 +180,8 @@ def as_argument(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
     """
     if not isinstance(value, Array):
         return np.asarray(value, dtype)
-    return value if isinstance(value, Tracer) or is_of(value, dtype) else jnp.asarray(value, dtype)
-
-
-def is_of(value: Array, dtype: Any) -> bool:
-    return value.dtype == dtype and not value.weak_type
+    kept = isinstance(value, Tracer) or (value.dtype == dtype and not value.weak_type)
+    return value if kept else jnp.asarray(value, dtype)
 
 
 def whole(name: str, value: Any, least: int, most: float = float("inf"), more: str = "") -> int:

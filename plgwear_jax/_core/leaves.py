@@ -44,9 +44,9 @@ def _keys(path: str) -> list[str | int]:
     return [key if key[0] != "[" else int(key[1:-1]) if key[1:-1].isdecimal() else key[2:-2] for key in keys]
 
 
-def _stepped_into(tree: Any, key: str | int) -> Any:
+def _stepped_into(tree: Any, key: Any) -> Any:
     if isinstance(tree, list | tuple | dict):
-        return dict(tree)[key] if isinstance(tree, dict) else list(tree)[int(key)]
+        return tree[key]
     if isinstance(key, str):
         return getattr(tree, key)
     if not (np.ndim(tree) and key < np.shape(tree)[-1]):

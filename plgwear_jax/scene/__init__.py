@@ -235,7 +235,7 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        return designing.best_design(self)
+        return designing.answer("design", **self.arguments())
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `optimise.design`, by name, with which `design` asks, to ask with some of them changed.

@@ -93,11 +93,6 @@ class DesignSpace(SimpleNamespace):
                 found |= inner
         return found
 
-    @property
-    def steepness(self) -> float | None:
-        """The largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient; None without a limit."""
-        return self.vary.get("modulus", {}).get("steepness")
-
     @cached_property
     def allowed(self) -> dict[str, Any] | None:
         """The limits by name: above, below or between with the place, or the window; None without any."""

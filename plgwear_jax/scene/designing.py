@@ -1,8 +1,7 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
 import dataclasses
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +14,7 @@ from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
-
-_Found = TypeVar("_Found", optimise.Design, optimise.Front, optimise.FreeDesign)
+    from plgwear_jax.tables import Table
 
 
 def arguments_of(given: "Scene") -> dict[str, Any]:
@@ -26,20 +24,14 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
     return arguments
 
 
-def best_design(given: "Scene") -> optimise.Design:
-    """See `Scene.design`."""
-    arguments = arguments_of(given)
-    return _answer(lambda: optimise.design(**arguments))
-
-
 def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
     """See `Scene.free_design`."""
     space = given.asked()
     if not space.free:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=space.steepness)
-    question = _question(given)
-    return _answer(lambda: optimise.free_design(modulus=profile, starts=starts, **question))
+    steepness = space.vary["modulus"].get("steepness")
+    profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=steepness)
+    return answer("free_design", modulus=profile, starts=starts, **_question(given))
 
 
 def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
@@ -61,7 +53,7 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
-    return _answer(lambda: optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
+    return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
 
 def _question(given: "Scene") -> dict[str, Any]:
@@ -101,7 +93,7 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
         law: Any = given.law
         laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
-    found = optimise.Scenarios(_in_scenarios(given), scatter.columns.get("weight"), laws)
+    found = optimise.Scenarios(_in_scenarios(given, scatter), scatter.columns.get("weight"), laws)
     forces = None if given.life is not None else forces_in_scenarios(given)
     if forces is None:
         return {"scenarios": found}
@@ -112,13 +104,10 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     return {"scenarios": dataclasses.replace(found, tangential_force=forces)}
 
 
-def _in_scenarios(given: "Scene") -> Any:
+def _in_scenarios(given: "Scene", scatter: "Table") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
-    contact, scatter = given.build_contact(), given.asked().scatter
-    assert scatter is not None
-    return with_variables(
-        contact, {name: x for name, x in scatter.columns.items() if name not in ("wear_coefficient", "weight")}
-    )
+    own = {name: x for name, x in scatter.columns.items() if name not in ("wear_coefficient", "weight")}
+    return with_variables(given.build_contact(), own)
 
 
 def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
@@ -129,7 +118,8 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     space, load = given.design_space, given.load
     if space is None or space.scatter is None or load is None or load.displacement is None:
         return None
-    found = solving.displacement_effect(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
+    contacts = _in_scenarios(given, space.scatter)
+    found = solving.displacement_effect(contacts, np.asarray(load.displacement), load.rig_stiffness)
     force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
     return np.broadcast_to(force, space.scatter.row.shape)
 
@@ -168,13 +158,13 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
-def _answer(ask: Callable[[], _Found], name: str = "value") -> _Found:
-    """The answer; refused are numbers that the library refuses, such as a modulus beyond the range of numbers."""
+def answer(question: str, **arguments: Any) -> Any:
+    """What `optimise` answers; refused are numbers that it refuses, such as a modulus beyond the range of numbers."""
     try:
-        found = ask()
+        found = getattr(optimise, question)(**arguments)
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
-    values = np.asarray(getattr(found, name))
+    values = np.asarray(found.y if question == "front" else found.value)
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

@@ -59,11 +59,8 @@ def _schema(takes: str) -> dict[str, Any]:
         return {"anyOf": list(map(_schema, (first, *others)))}
     if first.startswith('"'):
         return {"enum": [json.loads(first)]}
-    return {name: x for name, x in _FORMS[first].items() if name != "must"} if first in _FORMS else _reference(first)
-
-
-def _reference(section: str) -> dict[str, str]:
-    return {"$ref": f"#/$defs/{section}"}
+    form = _FORMS.get(first, {"$ref": f"#/$defs/{first}"})
+    return {name: x for name, x in form.items() if name != "must"}
 
 
 def _sections() -> dict[str, SectionKeys]:
@@ -82,7 +79,7 @@ def _sections() -> dict[str, SectionKeys]:
         if keys:
             found[name] = SectionKeys(keys, section["about"], section.get("record", ""))
     for name in _LIMITED:
-        limit = Key(_reference("Allowed"), f"must be {limit_form(name)}", entry(name).name, None)
+        limit = Key(_schema("Allowed"), f"must be {limit_form(name)}", entry(name).name, None)
         found["Limits"].keys[name] = limit
     return found
 

@@ -178,27 +178,18 @@ class LoadSection(SimpleNamespace):
         """Those of the file; none without one."""
         return {} if self.file is None else self.file.columns
 
-    @cached_property
-    def rows(self) -> "Table":
-        """The content of the file, or the one amplitude as a table of one row."""
-        if self.file is not None:
-            return self.file
-        import numpy as np
-
-        from plgwear_jax.tables import Table
-
-        name = "tangential_force" if self.displacement is None else "displacement"
-        return Table("[load]", {name: np.array([getattr(self, name)], float)}, np.zeros(1, int))
-
     @property
     def of_displacement(self) -> bool:
         """The amplitudes are those of the displacement."""
         return self.displacement is not None or "displacement" in self.columns
 
-    @property
+    @cached_property
     def given(self) -> "np.ndarray":
         """The amplitudes as they were given, in N or m, shape (n,): the one, or all of a history or a table."""
-        return self.rows["displacement" if self.of_displacement else "tangential_force"]
+        import numpy as np
+
+        name = "displacement" if self.of_displacement else "tangential_force"
+        return np.array([getattr(self, name)], float) if self.file is None else self.file[name]
 
     @property
     def cycles(self) -> "np.ndarray | None":
@@ -255,7 +246,7 @@ class LoadSection(SimpleNamespace):
         (beyond,) = np.nonzero(self.in_gross_slip)
         if not beyond.size:
             return None
-        first, rows, wear = beyond[0], self.rows, self.wear
+        first, wear = beyond[0], self.wear
         work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
         by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
         if wear is not None and not wear.others:
@@ -271,7 +262,7 @@ class LoadSection(SimpleNamespace):
         )
         if self.file is None:
             return SceneError(f"[load] {said}")
-        return OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
+        return OtherFileError(f"{self.file.name}: row {self.file.row[first]}: {said}")
 
     @cached_property
     def forces(self) -> "np.ndarray":
@@ -327,7 +318,7 @@ class LoadSection(SimpleNamespace):
             return None
         if self.history is not None:
             number = f"{self.forces.size} amplitude{'s' if self.forces.size > 1 else ''}"
-            row = self.rows.row[self.forces.argmax()]
+            row = self.file.row[self.forces.argmax()]
             deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
             return f"history {one_line(self.history)}: {number}; {deciding}"
         told = f"the contact slips as a whole, from {written(float(self.moved.gross_slip), 'm')} on"

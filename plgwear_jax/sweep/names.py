@@ -133,7 +133,12 @@ class SweepTarget:
     @property
     def slow(self) -> bool:
         """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
-        return self.numeric or self.marched or bool(self.design and self.design.get("cycles") is not None)
+        return self.numeric or self.marched or self.for_life
+
+    @property
+    def for_life(self) -> bool:
+        """Designs are those of a life."""
+        return (self.design or {}).get("cycles") is not None
 
     @property
     def marched(self) -> bool:
@@ -171,8 +176,7 @@ SEARCHES = {"optimal_exponent", "design", "transient"}
 def digits_of(name: str, subject: SweepTarget) -> str | None:
     """The correct digits of a quantity by default; None if they are all that the dtype holds."""
     head = name.split(".")[0]
-    life = head == "design" and subject.design is not None and subject.design.get("cycles") is not None
-    if head == "transient" or life:
+    if head == "transient" or (head == "design" and subject.for_life):
         return "2" if subject.marched else "4"
     return "4" if subject.numeric else None
 

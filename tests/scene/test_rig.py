@@ -23,11 +23,6 @@ REFUSED = Path(__file__).with_name("refused.toml")
 OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
 
 
-@pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 def read(load: str, contact: str = CONTACT, **files: str) -> scene.Scene:
     Path("scene.toml").write_text(f"{contact}\n{load}\n")
     for name, content in files.items():
