@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refusals import cases, is_told
 
-from plgwear_jax import FrettingContact, partial_slip, scene, tables
+from plgwear_jax import partial_slip, scene, tables
 from plgwear_jax.loads import Displacement, Force
 
 CONTACT = """
@@ -30,24 +30,18 @@ def read(load: str, contact: str = CONTACT, **files: str) -> scene.Scene:
     return scene.load("scene.toml")
 
 
-def contact_of(given: scene.Scene) -> FrettingContact:
-    contact = given.build_contact()
-    assert isinstance(contact, FrettingContact)
-    return contact
-
-
 # --- the displacement -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("load, stiffness", [(MOVED, None), (OF_RIG, 1e7)])
 def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
     given = read(load)
-    assert given.load is not None and given.load.of_displacement and given.load.displacement is not None
+    assert given.load.of_displacement
     force = given.load.force
-    moved = contact_of(given).steady(Force(force, stiffness)).displacement_amplitude
+    moved = given.build_contact().steady(Force(force, stiffness)).displacement_amplitude
     np.testing.assert_allclose(moved, given.load.displacement, rtol=1e-12)
     assert given.solve()["wear_volume"].value == pytest.approx(
-        float(contact_of(given).steady(force).wear_volume), rel=1e-12
+        float(given.build_contact().steady(force).wear_volume), rel=1e-12
     )
     assert f"a force amplitude of {force:.4g} N" in (given.load.remark or "")
 
@@ -55,13 +49,11 @@ def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
 def test_tables_and_histories_take_displacements():
     rows = "2e-8\n0\n6e-8\n"
     given = read('load = { history = "moves.csv", rig_stiffness = 1e7 }', moves=f"displacement\n{rows}")
-    assert given.load is not None
-    expected = contact_of(given).steady(Displacement(np.array([2e-8, 0.0, 6e-8]), 1e7)).tangential_force
+    expected = given.build_contact().steady(Displacement(np.array([2e-8, 0.0, 6e-8]), 1e7)).tangential_force
     np.testing.assert_allclose(given.load.amplitudes, expected, rtol=1e-12)
     assert given.load.force == given.load.largest == given.load.amplitudes[2]
     given = read('load = { table = "moves.csv" }', moves="weight,displacement\n1,2e-8\n0,5e-8\n3,6e-8\n")
-    assert given.load is not None and given.load.weights is not None
-    expected = contact_of(given).steady(Displacement(np.array([2e-8, 6e-8]))).tangential_force
+    expected = given.build_contact().steady(Displacement(np.array([2e-8, 6e-8]))).tangential_force
     np.testing.assert_allclose(given.load.force, expected, rtol=1e-12)
     np.testing.assert_allclose(given.load.weights, [0.25, 0.75])
     with pytest.raises(tables.TableError, match=r"moves.csv: has no column tangential_force, but"):
@@ -78,7 +70,7 @@ def told_of_sliding(load: str) -> tuple[scene.Scene, str]:
 
 def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
     """And it goes on from the last cycle of partial slip without a jump."""
-    contact = contact_of(read(MOVED))
+    contact = read(MOVED).build_contact()
     alone, rig = (float(contact.steady(Force(0.0, x)).gross_slip_displacement) for x in (None, 1e7))
     energy = float(contact.steady(4.0 * (1.0 - 1e-12)).energy_per_cycle)
     for load, begins, where in (
@@ -117,13 +109,12 @@ def test_in_gross_slip_what_needs_no_amplitude_is_computed():
     """Of a homogeneous half-space the tension is Hamilton's, under a traction of mu times the pressure."""
     contact = CONTACT.replace("k = 0.25", "k = 0.0").replace('["wear_volume"]', f"{WANTED}, points = 6")
     given = read("load = { displacement = 5e-6, rig_stiffness = 1e7 }", contact)
-    found, alone = given.solve(), contact_of(given).steady(0.0)
+    found, alone = given.solve(), given.build_contact().steady(0.0)
     assert [*found] == ["peak_tension", "contact_radius", "initial_pressure"]
-    assert given.load is not None and "slips as a whole" in str(given.load.slides)
+    assert "slips as a whole" in str(given.load.slides)
     radius, pressure = float(alone.contact_radius), float(alone.peak_initial_pressure)
     assert found["contact_radius"].value == radius
     radii = found["initial_pressure"].radii
-    assert radii is not None
     np.testing.assert_allclose(radii[-1], 1.25 * radius, rtol=1e-14)
     np.testing.assert_allclose(found["initial_pressure"].value, alone.initial_pressure(radii), rtol=1e-14)
     hamilton = pressure * ((1.0 - 2.0 * 0.3) / 3.0 + 0.4 * np.pi * (4.0 + 0.3) / 8.0)
@@ -155,7 +146,7 @@ def test_gross_slip_names_the_row_of_a_table():
 )
 def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
     given = read(f"{MOVED}\nwear = {{ {keys} }}")
-    assert given.wear is not None and given.wear.archard(given.contact.friction) == pytest.approx(archard, rel=1e-15)
+    assert given.wear.archard(given.contact.friction) == pytest.approx(archard, rel=1e-15)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------
@@ -180,12 +171,11 @@ CHANGING = "displacement (um),cycles,normal_force_kN,friction\n0.02,1e4,0.01,0.4
 
 def test_a_history_changes_the_normal_force_and_the_friction():
     given = read("load = { history = 'h.csv' }\nwear = { coefficient = 1e-14 }", h=CHANGING)
-    assert given.load is not None
     np.testing.assert_allclose(given.load.given, [2e-8, 5e-5], rtol=1e-15)
     np.testing.assert_array_equal(given.load.pressed["normal_force"], [10.0, 5.0])
     np.testing.assert_array_equal(given.load.pressed["friction"], [0.4, 0.3])
     np.testing.assert_array_equal(given.load.in_gross_slip, [False, True])
-    first, second = given.load.record()  # pyright: ignore[reportGeneralTypeIssues]
+    first, second = given.load.record()
     assert first.load == Displacement(2e-8) and (first.normal_force, first.cycles) == (10.0, 1e4)
     assert second.load == Displacement(5e-5)
     assert given.load.remark is None
@@ -203,7 +193,6 @@ def test_refusal_of_a_history_that_changes_forces(case):
 def test_only_wear_over_cycles_takes_other_wear_laws():
     for key in ("exponent", "half_space_coefficient"):
         given = read(f"{MOVED}\nwear = {{ coefficient = 1e-14, cycles = 1e4, {key} = 1.5 }}")
-        assert given.wear is not None
         with pytest.raises(scene.SceneError, match=rf"^\[wear\] {key} = 1.5: only plgwear wear takes it"):
             given.wear.archard(0.4)
 

@@ -97,15 +97,6 @@ def test_refusal_of_a_history(case):
     assert is_told(complaint(case["content"], tables.HISTORY), case, "loads.csv")
 
 
-def test_refusal_far_down_the_file():
-    rows = 10 * ["0.1,1"]
-    assert read("\n".join(["tangential_force,weight", *rows])).row.tolist() == list(range(2, 12))
-    for row in range(2, 12):
-        wrong = [*rows[: row - 2], "", "x,1", *rows[row - 1 :], "y,1"]
-        line = complaint("\n".join(["tangential_force,weight", *wrong]))
-        assert line == f"loads.csv: row {row + 1}: tangential_force = x: {FORCE}"
-
-
 def test_the_first_wrong_row_is_refused():
     found = read(TABLE)
     found.refuse(found["weight"] > 2.0, lambda place: f"weight {place}")

@@ -24,6 +24,7 @@ from refusals import cases, is_told
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
 from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, MATERIAL
+from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.sweep.plan import chunk_shape
 
 K, PHI = np.array([-0.6, 0.1, 0.7]), np.array([0.2, 0.8])
@@ -283,7 +284,8 @@ WEAR = "wear_volume"
 @cases(Path(__file__).with_name("refused.toml"), "sweeps")
 def test_refusals(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
-    named = {"CONTACT": CONTACT, "PUNCH": PUNCH, "LOADS": LOADS, "DESIGN": DESIGN}
+    blocks = [Block(1.0, 2e5), Block(Displacement(1e-8), 2e5, normal_force=8.0)]
+    named = {"CONTACT": CONTACT, "PUNCH": PUNCH, "LOADS": LOADS, "DESIGN": DESIGN, "BLOCKS": blocks}
     given = {name: named.get(x, x) if isinstance(x, str) else x for name, x in case["given"].items()}
     if "bounds" in given:
         given["bounds"] = tuple(given["bounds"])

@@ -99,7 +99,7 @@ def arrays(path: Path) -> dict[str, bytes]:
 
 def finished(path: Path) -> dict[tuple[int, ...], list[tuple[int, int, int]]]:
     """Which chunks are there whole, each with what identifies its files and when they were written."""
-    found: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
+    found = {}
     for name in VARIABLES:
         for file in (path / name / "c").glob("*/*"):
             if file.suffix != ".partial":
@@ -153,7 +153,7 @@ def test_a_killed_sweep_goes_on(start, tmp_path):
     while sum(kills.values()) < KILLS or not (all(hit.values()) or sweeps > KILLS):
         out = folder / f"killed-{sweeps}.zarr"
         sweeps += 1
-        before: dict[tuple[int, ...], Any] = {}
+        before = {}
         last = False
         for kind in (*kills, "to its end"):
             run = start(out=str(out))
