@@ -68,6 +68,30 @@ class Run(NamedTuple):
         return self.process.wait() != 0 and running
 
 
+def command(**keywords: Any) -> list[str]:
+    return [sys.executable, str(PROCESS), json.dumps(KEYWORDS | keywords)]
+
+
+def as_users(**variables: str) -> dict[str, str]:
+    """The environment of a process that compiles what it needs."""
+    return {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"} | variables
+
+
+@pytest.fixture
+def targets(tmp_path) -> Path:
+    """A folder with stores alone."""
+    (tmp_path / "targets").mkdir()
+    return tmp_path / "targets"
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory) -> dict[str, bytes]:
+    """The arrays of a sweep that nothing disturbs."""
+    out = tmp_path_factory.mktemp("alone") / "alone.zarr"
+    subprocess.run(command(out=str(out)), env=as_users(XLA_FLAGS=""), stdout=subprocess.DEVNULL, check=True)
+    return arrays(out)
+
+
 @pytest.fixture
 def start(tmp_path) -> Iterator[Callable[..., Run]]:
     """Start a sweep in a process, with nothing compiled before."""
@@ -75,10 +99,8 @@ def start(tmp_path) -> Iterator[Callable[..., Run]]:
 
     def started(*, flags: str = "", **keywords: Any) -> Run:
         file = tmp_path / f"run-{len(runs)}.out"
-        environment = {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
         with file.open("wb") as out, file.with_suffix(".err").open("wb") as err:
-            command = [sys.executable, str(PROCESS), json.dumps(KEYWORDS | keywords)]
-            process = subprocess.Popen(command, stdout=out, stderr=err, env=environment | {"XLA_FLAGS": flags})
+            process = subprocess.Popen(command(**keywords), stdout=out, stderr=err, env=as_users(XLA_FLAGS=flags))
         runs.append(Run(process, file))
         return runs[-1]
 
@@ -138,20 +160,18 @@ def undisturbed(start: Callable[..., Run], out: Path) -> Clock:
     return Clock(moments[1] - moments[0], moments[3] - moments[2], moments[3] - begun)
 
 
-def test_a_killed_sweep_goes_on(start, tmp_path):
+def test_a_killed_sweep_goes_on(start, targets):
     """Killed while it starts, creates the store, compiles, computes and writes, a sweep is resumed each time."""
-    folder = tmp_path / "targets"
-    folder.mkdir()
-    clock = undisturbed(start, folder / "undisturbed.zarr")
-    expected = arrays(folder / "undisturbed.zarr")
-    chunks = len(finished(folder / "undisturbed.zarr"))
+    clock = undisturbed(start, targets / "undisturbed.zarr")
+    expected = arrays(targets / "undisturbed.zarr")
+    chunks = len(finished(targets / "undisturbed.zarr"))
     assert chunks > 200
     rng = random.Random(SEED)
     kills = {"creating": 0, "anything": 0, "running": 0}
     hit = {"no store": 0, "no chunk": 0, "some chunks": 0}
     sweeps = 0
     while sum(kills.values()) < KILLS or not (all(hit.values()) or sweeps > KILLS):
-        out = folder / f"killed-{sweeps}.zarr"
+        out = targets / f"killed-{sweeps}.zarr"
         sweeps += 1
         before = {}
         last = False
@@ -181,9 +201,7 @@ def test_a_killed_sweep_goes_on(start, tmp_path):
             kills[kind] += 1
             hit["no store" if not out.exists() else "some chunks" if there else "no chunk"] += 1
             before = there
-        assert last
-        assert arrays(out) == expected
-        assert litter(folder) == []
+        assert last and arrays(out) == expected and litter(targets) == []
     print(f"{sum(kills.values())} kills in {sweeps} sweeps: {hit}; {clock}")
     assert all(hit.values()), hit
 
@@ -194,26 +212,31 @@ def test_a_killed_sweep_goes_on(start, tmp_path):
 class Cluster(NamedTuple):
     """A Dask scheduler and its workers, each a process with a file of what JAX compiles in it."""
 
-    address: str
-    processes: dict[str, subprocess.Popen[bytes]]
     folder: Path
+    processes: dict[str, subprocess.Popen[bytes]]
+
+    def launch(self, name: str, module: str, *options: str) -> None:
+        words = [sys.executable, "-m", f"distributed.cli.{module}", "--no-dashboard", *options]
+        # As the sweeps beside which their results are put.
+        environment = as_users(JAX_LOG_COMPILES="1", XLA_FLAGS="")
+        with (self.folder / f"{name}.log").open("wb") as log:
+            self.processes[name] = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     def add(self, name: str) -> None:
-        command = [sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--name", name]
-        with self.log(name).open("wb") as file:
-            self.processes[name] = subprocess.Popen(
-                [*command, "--no-nanny", "--no-dashboard", "--nthreads", "1", "--local-directory", str(self.folder)],
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                env={key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
-                | {"JAX_LOG_COMPILES": "1", "XLA_FLAGS": ""},  # as the sweeps beside which their results are put
-            )
+        alone = "--no-nanny", "--nthreads", "1", "--local-directory", str(self.folder)
+        self.launch(name, "dask_worker", self.address, "--name", name, *alone)
 
-    def log(self, name: str) -> Path:
-        return self.folder / f"{name}.log"
+    @property
+    def address(self) -> str:
+        """That of the scheduler, once it has written its file whole."""
+        for _ in range(int(PATIENCE / 0.01)):
+            with contextlib.suppress(FileNotFoundError, json.JSONDecodeError):
+                return json.loads((self.folder / "scheduler.json").read_text())["address"]
+            time.sleep(0.01)
+        raise TimeoutError
 
     def compiled(self, name: str) -> int:
-        return self.log(name).read_text().count("Finished XLA compilation")
+        return (self.folder / f"{name}.log").read_text().count("Finished XLA compilation")
 
     def kill(self, name: str) -> None:
         process = self.processes.pop(name)
@@ -227,58 +250,35 @@ def cluster(tmp_path) -> Iterator[Cluster]:
     pytest.importorskip("distributed")
     folder = tmp_path / "cluster"
     folder.mkdir()
-    told = folder / "scheduler.json"
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard"]
-    with (folder / "scheduler.log").open("wb") as log:
-        scheduler = subprocess.Popen(
-            [*command, "--host", "127.0.0.1", "--scheduler-file", str(told), "--idle-timeout", str(PATIENCE)],
-            stdout=log,
-            stderr=subprocess.STDOUT,
-        )
-    found = Cluster("", {"scheduler": scheduler}, folder)
-    try:
-        yield found._replace(address=address_in(told))
-    finally:
-        for name in tuple(found.processes):
-            found.kill(name)
+    found, told = Cluster(folder, {}), str(folder / "scheduler.json")
+    at = "--port", "0", "--host", "127.0.0.1", "--scheduler-file", told, "--idle-timeout", str(PATIENCE)
+    found.launch("scheduler", "dask_scheduler", *at)
+    yield found
+    for name in tuple(found.processes):
+        found.kill(name)
 
 
-def address_in(file: Path) -> str:
-    """The address of the scheduler, once it has written its file whole."""
-    for _ in range(int(PATIENCE / 0.01)):
-        with contextlib.suppress(FileNotFoundError, json.JSONDecodeError):
-            return json.loads(file.read_text())["address"]
-        time.sleep(0.01)
-    raise TimeoutError
-
-
-def test_a_cluster_loses_a_worker_and_gets_another(start, cluster, tmp_path):
+def test_a_cluster_loses_a_worker_and_gets_another(start, cluster, targets, alone):
     """Of three workers one is killed in mid-run and one is added: the arrays are those without a cluster."""
-    folder = tmp_path / "targets"
-    folder.mkdir()
-    start(out=str(folder / "alone.zarr")).end()
+    out = targets / "cluster.zarr"
     for name in ("a", "b", "c"):
         cluster.add(name)
-    run = start(out=str(folder / "cluster.zarr"), scheduler=cluster.address)
+    run = start(out=str(out), scheduler=cluster.address)
     assert run.until(lambda: run.done and all(cluster.compiled(name) for name in ("a", "b", "c")))
     cluster.add("d")
     cluster.kill("a")
-    there = len(finished(folder / "cluster.zarr"))
+    there = len(finished(out))
     assert run.until(lambda: cluster.compiled("d")), "the sweep ended before the new worker had a part in it"
     told = run.end()
-    assert there < len(finished(folder / "alone.zarr"))
-    assert arrays(folder / "cluster.zarr") == arrays(folder / "alone.zarr")
-    assert litter(folder) == []
+    assert there < len(finished(out)) and arrays(out) == alone and litter(targets) == []
     assert [line["compiled"] for line in told if "compiled" in line] == [[]]  # all is computed by the workers
     assert {name: cluster.compiled(name) for name in "abcd"} == dict.fromkeys("abcd", 1)
     assert run.done[-1] == KEYWORDS["k"][2] * KEYWORDS["phi"][2]
 
 
-def test_a_cluster_whose_scheduler_dies(start, cluster, tmp_path):
+def test_a_cluster_whose_scheduler_dies(start, cluster, targets, alone):
     """It ends in a line that says so; without a cluster the sweep goes on to the same arrays."""
-    folder = tmp_path / "targets"
-    folder.mkdir()
-    out = folder / "cluster.zarr"
+    out = targets / "cluster.zarr"
     cluster.add("a")
     run = start(out=str(out), scheduler=cluster.address)
     assert run.until(lambda: len(run.done) > 10)
@@ -290,9 +290,7 @@ def test_a_cluster_whose_scheduler_dies(start, cluster, tmp_path):
     before = finished(out)
     start(out=str(out)).end()
     assert {index: files for index, files in finished(out).items() if index in before} == before
-    start(out=str(folder / "alone.zarr")).end()
-    assert arrays(out) == arrays(folder / "alone.zarr")
-    assert litter(folder) == []
+    assert arrays(out) == alone and litter(targets) == []
 
 
 # --- many devices ---------------------------------------------------------------------------------------------------
@@ -392,22 +390,15 @@ def test_a_disk_that_cannot_be_written(disk):
         assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))
 
 
-def test_two_processes_with_one_target(start, tmp_path):
+def test_two_processes_with_one_target(start, tmp_path, targets, alone):
     """The second is told of the first, which goes on undisturbed."""
-    folder = tmp_path / "targets"
-    folder.mkdir()
-    out = folder / "shared.zarr"
-    held = tmp_path / "held"
+    out, held = targets / "shared.zarr", tmp_path / "held"
     held.touch()
     run = start(out=str(out), held=str(held))
     assert run.until(lambda: run.done)
     begin = {name: np.linspace(*KEYWORDS[name]) for name in ("k", "phi")}
     assert refusal(small, out, chunk=KEYWORDS["chunk"], **begin) == f"{out}: another process is sweeping into it"
-    assert run.process.poll() is None
-    assert len(run.done) == 1
+    assert run.process.poll() is None and len(run.done) == 1
     held.unlink()
-    assert run.end()
-    assert len(run.done) > 1
-    start(out=str(folder / "alone.zarr")).end()
-    assert arrays(out) == arrays(folder / "alone.zarr")
-    assert litter(folder) == []
+    run.end()
+    assert len(run.done) > 1 and arrays(out) == alone and litter(targets) == []
