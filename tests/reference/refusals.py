@@ -17,3 +17,11 @@ def is_told(line: str, case: dict[str, Any], file: str = "") -> bool:
     """Whether a line is that of the case, after the name of a file; "…" at its end stands for anything."""
     expected = f"{file}: {case['line']}" if file else case["line"]
     return line == expected or (expected.endswith("…") and line.startswith(expected[:-1]))
+
+
+def refusal(error: type[ValueError], ask: Any, *given: Any, **more: Any) -> str:
+    """The one line of the error with which a question is refused."""
+    with pytest.raises(error) as caught:
+        ask(*given, **more)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import cases, is_told
+from refusals import cases, is_told, refusal
 
 from plgwear_jax import tables
 
@@ -21,9 +21,7 @@ def read(content: str | bytes, form: tables.Form = tables.LOADS) -> tables.Table
 
 
 def complaint(content: str | bytes, form: tables.Form = tables.LOADS) -> str:
-    with pytest.raises(tables.TableError) as caught:
-        read(content, form)
-    return str(caught.value)
+    return refusal(tables.TableError, read, content, form)
 
 
 def numbers(found: tables.Table) -> np.ndarray:

@@ -1,11 +1,11 @@
 """A small sweep into a store, how it is stopped, and what is then there."""
 
-from collections.abc import Callable
+import functools
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
+from refusals import refusal
 
 from plgwear_jax.sweep import SweepError, sweep
 
@@ -18,12 +18,7 @@ def into(out: Path, **changes: Any) -> Any:
     return sweep(**({"quantities": QUANTITIES, "chunk": 100, "out": out} | AXES | changes))
 
 
-def refusal(ask: Callable[..., Any], *given: Any, **changes: Any) -> str:
-    """The one line that refuses a sweep."""
-    with pytest.raises(SweepError) as error:
-        ask(*given, **changes)
-    assert "\n" not in str(error.value)
-    return str(error.value)
+refused = functools.partial(refusal, SweepError)
 
 
 def files(path: Path) -> dict[str, tuple[Any, ...]]:

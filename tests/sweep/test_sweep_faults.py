@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from stores import Stop, files, into, refusal
+from stores import Stop, files, into, refused
 from sweep_process import KEYWORDS
 
 from plgwear_jax.sweep import UnfinishedWarning, open_sweep
@@ -345,7 +345,7 @@ def disk(tmp_path) -> Iterator[Callable[..., Path]]:
 def test_no_room_to_begin(disk, size):
     """A sweep that cannot even be created leaves nothing, and begins once there is room."""
     folder = disk(size)
-    assert refusal(small, folder / "map.zarr") == f"{folder / 'map.zarr'}: cannot be written: No space left on device"
+    assert refused(small, folder / "map.zarr") == f"{folder / 'map.zarr'}: cannot be written: No space left on device"
     assert list(folder.iterdir()) == []
     disk("size=64m,nr_inodes=1000", again=True)
     small(folder / "map.zarr")
@@ -357,14 +357,14 @@ def test_a_disk_that_is_full(disk, tmp_path, size):
     """What was written stays, and with room again the sweep goes on to the same arrays."""
     folder = disk(size)
     out = folder / "map.zarr"
-    line, before = refusal(small, out), finished(out)
+    line, before = refused(small, out), finished(out)
     assert 0 < len(before) < 12
     assert line == (
         f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are finished, "
         "and the same sweep continues with the others"
     )
     assert litter(folder) == []
-    assert "No space left" in refusal(small, out)
+    assert "No space left" in refused(small, out)
     disk("size=64m,nr_inodes=1000", again=True)
     small(out)
     after = finished(out)
@@ -384,7 +384,7 @@ def test_a_disk_that_cannot_be_written(disk):
     before = files(folder)
     disk("ro", again=True)
     for path in (out, folder / "new.zarr"):
-        assert refusal(small, path) == f"{path}: cannot be written: Read-only file system"
+        assert refused(small, path) == f"{path}: cannot be written: Read-only file system"
     assert files(folder) == before
     with pytest.warns(UnfinishedWarning):
         assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))
@@ -397,7 +397,7 @@ def test_two_processes_with_one_target(start, tmp_path, targets, alone):
     run = start(out=str(out), held=str(held))
     assert run.until(lambda: run.done)
     begin = {name: np.linspace(*KEYWORDS[name]) for name in ("k", "phi")}
-    assert refusal(small, out, chunk=KEYWORDS["chunk"], **begin) == f"{out}: another process is sweeping into it"
+    assert refused(small, out, chunk=KEYWORDS["chunk"], **begin) == f"{out}: another process is sweeping into it"
     assert run.process.poll() is None and len(run.done) == 1
     held.unlink()
     run.end()

@@ -59,10 +59,12 @@ def test_numbers_of_blocks_and_their_scale_are_axes():
 
 
 def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
-    moved = 0.5 * MOVED[:1]
-    found = sweep.sweep("wear_volume", contact=CONTACT, displacement=moved, rig_stiffness=RIGS)
-    force = CONTACT.steady(Displacement(moved[:, None], RIGS)).tangential_force
-    np.testing.assert_allclose(found.wear_volume, CONTACT.steady(force).wear_volume, rtol=1e-12)
+    names = ["wear_volume", "displacement_amplitude"]
+    found = sweep.sweep(names, contact=CONTACT, displacement=MOVED, rig_stiffness=RIGS)
+    steady = CONTACT.steady(Displacement(MOVED[0], RIGS))
+    np.testing.assert_allclose(found.wear_volume[0], CONTACT.steady(steady.tangential_force).wear_volume, rtol=1e-12)
+    np.testing.assert_allclose(found.displacement_amplitude[0], MOVED[0], rtol=1e-12)
+    assert np.isnan(found.wear_volume[1]).all()  # the contact slips as a whole
     table = {"calm": ([1.0, 2.0], [1.0, 3.0])}
     found = sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[0.5, 1.0])
     mean = [0.25 * CONTACT.steady(x).wear_volume + 0.75 * CONTACT.steady(2.0 * x).wear_volume for x in (0.5, 1.0)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from stores import AXES, CHUNKS, QUANTITIES, Stop, files, held, into, refusal
+from stores import AXES, CHUNKS, QUANTITIES, Stop, files, held, into, refused
 
 from plgwear_jax.sweep import UnfinishedWarning, open_sweep
 
@@ -87,7 +87,7 @@ def test_a_store_of_other_formulas_is_left_alone(tmp_path, monkeypatch):
     out = tmp_path / "map.zarr"
     into(out)
     monkeypatch.setattr("plgwear_jax.sweep.plan.FORMULAS", 2)
-    assert refusal(into, out).endswith("holds another sweep: formulas there is 1, here 2; name another folder")
+    assert refused(into, out).endswith("holds another sweep: formulas there is 1, here 2; name another folder")
 
 
 def test_what_killed_writers_left_is_removed(tmp_path):
@@ -155,7 +155,7 @@ def test_what_is_no_sweep_is_left_alone(tmp_path, make, said):
     make(path)
     before = files(tmp_path)
     for attempt in (into, open_sweep):
-        assert refusal(attempt, path).startswith(f"{path}: {said}")
+        assert refused(attempt, path).startswith(f"{path}: {said}")
     assert files(tmp_path) == before
 
 
@@ -176,7 +176,7 @@ def test_another_sweep_is_left_alone(tmp_path, changes, said):
     out = tmp_path / "map.zarr"
     with pytest.raises(KeyboardInterrupt):
         into(out, progress=Stop(3, KeyboardInterrupt()))
-    before, line = held(tmp_path), refusal(into, out, **changes)
+    before, line = held(tmp_path), refused(into, out, **changes)
     assert line.startswith(f"{out}: holds another sweep: ") and said in line
     assert held(tmp_path) == before
 
@@ -188,7 +188,7 @@ def test_one_process_at_a_time(tmp_path):
 
     def listen(done: int, points: int) -> None:
         del done, points
-        said.append(refusal(into, out))
+        said.append(refused(into, out))
 
     into(out, progress=listen)
     assert said == [f"{out}: another process is sweeping into it"] * (CHUNKS + 1)
@@ -208,5 +208,5 @@ def test_where_nothing_can_be_put(tmp_path):
         tmp_path / f"{'m' * 250}.zarr",
         tmp_path / "taken" / "map.zarr",
     ):
-        assert refusal(into, out).startswith(f"{out}: cannot be written: ")
+        assert refused(into, out).startswith(f"{out}: cannot be written: ")
     assert files(tmp_path) == before
