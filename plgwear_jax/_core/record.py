@@ -55,7 +55,7 @@ def record(cls: type[T]) -> type[T]:
         children, structure = [], []
         for name, known in about.items():
             value = getattr(instance, name)
-            if _STATIC in known or (_WORD in known and isinstance(value, str) and value == known[_WORD]):
+            if _STATIC in known or (isinstance(value, str) and value == known.get(_WORD)):
                 structure.append((name, value))
             else:
                 children.append((jax.tree_util.GetAttrKey(name), value))

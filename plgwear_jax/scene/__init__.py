@@ -196,13 +196,11 @@ class Scene:
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
         law, limits = laws_of(self.contact).get(its[0]), each_limit(self.asked().allowed)
-        needed = [place for place in PLACES if law is not None and place in law.arguments] or ["r"]
-        values = [text.split(",")] if at else []
-        values += [
-            [one[place] for place in needed] for one_name, one in limits if one_name in its and {*needed} <= {*one}
-        ]
+        needed = [place for place in PLACES if place in getattr(law, "arguments", ())] or ["r"]
+        limit = next((one for own, one in limits if own in its and {*needed} <= {*one}), {})
+        values = text.split(",") if at else [limit[place] for place in needed if limit]
         try:
-            places = {place: float(x) for x_of in values[:1] for place, x in zip(needed, x_of, strict=True)}
+            places = {place: float(x) for place, x in zip(needed if values else (), values, strict=True)}
         except ValueError:
             places = {needed[0]: math.nan}
         found = placed_quantity(key, name, places, self.contact.kind)

@@ -89,8 +89,7 @@ class DesignSpace(SimpleNamespace):
                 if len(given["at"]) == 2 and (said := window_complaint(**found[name])) is not None:
                     raise WrongKeyError("vary.modulus.between", said)
             else:
-                inner = {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
-                found |= inner
+                found |= {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
         return found
 
     @cached_property

@@ -216,9 +216,9 @@ class LoadSection(SimpleNamespace):
         every = [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
         if self.cycles is None:
             return every[0]
-        names, columns = [*self.pressed], [self.cycles, *self.pressed.values()]
-        rows = zip(every, *(column.tolist() for column in columns), strict=True)
-        return [loads.Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
+        own = {"cycles": self.cycles, **self.pressed}
+        blocks = ({name: column.item(row) for name, column in own.items()} for row in range(len(every)))
+        return [loads.Block(load, **block) for load, block in zip(every, blocks, strict=True)]
 
     @cached_property
     def moved(self) -> "DisplacementEffect":

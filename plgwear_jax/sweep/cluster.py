@@ -42,7 +42,7 @@ def run_on_cluster(
     batches = [numbers[first : first + some] for first in range(0, len(numbers), some)]
     try:
         client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TimeoutError):
+    except (OSError, ValueError):
         raise SweepError(f"scheduler {one_line(scheduler)}: no Dask scheduler answers there") from None
     with client:
         # As a task of its own the plan is sent once to each worker, and again if they all die.

@@ -104,7 +104,7 @@ class SweepTarget:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
         names: The names of its numbers.
         load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
-        paths: The path in the contact of each axis and each single value that is a number of it.
+        paths: Which axis or single value it is, by the path in the contact of each of its numbers.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
         amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
@@ -116,14 +116,14 @@ class SweepTarget:
 
     contact: FrettingContact | GrossSlipContact | None
     names: AxisNames
-    load: Any = None
-    paths: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    inputs: tuple[str, ...] = ()
-    holl: bool = False
-    amplitudes: tuple[np.ndarray, np.ndarray] | None = None
-    design: Mapping[str, Any] | None = None
-    bounds: tuple[float, float] = (-0.95, 0.95)
-    digits: int | None = None
+    load: Any
+    paths: Mapping[str, str]
+    inputs: tuple[str, ...]
+    holl: bool
+    amplitudes: tuple[np.ndarray, np.ndarray] | None
+    design: Mapping[str, Any] | None
+    bounds: tuple[float, float]
+    digits: int | None
 
     @property
     def numeric(self) -> bool:
@@ -153,20 +153,20 @@ class SweepQuantity:
     Attributes:
         name: As it was asked for.
         needs: The axes or fields that need a value.
-        slopes: Those with respect to which it can be differentiated.
         evaluate: The quantity at values that broadcast; the second argument holds results that quantities share.
         unit: Of the quantity.
         description: What it is, in words.
         equation: Its number in the paper; empty for designs.
+        smooth: It has derivatives.
     """
 
     name: str
     needs: tuple[str, ...]
-    slopes: tuple[str, ...]
     evaluate: Callable[[Values, dict[Any, Any]], Array]
     unit: str
     description: str
-    equation: str
+    equation: str = ""
+    smooth: bool = True
 
 
 # A search or a march over cycles takes a thousand times as long as a formula.
@@ -239,13 +239,13 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
             stem, _design_fields(subject), subject.inputs, functools.partial(_best_designs, subject), subject
         )
     if stem == SLIPS and "displacement" in subject.inputs:
-        return SweepQuantity(stem, subject.inputs, (), functools.partial(_slips, subject), "1", _SLIPS, "")
+        return SweepQuantity(stem, subject.inputs, functools.partial(_slips, subject), "1", _SLIPS, smooth=False)
     known = _quantities_of(subject)
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
         if not by and head in known and tail:
-            by = f"; {head} has derivatives by {', '.join('d' + axis for axis in known[head].slopes)}"
+            by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
         raise QuantityError(f"{text}{by or near_or_all(stem, known)}")
     if subject.load is not None and needs_force(stem):
         raise QuantityError(f"{stem}: {never_steady(subject.load)}")
@@ -275,9 +275,8 @@ def _of_function(function: Callable[..., Array], law: Law, subject: SweepTarget)
     def evaluate(values: Values, _: dict[Any, Any]) -> Array:
         return function(*(values[name] for name in needs), digits=subject.digits)
 
-    unit = law.scale or "1"
-    name, slopes = function.__name__.lstrip("_"), _differentiable(needs, subject)
-    return SweepQuantity(name, needs, slopes, evaluate, unit, law.description, law.equation)
+    name = function.__name__.lstrip("_")
+    return SweepQuantity(name, needs, evaluate, law.scale or "1", law.description, law.equation)
 
 
 def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
@@ -300,17 +299,17 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
-    return SweepQuantity(name, needs, _differentiable(needs, subject), evaluate, law.unit, about, law.equation)
+    return SweepQuantity(name, needs, evaluate, law.unit, about, law.equation)
 
 
 def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
-    path = subject.names.paths.get(by)
-    if not (by in asked.slopes or (path is not None and asked.slopes and not (subject.holl and path == "material.nu"))):
-        have = f"; it has those by {', '.join(asked.slopes)}" if asked.slopes else ""
+    path, slopes = subject.names.paths.get(by, ""), _slopes_of(asked, subject)
+    if not (by in slopes or (path and slopes and not (subject.holl and path == "material.nu"))):
+        have = f"; it has those by {', '.join(slopes)}" if slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
     def evaluate(values: Values, _: dict[Any, Any]) -> Array:
-        name = next((name for name in values if path is not None and subject.paths.get(name) == path), by)
+        name = subject.paths.get(path, by)
 
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
@@ -338,9 +337,8 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
 def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
-    for name, path in subject.paths.items():
-        if name in values:
-            contact = with_leaf(contact, path, values[name])
+    for path, name in subject.paths.items():
+        contact = with_leaf(contact, path, values[name])
     return contact
 
 
@@ -374,10 +372,11 @@ def _slips(subject: SweepTarget, values: Values, _: dict[Any, Any]) -> Array:
     return ~(jnp.asarray(values["displacement"]) < at_rest.gross_slip_displacement)
 
 
-def _differentiable(needs: tuple[str, ...], subject: SweepTarget) -> tuple[str, ...]:
+def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
     numbers = [name for name, value in subject.names.own.items() if not isinstance(value, str) and not np.ndim(value)]
-    return tuple(name for name in (*needs, *numbers) if name != "load_case" and not (subject.holl and name == "nu"))
+    left_out = {"load_case", "nu"} if subject.holl else {"load_case"}
+    return [name for name in (*asked.needs, *numbers) if asked.smooth and name not in left_out]
 
 
 # --- optima ---------------------------------------------------------------------------------------------------------
@@ -448,9 +447,8 @@ def _of_record(
             memo[head] = search(values)
         return field.get(memo[head])
 
-    slopes = _differentiable(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
-    return SweepQuantity(stem, needs, slopes, evaluate, field.unit, field.description, equation)
+    return SweepQuantity(stem, needs, evaluate, field.unit, field.description, equation, field.smooth)
 
 
 def _best_designs(subject: SweepTarget, values: Values) -> Any:

@@ -124,6 +124,7 @@ def sweep(
         doubt(*of_contact(contact))
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
+    loads = loads or {}
     given = None if load is None else load_of(load)
     held = given if given is not None and not given.lasts else None
     known = AxisNames(contact, given)
@@ -133,7 +134,7 @@ def sweep(
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
-    if loads is not None and len(loads) > 1:
+    if len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
@@ -151,7 +152,7 @@ def sweep(
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
     width = 1 if amplitudes is None else amplitudes[0].shape[1]
     shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, width, subject.slow))
-    plan = SweepPlan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
+    plan = SweepPlan(names, rows, fixed, subject, tuple(loads), dtype, shape)
     _refuse_gross_slip_anywhere(plan)
     _refuse_needs(plan)
     try:
@@ -249,7 +250,7 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
 
 def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
     """The inputs of the load of a fretting contact, among the names that are given."""
-    several = [name for name, there in (("loads", loads), ("load", held is not None)) if there]
+    several = [name for name, there in (("loads", loads), ("load", held)) if there]
     setting = [*(name for name in AMPLITUDES if name in given), *several]
     if len(setting) > 1:
         raise AxisError(f"{' and '.join(setting)}: only one can set the amplitude")
@@ -262,7 +263,7 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 def _sorted_out(
     axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
-    """The axes, the inputs with a single value, including the fields of the contact, and the paths of both there."""
+    """The axes, the inputs with a single value, including the fields of the contact, and which of them a path is."""
     fixed: dict[str, Any] = {}
     for name, value in known.own.items():
         if isinstance(value, str) or not np.ndim(value):
@@ -298,7 +299,7 @@ def _sorted_out(
             rows[name] = array
         else:
             fixed[name] = float(array)
-    return rows, fixed, {name: path for path, name in paths.items()}
+    return rows, fixed, paths
 
 
 def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:

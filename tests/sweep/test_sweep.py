@@ -5,7 +5,6 @@ import importlib
 import json
 import math
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -302,20 +301,20 @@ def test_an_array_field_of_a_contact_is_refused():
 
 
 @pytest.mark.parametrize(
-    "module, package, line",
+    "module, package, what, extra",
     [
-        ("plgwear_jax.sweep", "xarray", "sweeps need the extra sweep (xarray is missing)"),
-        ("plgwear_jax.plots.maps", "xarray", "pictures of sweeps need the extra sweep (xarray is missing)"),
-        ("plgwear_jax.plots", "matplotlib", "pictures need the extra plots (matplotlib is missing)"),
+        ("plgwear_jax.sweep", "xarray", "sweeps", "sweep"),
+        ("plgwear_jax.plots.maps", "xarray", "pictures of sweeps", "sweep"),
+        ("plgwear_jax.plots", "matplotlib", "pictures", "plots"),
     ],
 )
-def test_what_lacks_its_extra_says_so_however_it_is_imported(monkeypatch, module, package, line):
+def test_what_lacks_its_extra_says_so_however_it_is_imported(monkeypatch, module, package, what, extra):
     for name in [name for name in sys.modules if name.startswith(module)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(ModuleNotFoundError) as lacking:
         importlib.import_module(module)
-    extra = re.findall(r"extra (\w+)", line)[0]
+    line = f"{what} need the extra {extra} ({package} is missing)"
     assert str(lacking.value) == f"{line}: pip install 'plgwear-jax[{extra}]', in a clone '.[{extra}]'"
     assert lacking.value.name == package
 
