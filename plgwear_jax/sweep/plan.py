@@ -142,14 +142,12 @@ class SweepPlan:
     def _evaluate(self, *rows: Array) -> tuple[Array, ...]:
         """The quantities on the outer product of the rows, each with as many axes as there are rows."""
         count = len(rows)
-        values: dict[str, Any] = {
+        values: dict[str, Any] = {LOAD: jnp.zeros((), np.int32)} | {
             name: value if isinstance(value, str) else jnp.asarray(value, self.dtype)
             for name, value in self.fixed.items()
         }
         for place, (name, row) in enumerate(zip(self.axes, rows, strict=True)):
             values[name] = row.reshape([-1 if place == axis else 1 for axis in range(count)])
-        if self.subject.amplitudes is not None and LOAD not in values:
-            values[LOAD] = jnp.zeros((), np.int32)
         shared: dict[Any, Any] = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
         return tuple(x.reshape((1,) * (count - x.ndim) + x.shape) for x in found)

@@ -1,14 +1,11 @@
 """A sweep in a process of its own, for tests that kill it or give it other devices: `python sweep_process.py JSON`.
 
 The JSON holds the keywords of `sweep`, axes as start, stop and count. It tells, a JSON a line, the points done whenever
-the sweep tells its progress, and at the end what XLA compiled. Without `out` the arrays go to `arrays`, a .npz. Having
-told its progress it waits as long as there is a file `held`.
+the sweep tells its progress, and at the end what XLA compiled. Without `out` the arrays go to `arrays`, a .npz.
 """
 
 import json
 import sys
-import time
-from pathlib import Path
 from typing import Any
 
 import jax
@@ -31,7 +28,7 @@ def tell(**said: Any) -> None:
 def main() -> None:
     keywords = json.loads(sys.argv[1])
     jax.config.update("jax_enable_x64", keywords.pop("wide", True))
-    arrays, held = keywords.pop("arrays", None), keywords.pop("held", None)
+    arrays = keywords.pop("arrays", None)
     for name in ("k", "phi"):
         keywords[name] = np.linspace(*keywords[name])
     compiled = []
@@ -41,13 +38,8 @@ def main() -> None:
         if event.endswith("backend_compile_duration"):
             compiled.append(about.get("fun_name", event))
 
-    def progress(done: int, points: int) -> None:
-        tell(done=done, points=points)
-        while held and Path(held).exists():
-            time.sleep(0.01)
-
     jax.monitoring.register_event_duration_secs_listener(note)
-    found = sweep.sweep(**keywords, progress=progress)
+    found = sweep.sweep(**keywords, progress=lambda done, points: tell(done=done, points=points))
     tell(compiled=compiled, devices=jax.local_device_count())
     if arrays:
         np.savez(arrays, **{name: found[name].values for name in found.data_vars})

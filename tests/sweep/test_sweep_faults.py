@@ -122,12 +122,9 @@ def arrays(path: Path) -> dict[str, bytes]:
 def finished(path: Path) -> dict[tuple[int, ...], list[tuple[int, int, int]]]:
     """Which chunks are there whole, each with what identifies its files and when they were written."""
     found = {}
-    for name in VARIABLES:
-        for file in (path / name / "c").glob("*/*"):
-            if file.suffix != ".partial":
-                status = file.stat()
-                index = int(file.parent.name), int(file.name)
-                found.setdefault(index, []).append((status.st_ino, status.st_mtime_ns, status.st_size))
+    for file in (file for name in VARIABLES for file in (path / name / "c").glob("*/*[0-9]")):
+        status, index = file.stat(), (int(file.parent.name), int(file.name))
+        found.setdefault(index, []).append((status.st_ino, status.st_mtime_ns, status.st_size))
     return {index: files for index, files in found.items() if len(files) == len(VARIABLES)}
 
 
@@ -388,17 +385,3 @@ def test_a_disk_that_cannot_be_written(disk):
     assert files(folder) == before
     with pytest.warns(UnfinishedWarning):
         assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))
-
-
-def test_two_processes_with_one_target(start, tmp_path, targets, alone):
-    """The second is told of the first, which goes on undisturbed."""
-    out, held = targets / "shared.zarr", tmp_path / "held"
-    held.touch()
-    run = start(out=str(out), held=str(held))
-    assert run.until(lambda: run.done)
-    begin = {name: np.linspace(*KEYWORDS[name]) for name in ("k", "phi")}
-    assert refused(small, out, chunk=KEYWORDS["chunk"], **begin) == f"{out}: another process is sweeping into it"
-    assert run.process.poll() is None and len(run.done) == 1
-    held.unlink()
-    run.end()
-    assert len(run.done) > 1 and arrays(out) == alone and litter(targets) == []
