@@ -13,6 +13,7 @@ from plgwear_jax.loads import Displacement
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 ONSET = float(CONTACT.steady(0.0).gross_slip_displacement)
 LIFE = {"cycles": 1e5, "wear_coefficient": 1e-14}
+LAW = {"cycles": 1e5, "law": 1e-14}  # the same for designs
 BLOCKS = [loads.Block(1.0, 2e5), loads.Block(loads.Displacement(0.5 * ONSET), 2e5, normal_force=8.0)]
 MOVED, RIGS = ONSET * np.array([0.5, 3.0]), np.array([1e7, 1e8])
 
@@ -132,7 +133,7 @@ def test_the_command_sweeps_what_the_command_wear_wears(tmp_path, monkeypatch):
 @pytest.mark.long
 def test_designs_at_points_of_partial_and_of_gross_slip():
     moved, frictions = 0.6 * ONSET, np.array([0.15, 0.4])
-    asked = {"vary": {"k": (-0.3, 0.3)}, **LIFE}
+    asked = {"vary": {"k": (-0.3, 0.3)}, **LAW}
     found = sweep.sweep("design.k", contact=CONTACT, displacement=moved, friction=frictions, design=asked)
     for k, friction in zip(found.design_k, frictions, strict=True):
         one = optimise.design(dataclasses.replace(CONTACT, friction=float(friction)), Displacement(moved), **asked)
@@ -142,7 +143,7 @@ def test_designs_at_points_of_partial_and_of_gross_slip():
 @pytest.mark.compiled
 def test_designs_over_lives_in_gross_slip():
     load = loads.Displacement(3.0 * ONSET)
-    asked = {"vary": {"k": (-0.6, 0.6)}, "cycles": LIFE["cycles"], "law": LIFE["wear_coefficient"]}
+    asked = {"vary": {"k": (-0.6, 0.6)}, **LAW}
     names = ["design.k", "design.saving"]
     found = sweep.sweep(names, contact=CONTACT, load=load, design=asked, cycles=[1e5, 4e5])
     one = optimise.design(CONTACT, load, **(asked | {"cycles": 4e5}))
