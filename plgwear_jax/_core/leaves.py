@@ -40,8 +40,8 @@ def with_leaf(tree: Any, path: Any, value: Any) -> Any:
 
 
 def _keys(path: str) -> list[str | int]:
-    keys = re.findall(r"\w+|\[.*?\]", path)
-    return [key if key[0] != "[" else int(key[1:-1]) if key[1:-1].isdecimal() else key[2:-2] for key in keys]
+    found = re.findall(r"\[(\d+)\]|\['(.*?)'\]|(\w+)", path)
+    return [int(place) if place else key or name for place, key, name in found]
 
 
 def _stepped_into(tree: Any, key: Any) -> Any:

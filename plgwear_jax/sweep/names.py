@@ -8,7 +8,6 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 import dataclasses
 import functools
 import inspect
-import operator
 import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -383,18 +382,18 @@ def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
 
 
 class _Field(NamedTuple):
-    """A field of an optimum: its unit, what it is, whether it has derivatives, and where the result has it."""
+    """A field of an optimum: its unit, what it is, its path in the result, and whether it has derivatives."""
 
     unit: str
     description: str
-    smooth: bool
-    get: Callable[[Any], Array]
+    path: str
+    smooth: bool = True
 
 
 def _fields(text: str, smooth: bool = False) -> dict[str, _Field]:
     """Fields that are attributes of the result, from a line for each: name, unit, and what it is."""
     rows = (re.split("  +", line.strip()) for line in text.strip().splitlines())
-    return {name: _Field(unit, about, smooth, operator.attrgetter(name)) for name, unit, about in rows}
+    return {name: _Field(unit, about, name, smooth) for name, unit, about in rows}
 
 
 _FLAGS = _fields("""
@@ -422,11 +421,10 @@ def _design_fields(subject: SweepTarget) -> dict[str, _Field]:
     found = {}
     for name in subject.design["vary"]:
         kind = leaf(name)
-        get = lambda optimum, name=name: optimum.variables[name]  # noqa: E731
-        found[name] = _Field(kind.unit, f"best {kind.description or kind.words}", True, get)
+        found[name] = _Field(kind.unit, f"best {kind.description or kind.words}", f"variables['{name}']")
     least = entry(objective)
-    found[objective] = _Field(least.unit, f"least {least.description}", True, operator.attrgetter("value"))
-    return found | _fields(f"saving  1  share of the {objective} saved against the reference", smooth=True)
+    found[objective] = _Field(least.unit, f"least {least.description}", "value")
+    return found | {"saving": _Field("1", f"share of the {objective} saved against the reference", "saving")}
 
 
 def _of_record(
@@ -445,7 +443,7 @@ def _of_record(
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         if head not in memo:  # all fields of an optimum come from one search
             memo[head] = search(values)
-        return field.get(memo[head])
+        return leaf_of(memo[head], field.path)
 
     equation = "28" if head == "optimal_exponent" else ""
     return SweepQuantity(stem, needs, evaluate, field.unit, field.description, equation, field.smooth)
