@@ -230,13 +230,12 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
         def optimum(values: Values) -> Any:
             return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
 
-        return _of_record(stem, _EXPONENT, ("phi",), optimum, subject)
+        return _of_record(stem, _EXPONENT, ("phi",), optimum)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
-        return _of_record(
-            stem, _design_fields(subject), subject.inputs, functools.partial(_best_designs, subject), subject
-        )
+        search = functools.partial(_best_designs, subject)
+        return _of_record(stem, _design_fields(subject), subject.inputs, search)
     if stem == SLIPS and "displacement" in subject.inputs:
         return SweepQuantity(stem, subject.inputs, functools.partial(_slips, subject), "1", _SLIPS, smooth=False)
     known = _quantities_of(subject)
@@ -432,7 +431,6 @@ def _of_record(
     fields: Mapping[str, _Field],
     needs: tuple[str, ...],
     search: Callable[[Values], Any],
-    subject: SweepTarget,
 ) -> SweepQuantity:
     head, _, name = stem.partition(".")
     fields = {**fields, **_FLAGS}

@@ -117,7 +117,7 @@ class SweepPlan:
         """
         rows = [jax.ShapeDtypeStruct((2,), self.row_dtype(name)) for name in self.axes]
         found = {}
-        for asked, array in zip(self.asked, jax.eval_shape(self._evaluate, *rows), strict=True):
+        for asked, array in zip(self.asked, jax.eval_shape(self.evaluate, *rows), strict=True):
             along = [place for place, length in enumerate(array.shape) if length == 2]
             dims, shape, chunks = ([each[place] for place in along] for each in ([*self.axes], self.shape, self.chunk))
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
@@ -139,7 +139,7 @@ class SweepPlan:
             "digits": str(digits),
         }
 
-    def _evaluate(self, *rows: Array) -> tuple[Array, ...]:
+    def evaluate(self, *rows: Array) -> tuple[Array, ...]:
         """The quantities on the outer product of the rows, each with as many axes as there are rows."""
         count = len(rows)
         values: dict[str, Any] = {LOAD: jnp.zeros((), np.int32)} | {
@@ -151,13 +151,6 @@ class SweepPlan:
         shared: dict[Any, Any] = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
         return tuple(x.reshape((1,) * (count - x.ndim) + x.shape) for x in found)
-
-    def program(self, *rows: Array) -> dict[str, Array]:
-        """The variables of one chunk by name."""
-        found = {}
-        for (name, variable), x in zip(self.variables.items(), self._evaluate(*rows), strict=True):
-            found[name] = jax.lax.squeeze(x, [place for place, one in enumerate(self.axes) if one not in variable.dims])
-        return found
 
     def coordinate_attributes(self, name: str) -> dict[str, str]:
         """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
@@ -274,7 +267,8 @@ class Engine:
         ]
 
         def one_chunk(*rows: Array) -> dict[str, Array]:
-            return jax.tree.map(lambda x: x[None], plan.program(*(row[0] for row in rows)))
+            found = (x[None] for x in plan.evaluate(*(row[0] for row in rows)))
+            return dict(zip(plan.variables, found, strict=True))
 
         with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
             # Each device runs the same program on a chunk of its own; none waits for another.
@@ -303,5 +297,8 @@ class Engine:
         """The numbers of the chunks that were started, each with its variables, without the padding."""
         for device, number in enumerate(numbers):
             kept = {name: slice(part.stop - part.start) for name, part in self.plan.place(number).items()}
-            places = {name: (device, *map(kept.get, one.dims)) for name, one in self.plan.variables.items()}
-            yield number, {name: np.asarray(started[name])[place] for name, place in places.items()}
+            variables = {}
+            for name, variable in self.plan.variables.items():
+                place = (kept[axis] if axis in variable.dims else 0 for axis in kept)
+                variables[name] = np.asarray(started[name])[(device, *place)]
+            yield number, variables
