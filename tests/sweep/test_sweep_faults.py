@@ -137,29 +137,20 @@ def litter(folder: Path) -> list[str]:
 # --- killed ---------------------------------------------------------------------------------------------------------
 
 
-class Clock(NamedTuple):
-    """How long the parts of an undisturbed sweep take, in seconds."""
-
-    creating: float
-    running: float
-    whole: float
-
-
-def undisturbed(start: Callable[..., Run], out: Path) -> Clock:
-    begun = time.perf_counter()
-    run = start(out=str(out))
-    moments = []
+def undisturbed(start: Callable[..., Run], out: Path) -> np.ndarray:
+    """How long a sweep starts, creates its store, compiles and runs, in seconds."""
+    moments, run = [time.perf_counter()], start(out=str(out))
     for happened in (out.with_name(f".{out.name}.lock").exists, lambda: run.done, lambda: run.done[1:]):
         assert run.until(happened)
         moments.append(time.perf_counter())
     run.end()
-    moments.append(time.perf_counter())
-    return Clock(moments[1] - moments[0], moments[3] - moments[2], moments[3] - begun)
+    return np.diff([*moments, time.perf_counter()])
 
 
 def test_a_killed_sweep_goes_on(start, targets):
     """Killed while it starts, creates the store, compiles, computes and writes, a sweep is resumed each time."""
     clock = undisturbed(start, targets / "undisturbed.zarr")
+    _, creating, _, running = clock
     expected = arrays(targets / "undisturbed.zarr")
     chunks = len(finished(targets / "undisturbed.zarr"))
     assert chunks > 200
@@ -171,19 +162,18 @@ def test_a_killed_sweep_goes_on(start, targets):
         out = targets / f"killed-{sweeps}.zarr"
         sweeps += 1
         before = {}
-        last = False
         for kind in (*kills, "to its end"):
             run = start(out=str(out))
             ended = False
             if kind == "creating":
                 ended = not run.until(out.with_name(f".{out.name}.lock").exists)
-                time.sleep(rng.uniform(0.0, clock.creating))
+                time.sleep(rng.uniform(0.0, creating))
             elif kind == "anything":
-                time.sleep(rng.uniform(0.0, clock.whole))
+                time.sleep(rng.uniform(0.0, clock.sum()))
             elif kind == "running":
                 ended = not run.until(lambda run=run: run.done[1:])  # it is compiled
                 left = 1.0 - len(before) / chunks
-                time.sleep(rng.uniform(0.0, left * clock.running))
+                time.sleep(rng.uniform(0.0, left * running))
             else:
                 run.end()
             last = ended or not run.kill()
