@@ -20,24 +20,22 @@ SCENE = Path("scene.toml")
 
 
 @pytest.fixture(autouse=True)
-def _table(_folder) -> None:
+def _table(_folder):
     Path("E.csv").write_text(CSV)
 
 
-def written(
-    material: str = POWER_LAW, indenter: str = "", design: str = "", load: str = "tangential_force = 0.32"
-) -> str:
+def written(material=POWER_LAW, indenter="", design="", load="tangential_force = 0.32"):
     section = f"[design]\n{design}\n" if design else ""
     contact = f'kind = "fretting"\nradius = 5e-3\nnormal_force = 10.0\nfriction = 0.4\n{indenter}'
     return f"[material]\n{material}\nnu = 0.3\n[contact]\n{contact}\n[load]\n{load}\n{section}"
 
 
-def loaded(more: str = "", **given: str) -> scene.Scene:
+def loaded(more="", **given):
     SCENE.write_text(written(**given) + more)
     return scene.load(SCENE)
 
 
-def complaint(**given: str) -> str:
+def complaint(**given):
     return refusal(scene.SceneError, lambda: loaded(**given).asked())
 
 

@@ -23,7 +23,7 @@ REFUSED = Path(__file__).with_name("refused.toml")
 OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
 
 
-def read(load: str, contact: str = CONTACT, **files: str) -> scene.Scene:
+def read(load, contact=CONTACT, **files):
     Path("scene.toml").write_text(f"{contact}\n{load}\n")
     for name, content in files.items():
         Path(f"{name}.csv").write_text(content)
@@ -59,7 +59,7 @@ def test_tables_and_histories_take_displacements():
         tables.read("moves.csv", tables.LOADS)["tangential_force"]
 
 
-def told_of_sliding(load: str) -> tuple[scene.Scene, str]:
+def told_of_sliding(load):
     """A scene that wears in gross slip, and what it says of it."""
     given = read(f"load = {{ {load} }}\nwear = {{ coefficient_mm3_per_N_m = 1e-5, cycles = 1e5 }}")
     return given, refusal(scene.SceneError, given.solve)

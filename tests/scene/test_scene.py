@@ -5,7 +5,6 @@ import json
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -73,16 +72,16 @@ SINGLE = [name for name in UNSTRESSED if {*FRETTING_LAWS[name].arguments} <= {"F
 SCENE = Path("scene.toml")
 
 
-def read(content: str | bytes) -> scene.Scene:
+def read(content):
     SCENE.write_bytes(content if isinstance(content, bytes) else content.encode())
     return scene.load(SCENE)
 
 
-def complaint(content: str | bytes) -> str:
+def complaint(content):
     return refusal(scene.SceneError, lambda: read(content).asked())
 
 
-def changed(text: str, *replacements: tuple[str, str]) -> str:
+def changed(text, *replacements):
     for old, new in replacements:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
@@ -110,7 +109,7 @@ def test_refusal_for_gross_slip(case):
     assert is_told(complaint(f"{text}{case['more']}"), case, "scene.toml")
 
 
-def with_files(text: str, load: str, **files: str) -> str:
+def with_files(text, load, **files):
     """The scene with another load, whose tables are written."""
     for name, content in files.items():
         Path(f"{name}.csv").write_text(content)
@@ -230,7 +229,7 @@ def test_design_has_what_the_search_takes():
 
 
 def test_load_has_the_amplitudes_of_the_file():
-    def load(given: str, **files: str) -> Any:
+    def load(given, **files):
         return read(with_files(SINGLE_NUMBERS, given, **files)).load
 
     one = load("tangential_force = 0.32")

@@ -15,16 +15,16 @@ TABLE = "tangential_force,weight\n0.1,2\n0.4,1\n0.2,0\n"
 REFUSED = Path(__file__).with_name("refused_tables.toml")
 
 
-def read(content: str | bytes, form: tables.Form = tables.LOADS) -> tables.Table:
+def read(content, form=tables.LOADS):
     Path("loads.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
     return tables.read("loads.csv", form)
 
 
-def complaint(content: str | bytes, form: tables.Form = tables.LOADS) -> str:
+def complaint(content, form=tables.LOADS):
     return refusal(tables.TableError, read, content, form)
 
 
-def numbers(found: tables.Table) -> np.ndarray:
+def numbers(found):
     return np.stack([found["tangential_force"], found["weight"]], axis=1)
 
 

@@ -1,8 +1,6 @@
 """A small sweep into a store, how it is stopped, and what is then there."""
 
 import functools
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from refusals import refusal
@@ -14,14 +12,14 @@ AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
 CHUNKS = 12
 
 
-def into(out: Path, **changes: Any) -> Any:
+def into(out, **changes):
     return sweep(**({"quantities": QUANTITIES, "chunk": 100, "out": out} | AXES | changes))
 
 
 refused = functools.partial(refusal, SweepError)
 
 
-def files(path: Path) -> dict[str, tuple[Any, ...]]:
+def files(path):
     """Every file, what identifies it, when it was written and all that it holds."""
     found = {}
     for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
@@ -31,7 +29,7 @@ def files(path: Path) -> dict[str, tuple[Any, ...]]:
     return found
 
 
-def held(path: Path) -> dict[str, bytes]:
+def held(path):
     """All that the files hold."""
     return {name: content for name, (_, _, content) in files(path).items() if content is not None}
 
@@ -39,15 +37,15 @@ def held(path: Path) -> dict[str, bytes]:
 class Stop:
     """A progress that stops the sweep after some chunks, or only counts them."""
 
-    def __init__(self, after: int = 10**9, error: BaseException | None = None) -> None:
+    def __init__(self, after=10**9, error=None):
         self.after, self.error, self.done = after, error, list[int]()
 
-    def __call__(self, done: int, points: int) -> None:
+    def __call__(self, done, points):
         assert points == 1200
         self.done.append(done)
         if len(self.done) > self.after and self.error is not None:
             raise self.error
 
     @property
-    def chunks(self) -> int:
+    def chunks(self):
         return len(self.done) - 1  # the first tells what was there

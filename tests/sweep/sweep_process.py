@@ -6,7 +6,6 @@ the sweep tells its progress, and at the end what XLA compiled. Without `out` th
 
 import json
 import sys
-from typing import Any
 
 import jax
 import numpy as np
@@ -21,11 +20,11 @@ KEYWORDS = {
 }
 
 
-def tell(**said: Any) -> None:
+def tell(**said):
     print(json.dumps(said), flush=True)
 
 
-def main() -> None:
+def main():
     keywords = json.loads(sys.argv[1])
     jax.config.update("jax_enable_x64", keywords.pop("wide", True))
     arrays = keywords.pop("arrays", None)
@@ -33,7 +32,7 @@ def main() -> None:
         keywords[name] = np.linspace(*keywords[name])
     compiled = []
 
-    def note(event: str, duration: float, **about: Any) -> None:
+    def note(event, duration, **about):
         del duration
         if event.endswith("backend_compile_duration"):
             compiled.append(about.get("fun_name", event))

@@ -55,7 +55,7 @@ NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text("utf-8"))
 # --- every quantity -------------------------------------------------------------------------------------------------
 
 
-def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
+def expected(name, contact, at):
     """What the contact itself says; for rates by differences of the volume."""
     taken = {x: at[x] for x in laws_of(contact)[name].arguments}
     asked, force = name.rpartition(".")[2], taken.pop("F_x", 0.0)
@@ -72,7 +72,7 @@ def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
     return getattr(run, asked.removeprefix("wear_"))(**taken)
 
 
-def check_all(names: list[str], contact: Any, digits: int | None = None, **given: Any) -> None:
+def check_all(names, contact, digits=None, **given):
     arguments = {x for name in names for x in laws_of(contact)[name].arguments} - {"F_x"}
     ds = sweep.sweep(names, contact=contact, digits=digits, **{x: GIVEN[x] for x in arguments}, **given)
     for name in names:
@@ -118,7 +118,7 @@ def test_quantities_of_a_numeric_contact_can_be_swept():
 # --- every leaf -----------------------------------------------------------------------------------------------------
 
 
-def of_shape(shape: Any) -> FrettingContact:
+def of_shape(shape):
     return dataclasses.replace(CLOSED, shape=shape)
 
 
@@ -212,13 +212,13 @@ def test_a_leaf_within_lists_dictionaries_and_arrays():
 
 
 def test_a_leaf_is_set_under_jit_and_grad():
-    def radius(value: jax.Array) -> jax.Array:
+    def radius(value):
         return with_leaf(CLOSED, "material.E0", value).steady(0.0).contact_radius
 
     whole = jax.grad(lambda contact: contact.steady(0.0).contact_radius)(CLOSED).material.E0
     np.testing.assert_allclose(jax.jit(jax.grad(radius))(110e9), whole, rtol=1e-12)
 
-    def last(value: jax.Array) -> jax.Array:
+    def last(value):
         return with_leaf(LAYERED, "material.modulus[2]", value).material.modulus
 
     np.testing.assert_array_equal(jax.vmap(last)(jnp.array([1e9, 2e9]))[:, 2], [1e9, 2e9])

@@ -11,9 +11,8 @@ import random
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -41,19 +40,19 @@ class Run(NamedTuple):
     file: Path
 
     @property
-    def told(self) -> list[dict[str, Any]]:
+    def told(self):
         whole, _, _ = self.file.read_text().rpartition("\n")  # the last line may be half there
         return [json.loads(line) for line in whole.splitlines()]
 
     @property
-    def done(self) -> list[int]:
+    def done(self):
         return [line["done"] for line in self.told if "done" in line]
 
-    def end(self) -> list[dict[str, Any]]:
+    def end(self):
         assert self.process.wait(PATIENCE) == 0, self.file.with_suffix(".err").read_text()
         return self.told
 
-    def until(self, happened: Callable[[], Any]) -> bool:
+    def until(self, happened):
         """Whether that came before the end of the process."""
         while not happened():
             if self.process.poll() is not None:
@@ -61,31 +60,31 @@ class Run(NamedTuple):
             time.sleep(0.001)
         return True
 
-    def kill(self) -> bool:
+    def kill(self):
         """Kill it at once; whether it was still running."""
         running = self.process.poll() is None
         self.process.kill()
         return self.process.wait() != 0 and running
 
 
-def command(**keywords: Any) -> list[str]:
+def command(**keywords):
     return [sys.executable, str(PROCESS), json.dumps(KEYWORDS | keywords)]
 
 
-def as_users(**variables: str) -> dict[str, str]:
+def as_users(**variables):
     """The environment of a process that compiles what it needs."""
     return {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"} | variables
 
 
 @pytest.fixture
-def targets(tmp_path) -> Path:
+def targets(tmp_path):
     """A folder with stores alone."""
     (tmp_path / "targets").mkdir()
     return tmp_path / "targets"
 
 
 @pytest.fixture(scope="module")
-def alone(tmp_path_factory) -> dict[str, bytes]:
+def alone(tmp_path_factory):
     """The arrays of a sweep that nothing disturbs."""
     out = tmp_path_factory.mktemp("alone") / "alone.zarr"
     subprocess.run(command(out=str(out)), env=as_users(XLA_FLAGS=""), stdout=subprocess.DEVNULL, check=True)
@@ -93,11 +92,11 @@ def alone(tmp_path_factory) -> dict[str, bytes]:
 
 
 @pytest.fixture
-def start(tmp_path) -> Iterator[Callable[..., Run]]:
+def start(tmp_path):
     """Start a sweep in a process, with nothing compiled before."""
     runs = []
 
-    def started(*, flags: str = "", **keywords: Any) -> Run:
+    def started(*, flags="", **keywords):
         file = tmp_path / f"run-{len(runs)}.out"
         with file.open("wb") as out, file.with_suffix(".err").open("wb") as err:
             process = subprocess.Popen(command(**keywords), stdout=out, stderr=err, env=as_users(XLA_FLAGS=flags))
@@ -112,14 +111,14 @@ def start(tmp_path) -> Iterator[Callable[..., Run]]:
 # --- what is there --------------------------------------------------------------------------------------------------
 
 
-def arrays(path: Path) -> dict[str, bytes]:
+def arrays(path):
     """The arrays, bit for bit."""
     found = open_sweep(path)
     assert found.attrs["unfinished"] == 0
     return {str(name): found[name].values.tobytes() for name in found}
 
 
-def finished(path: Path) -> dict[tuple[int, ...], list[tuple[int, int, int]]]:
+def finished(path):
     """Which chunks are there whole, each with what identifies its files and when they were written."""
     found = {}
     for file in (file for name in VARIABLES for file in (path / name / "c").glob("*/*[0-9]")):
@@ -128,7 +127,7 @@ def finished(path: Path) -> dict[tuple[int, ...], list[tuple[int, int, int]]]:
     return {index: files for index, files in found.items() if len(files) == len(VARIABLES)}
 
 
-def litter(folder: Path) -> list[str]:
+def litter(folder):
     """Whatever in a folder is not a finished part of a store."""
     beside = [str(path) for path in folder.iterdir() if path.suffix != ".zarr"]
     return beside + [str(path) for path in folder.rglob("*") if path.suffix in (".partial", ".part", ".lock")]
@@ -137,7 +136,7 @@ def litter(folder: Path) -> list[str]:
 # --- killed ---------------------------------------------------------------------------------------------------------
 
 
-def undisturbed(start: Callable[..., Run], out: Path) -> np.ndarray:
+def undisturbed(start, out):
     """How long a sweep starts, creates its store, compiles and runs, in seconds."""
     moments, run = [time.perf_counter()], start(out=str(out))
     for happened in (out.with_name(f".{out.name}.lock").exists, lambda: run.done, lambda: run.done[1:]):
@@ -202,19 +201,19 @@ class Cluster(NamedTuple):
     folder: Path
     processes: dict[str, subprocess.Popen[bytes]]
 
-    def launch(self, name: str, module: str, *options: str) -> None:
+    def launch(self, name, module, *options):
         words = [sys.executable, "-m", f"distributed.cli.{module}", "--no-dashboard", *options]
         # As the sweeps beside which their results are put.
         environment = as_users(JAX_LOG_COMPILES="1", XLA_FLAGS="")
         with (self.folder / f"{name}.log").open("wb") as log:
             self.processes[name] = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
-    def add(self, name: str) -> None:
+    def add(self, name):
         alone = "--no-nanny", "--nthreads", "1", "--local-directory", str(self.folder)
         self.launch(name, "dask_worker", self.address, "--name", name, *alone)
 
     @property
-    def address(self) -> str:
+    def address(self):
         """That of the scheduler, once it has written its file whole."""
         for _ in range(int(PATIENCE / 0.01)):
             with contextlib.suppress(FileNotFoundError, json.JSONDecodeError):
@@ -222,17 +221,17 @@ class Cluster(NamedTuple):
             time.sleep(0.01)
         raise TimeoutError
 
-    def compiled(self, name: str) -> int:
+    def compiled(self, name):
         return (self.folder / f"{name}.log").read_text().count("Finished XLA compilation")
 
-    def kill(self, name: str) -> None:
+    def kill(self, name):
         process = self.processes.pop(name)
         process.kill()
         process.wait()
 
 
 @pytest.fixture
-def cluster(tmp_path) -> Iterator[Cluster]:
+def cluster(tmp_path):
     """A scheduler without workers."""
     pytest.importorskip("distributed")
     folder = tmp_path / "cluster"
@@ -307,12 +306,12 @@ small = functools.partial(into, quantities=KEYWORDS["quantities"])
 
 
 @pytest.fixture
-def disk(tmp_path) -> Iterator[Callable[..., Path]]:
+def disk(tmp_path):
     """A disk of a size of its own: mounted, and with `again` mounted with other options."""
     folder = tmp_path / "disk"
     folder.mkdir()
 
-    def mount(options: str, *, again: bool = False) -> Path:
+    def mount(options, *, again=False):
         options = f"remount,{options}" if again else options
         try:
             command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder)]

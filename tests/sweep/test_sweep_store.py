@@ -2,7 +2,6 @@
 
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,13 +14,13 @@ from plgwear_jax.sweep import UnfinishedWarning, open_sweep
 VARIABLES = ["wear_volume", "wear_volume_dk", "gross_slip_force_ratio"]
 
 
-def chunk_files(path: Path) -> dict[str, bytes]:
+def chunk_files(path):
     """The files of chunks, with what they hold."""
     return {place.removeprefix(str(path)): content for place, content in held(path).items() if "/c/" in place}
 
 
 @pytest.fixture(scope="module")
-def alone(tmp_path_factory) -> dict[str, bytes]:
+def alone(tmp_path_factory):
     """The chunks of a sweep that nothing stops."""
     out = tmp_path_factory.mktemp("alone") / "alone.zarr"
     into(out)
@@ -115,20 +114,20 @@ def test_what_killed_writers_left_is_removed(tmp_path):
 # --- what is refused ------------------------------------------------------------------------------------------------
 
 
-def holding(folder: Path, **files: str) -> None:
+def holding(folder, **files):
     folder.mkdir()
     for name, content in files.items():
         (folder / name.replace("_", ".")).write_text(content)
 
 
-def damaged(store: Path, content: str | None) -> None:
+def damaged(store, content):
     """A sweep whose first array is gone, or holds something else."""
     into(store)
     about = store / "wear_volume" / "zarr.json"
     about.unlink() if content is None else about.write_text(content)
 
 
-def a_group(path: Path, **attributes: str) -> zarr.Group:
+def a_group(path, **attributes):
     group = zarr.open_group(path, mode="w")
     group.attrs.update(attributes)
     return group
@@ -190,7 +189,7 @@ def test_one_process_at_a_time(tmp_path):
     out = tmp_path / "map.zarr"
     said = []
 
-    def listen(done: int, points: int) -> None:
+    def listen(done, points):
         del done, points
         said.append(refused(into, out))
 
