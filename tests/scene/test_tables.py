@@ -76,7 +76,6 @@ def test_large_tables_are_read(rows):
 
 # --- what is refused ------------------------------------------------------------------------------------------------
 
-FORCE = "must be a finite number >= 0, the amplitude of the force in N"
 WEIGHT = "must be a finite number >= 0"
 
 
