@@ -103,7 +103,6 @@ class SweepTarget:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
         names: The names of its numbers.
         load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
-        paths: Which axis or single value it is, by the path in the contact of each of its numbers.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
         amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
@@ -116,7 +115,6 @@ class SweepTarget:
     contact: FrettingContact | GrossSlipContact | None
     names: AxisNames
     load: Any
-    paths: Mapping[str, str]
     inputs: tuple[str, ...]
     holl: bool
     amplitudes: tuple[np.ndarray, np.ndarray] | None
@@ -307,7 +305,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
     def evaluate(values: Values, _: dict[Any, Any]) -> Array:
-        name = subject.paths.get(path, by)
+        name = next((one for one in values if subject.names.paths.get(one) == path), by)
 
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
@@ -335,8 +333,9 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
 def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
-    for path, name in subject.paths.items():
-        contact = with_leaf(contact, path, values[name])
+    for name, value in values.items():
+        if name in subject.names.paths:
+            contact = with_leaf(contact, subject.names.paths[name], value)
     return contact
 
 

@@ -129,7 +129,7 @@ def sweep(
     held = given if given is not None and not given.lasts else None
     known = AxisNames(contact, given)
     of_load = {name: values for name, values in known.of_load.items() if name not in axes}
-    rows, fixed, paths = _sorted_out(of_load | axes, known, contact)
+    rows, fixed = _sorted_out(of_load | axes, known, contact)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
@@ -142,7 +142,7 @@ def sweep(
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
-    subject = SweepTarget(contact, known, held, paths, inputs, holl, amplitudes, design, bounds, digits)
+    subject = SweepTarget(contact, known, held, inputs, holl, amplitudes, design, bounds, digits)
 
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
@@ -262,8 +262,8 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 
 def _sorted_out(
     axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
-) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
-    """The axes, the inputs with a single value, including the fields of the contact, and which of them a path is."""
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
     for name, value in known.own.items():
         if isinstance(value, str) or not np.ndim(value):
@@ -299,7 +299,7 @@ def _sorted_out(
             rows[name] = array
         else:
             fixed[name] = float(array)
-    return rows, fixed, paths
+    return rows, fixed
 
 
 def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
