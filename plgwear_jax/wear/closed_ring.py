@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting
@@ -55,9 +54,8 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
         return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c), work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
-    finest = int(np.argmax(resolution.refinements))
-    total = jnp.sum(ring.steady[finest])
-    unit = total / ((1.0 + s) * powered * work[finest])
+    total = jnp.sum(ring.steady[-1])
+    unit = total / ((1.0 + s) * powered * work[-1])
     return in_unit(ring, powered * unit), Scales(0.5 * jnp.pi * inner * inner * total, unit, inner, unworn + grown)
 
 

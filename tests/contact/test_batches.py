@@ -43,7 +43,7 @@ def test_a_batch_returns_again_and_again(kind, question):
     assert told["away"] < (1e-4 if digits == 4 else 2e-2)
 
 
-def calls_of_lapack(lowered: str) -> list[list[str]]:
+def calls_of_lapack(lowered):
     """The shapes of the arrays of each call."""
     lines = [line for line in lowered.splitlines() if re.search(r"@(lapack|blas)_", line)]
     return [re.findall(r"tensor<((?:\d+x)*)f(?:32|64)>", line) for line in lines]
@@ -69,7 +69,7 @@ def test_no_batch_of_matrices_reaches_lapack(kind, question):
 # --- what makes it so ---------------------------------------------------------------------------------------------
 
 
-def systems(seed: int) -> tuple[jax.Array, jax.Array]:
+def systems(seed):
     random = np.random.default_rng(seed)
     half = random.normal(size=(5, 6, 6))
     return jnp.asarray(half @ half.swapaxes(1, 2) + np.eye(6)), jnp.asarray(random.normal(size=(5, 6, 3)))
