@@ -1,11 +1,19 @@
 """Quantities over time: where a time lies among those of a run, and what a curve has there."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
+
+
+def in_a_row(tree: Any, shape: tuple[int, ...]) -> tuple[Any, np.ndarray]:
+    """(A tree whose leaves begin with these axes, now along one; the place of each entry of the shape on it)."""
+    number = np.arange(math.prod(shape)).reshape(shape)
+    return jax.tree.map(lambda x: x.reshape(number.size, *x.shape[number.ndim :]), tree), number
 
 
 class Curve(NamedTuple):

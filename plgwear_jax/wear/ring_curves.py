@@ -1,7 +1,6 @@
 """A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
 
 import functools
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._cells import RingCells
 from plgwear_jax._startup.programs import program
-from plgwear_jax.wear.curves import Curve, limited, moment_at
+from plgwear_jax.wear.curves import Curve, in_a_row, limited, moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights
 from plgwear_jax.wear.ring_march import March, marches_of
 
@@ -159,8 +158,8 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
 
 def for_each(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any) -> Any:
     """The function's results for each contact: the first axes of all leaves have this shape."""
-    flat = jax.tree.map(lambda x: x.reshape(math.prod(shape), *x.shape[len(shape) :]), trees)
-    if math.prod(shape) == 1:
+    flat, number = in_a_row(trees, shape)
+    if number.size == 1:
         found = jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
     elif jax.default_backend() != "cpu":
         found = jax.vmap(function)(*flat)

@@ -15,7 +15,7 @@ from plgwear_jax._startup.programs import program, value_of
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
-from plgwear_jax.wear.curves import Moment, cells_around, moment_at
+from plgwear_jax.wear.curves import Moment, cells_around, in_a_row, moment_at
 from plgwear_jax.wear.ring_curves import RunCurves, end_of, share_at, volume_of
 from plgwear_jax.wear.run import Run
 
@@ -41,10 +41,8 @@ class RunSolution(NamedTuple):
     @property
     def flat(self) -> RunCurves:
         """The curves with the contacts along one axis, on which there is at least one."""
-        axes, count = self.phi.ndim, self.phi.size
-        if not count:
-            return jax.tree.map(lambda x: jnp.zeros((1, *x.shape[axes:]), x.dtype), self.curves)
-        return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
+        flat, number = in_a_row(self.curves, self.phi.shape)
+        return flat if number.size else jax.tree.map(lambda x: jnp.zeros((1, *x.shape[1:]), x.dtype), flat)
 
     @property
     def number(self) -> np.ndarray:
