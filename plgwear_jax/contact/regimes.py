@@ -55,7 +55,7 @@ class SlipRegimes:
         """Energy in J that friction dissipates in a cycle, shape (m, n)."""
         return 4.0 * self.energy_ratio * self.tangential_force * self.displacement_amplitude
 
-    def part(self, rows: ArrayLike, columns: ArrayLike) -> "SlipRegimes":
+    def part(self, rows: np.ndarray, columns: np.ndarray) -> "SlipRegimes":
         """The same at some of the normal forces and some of the displacement amplitudes, by their places."""
         moves = self.displacement_amplitude[columns]
         others = {name: x for name, x in vars(self).items() if name != "displacement_amplitude"}

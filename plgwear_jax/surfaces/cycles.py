@@ -200,12 +200,13 @@ def _places_of(u: Array) -> _Places:
     return _Places(before, at - before, jnp.where(at == place - 1.0, 1.0 / (_TABLE * u), 0.0))
 
 
+_CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from values at -1, 0, 1, 2
+
+
 def _lagrange_cubics(table: Array) -> tuple[Array, ...]:
     """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
-    before, one, two, three = table[:-3], table[1:-2], table[2:-1], table[3:]
-    bend = 0.5 * (before - 2.0 * one + two)
-    third = (three - 3.0 * two + 3.0 * one - before) / 6.0
-    return one, two - one - bend - third, bend, third
+    around = jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
+    return tuple(jnp.asarray(_CUBIC, table.dtype) @ around)
 
 
 def _values_at(cubics: tuple[Array, ...], places: _Places) -> Array:
@@ -271,16 +272,19 @@ def _graded(
     weighted = share * weight
     of_ring = products_of(share, weight)
     direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
-    moved = _displaced_cells(compliance, c, images, effort)
-    through = (c * math.pi / 4.0) * moved @ solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
-    return strength * (of_ring + 0.5 * direct) - through, images
+    moved, caused = _through_inside(compliance, c, images, effort)
+    return strength * (of_ring + 0.5 * direct) - moved @ caused, images
 
 
-def _displaced_cells(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
-    """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
+def _through_inside(compliance: Graded, c: Array, images: Images, effort: Effort) -> tuple[Array, Array]:
+    """(What each pressure inside c does in each cell beside it, the pressures inside c against those of each cell).
+
+    Each of them has the force 2 pi e^2 c = 4 c.
+    """
     modes = jnp.eye(effort.modes, dtype=c.dtype)
     first, more = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
-    return (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
+    moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
+    return moved, (c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
 
 
 # --- inside c ---------------------------------------------------------------------------------------------------------
@@ -316,10 +320,7 @@ def inward(
         return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
-    moved = _displaced_cells(compliance, c, images, effort)
-    modes = -(c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
-        jnp.asarray(punch.flat), sunk
-    )
+    modes = jnp.outer(jnp.asarray(punch.flat), sunk) - _through_inside(compliance, c, images, effort)[1]
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.sqrt(from_c)
     modes = modes.at[0].add(-c * jnp.diff(root))

@@ -172,8 +172,8 @@ class NumericRun(RingRun):
     def __init__(self, *question: Any, **more: Any) -> None:
         super().__init__(*question, **more)
         if self.digits is not None:
-            more = " of wear over cycles of numeric contacts, whose narrow rings are not known to more"
-            whole("digits", self.digits, 1, DIGITS, more)
+            told = " of wear over cycles of numeric contacts, whose narrow rings are not known to more"
+            whole("digits", self.digits, 1, DIGITS, told)
 
     def _solved(self, given: Any) -> RunSolution:
         contact, load, wear_coefficient = given

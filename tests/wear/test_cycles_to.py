@@ -29,12 +29,13 @@ def run_of(name, law=COEFFICIENT):
 
 
 @pytest.mark.parametrize(
-    "name", ["closed", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "held", "blocks"))]
+    "name", ["closed", "held", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "blocks"))]
 )
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])
     volumes = shares * float(run.volume(end))
+    assert run.volume(0.0) == run.depth(0.0, 0.0) == run.pressure(1.0, 0.0) == 0.0
     np.testing.assert_allclose(run.volume(run.cycles_to(volume=volumes)), volumes, rtol=1e-9)
     np.testing.assert_allclose(run.cycles_to(volume=volumes), run.cycles_to(shares), rtol=1e-9)
     r = np.linspace(0.0, float(run.contact_radius(end)), 8001)

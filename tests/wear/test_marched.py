@@ -27,23 +27,22 @@ class Cone(Shape):
         return 0.01 * r
 
 
-def dome(k, normal_force=FORCE):
-    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3), force=normal_force)
+def dome(k):
+    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3))
 
 
 # --- against the march of one force -----------------------------------------------------------------------------------
 
 
-def errors(one, force, law):
-    """Of volume, contact radius and stick radius, at the times of the shares, along the first axis."""
-    exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, law)
+def errors(one, force):
+    """Of volume, last volume, contact radius and stick radius, at the times of the shares, along the first axis."""
+    exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, SAME)
     cycles = np.asarray(exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force))))
     last = np.asarray(one.steady(force).wear_volume)
-    by_volume = (np.asarray(run.volume(cycles)) - np.asarray(exact.volume(cycles))) / last
-    radii = (np.asarray(getattr(run, name)(cycles)) for name in ("contact_radius", "stick_radius"))
-    known = (np.asarray(getattr(exact, name)(cycles)) for name in ("contact_radius", "stick_radius"))
+    names = "volume", "contact_radius", "stick_radius"
+    volume, radius, stick = (np.array([getattr(each, name)(cycles) for each in (run, exact)]) for name in names)
     end = np.asarray(run.volume(np.full_like(last, 1e30))) / last - 1.0
-    return (by_volume, end, *(x / y - 1.0 for x, y in zip(radii, known, strict=True)))
+    return (volume[0] - volume[1]) / last, end, radius[0] / radius[1] - 1.0, stick[0] / stick[1] - 1.0
 
 
 @pytest.mark.parametrize(
@@ -55,8 +54,8 @@ def errors(one, force, law):
 )
 def test_one_force_is_worn_as_in_closed_form(ks, shares):
     k, phi = (x.ravel() for x in np.meshgrid(ks, shares))
-    volume, end, radius, stick = errors(dome(k), phi * FRICTION * FORCE, SAME)
-    assert np.max(abs(volume)) < ERROR and np.max(abs(end)) < ERROR
+    volume, end, radius, stick = errors(dome(k), phi * FRICTION * FORCE)
+    assert max(np.max(abs(volume)), np.max(abs(end))) < ERROR
     # There the edge moves outwards under a pressure that is too small for its cells.
     shallow = (k < -0.7) & (phi > 0.7)
     assert np.all(abs(radius) < np.where(shallow, 0.16, 0.02)) and np.max(abs(stick)) < 0.005
@@ -65,7 +64,7 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
 @compiled
 @pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
 def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
-    volume, end, radius, stick = errors(KINDS[kind], 2.0, SAME)
+    volume, end, radius, stick = errors(KINDS[kind], 2.0)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
     assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
 
