@@ -12,7 +12,7 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
-from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.contact.fretting_contact import is_closed
 from plgwear_jax.loads import Force
 from plgwear_jax.steady.solution import Steady
 
