@@ -93,7 +93,7 @@ def test_nothing_wears_without_amplitude_or_cycles():
 def test_a_ring_narrower_than_the_cells_is_refused():
     """It would seem to stick, and nothing would wear."""
     with pytest.raises(ValueError, match="the ring that slips is narrower than a cell"):
-        worn(1e-6, SAME).volume(CYCLES)
+        worn(Displacement(3e-7 * ONSET)).volume(CYCLES)
 
 
 class WithThreshold(WearLaw):
