@@ -84,8 +84,7 @@ def _by_parts(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
     """The worn volume after n reduced cycles, by runs to these digits."""
     k, phi = jnp.broadcast_arrays(k, phi)
-    curves = curves_of(march_resolution_of(digits), k.ravel(), phi.ravel())
-    return volume_of(curves, phi, n)
+    return volume_of(curves_of(march_resolution_of(digits), k, phi), phi, n)
 
 
 # --- in SI units ------------------------------------------------------------------------------------------------------

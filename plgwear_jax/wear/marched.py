@@ -33,7 +33,7 @@ from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
 from plgwear_jax.wear.contact_march import Disc, Moments, Steps, march, until
-from plgwear_jax.wear.curves import ROUNDINGS, Curve, Moment, cells_around, in_a_row, limited, moment_at
+from plgwear_jax.wear.curves import ROUNDINGS, Curve, Moment, cells_around, limited, moment_at
 from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
 
@@ -247,34 +247,34 @@ def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> 
     return each(sequential_forward_mode(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
 
 
-def _moment(history: TestHistory, cycles: Array) -> tuple[TestHistory, Moment, Array]:
-    """(The history with all contacts along one axis, the moments, 1 within the history and NaN beyond)."""
-    flat, number = in_a_row(history, history.cycles.shape[:-1])
-    moment = moment_at(flat.cycles, number, cycles)
+def _moment(history: TestHistory, cycles: Array) -> tuple[Moment, Array]:
+    """(The moments, 1 within the history and NaN beyond)."""
+    moment = moment_at(history.cycles, cycles)
     beyond = moment.late > ROUNDINGS * jnp.finfo(cycles.dtype).eps * cycles
-    known = jnp.where(jnp.isnan(cycles) | (beyond & (flat.goes_on[number] > 0.0)), jnp.nan, 1.0).astype(cycles.dtype)
-    return flat, moment._replace(part=jnp.clip(moment.part, 0.0, 1.0)), known
+    known = jnp.where(jnp.isnan(cycles) | (beyond & (history.goes_on > 0.0)), jnp.nan, 1.0).astype(cycles.dtype)
+    return moment._replace(part=jnp.clip(moment.part, 0.0, 1.0)), known
 
 
 @program(static=1)
 def _amount(name: str, history: TestHistory, cycles: Array) -> Array:
     """One number of the history, such as its contact radius."""
-    (times, _, moments, _), moment, known = _moment(history, cycles)
+    (moment, known), moments = _moment(history, cycles), history.moments
     if name == "deepest_wear":
         cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * known.ndim)
         return known * jnp.max(moment.between(moments.depth, cells), 0)
     if name == "volume":
-        return known * moment.on(jax.vmap(limited)(Curve(times, moments.volume, moments.rate)))
+        curve = history.cycles, moments.volume, moments.rate
+        return known * moment.on(each(lambda *curve: limited(Curve(*curve)), curve, (0, 1, 2)))
     return known * moment.between(getattr(moments, name))
 
 
 @program(static=1)
 def _field(name: str, history: TestHistory, r: Array, cycles: Array) -> Array:
     """A field of the history at radii: the worn depth or the pressure."""
-    (_, edges, moments, _), moment, known = _moment(history, cycles)
-    cell = cells_around(edges**2, moment.run, r * r)
-    found = cell.across(functools.partial(moment.between, getattr(moments, name)))
-    inside = jnp.where(r < edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0)
+    (moment, known), edges = _moment(history, cycles), history.edges
+    cell = cells_around(edges**2, r * r)
+    found = cell.across(functools.partial(moment.between, getattr(history.moments, name)))
+    inside = jnp.where(r < edges[..., -1], jnp.maximum(found, 0.0), 0.0)
     return inside + 0.0 * known * jnp.minimum(r, 1.0)  # NaN where they are
 
 

@@ -20,7 +20,7 @@ from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.wear.curves import in_a_row, moment_at
+from plgwear_jax.wear.curves import moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
 from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
@@ -122,8 +122,7 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
 def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
     """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
     under = jnp.where(r < c, r, 0.5 * c)
-    (places, pressures), number = in_a_row((places, pressures), c.shape)
-    at = moment_at(-places, number, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
+    at = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
     at = at._replace(part=jnp.clip(at.part, 0.0, 1.0)[..., None])
     return at.between(pressures)
 

@@ -1,6 +1,7 @@
 """A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
 
 import functools
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ from jax import Array
 
 from plgwear_jax._cells import RingCells
 from plgwear_jax._startup.programs import program
-from plgwear_jax.wear.curves import Curve, in_a_row, limited, moment_at
+from plgwear_jax.wear.curves import Curve, limited, moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights
 from plgwear_jax.wear.ring_march import March, marches_of
 
@@ -158,8 +159,9 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
 
 def for_each(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any) -> Any:
     """The function's results for each contact: the first axes of all leaves have this shape."""
-    flat, number = in_a_row(trees, shape)
-    if number.size == 1:
+    count = math.prod(shape)
+    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[len(shape) :]), trees)
+    if count == 1:
         found = jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
     elif jax.default_backend() != "cpu":
         found = jax.vmap(function)(*flat)
@@ -177,24 +179,23 @@ def curves_by_parts(resolution: MarchResolution, rings: RingCells, scales: Scale
 # --- at any time ------------------------------------------------------------------------------------------------------
 
 
-def end_of(curves: RunCurves, run: np.ndarray) -> Array:
+def end_of(curves: RunCurves) -> Array:
     """The time after which less is left to wear than the rounding error of the volume."""
-    decay, time = curves.decay[run, 0], curves.volume.time[run, -1]
+    decay, time = curves.decay[..., 0], curves.volume.time[..., -1]
     long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
-    return curves.scales.unit[run] * (time + long)
+    return curves.scales.unit * (time + long)
 
 
-def share_at(shares: Shares, run: np.ndarray, time: Array) -> Array:
+def share_at(shares: Shares, time: Array) -> Array:
     """The share of the final volume that is worn by then."""
-    moment = moment_at(shares.volume.time, run, time / shares.unit[run])
-    rest = 1.0 - shares.volume.value[run, -1]
-    a, b = shares.decay[run, 0], shares.decay[run, 1]
+    moment = moment_at(shares.volume.time, time / shares.unit)
+    rest = 1.0 - shares.volume.value[..., -1]
+    a, b = shares.decay[..., 0], shares.decay[..., 1]
     fall = jnp.exp(-a * moment.late)
     after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, moment.on(shares.volume))
 
 
 def volume_of(curves: RunCurves, phi: Array, time: Array) -> Array:
-    """The volume that is worn by then; the curves of all amplitudes phi are along one axis."""
-    run = np.arange(phi.size).reshape(phi.shape)
-    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, time), 0.0)
+    """The volume that is worn by then."""
+    return jnp.where(phi > 0.0, curves.scales.volume * share_at(curves.shares, time), 0.0)

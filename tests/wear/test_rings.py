@@ -33,8 +33,8 @@ def of(amplitudes, digits=None):
 
 def volumes(resolution, k, phi, n):
     """The volumes after n, a last axis, by marches that the library need not offer."""
-    curves = curves_of(resolution, jnp.asarray(k.ravel()), jnp.asarray(phi.ravel()))
-    return np.asarray(volume_of(curves, jnp.asarray(phi.reshape(-1, 1)), jnp.asarray(n)))
+    curves = curves_of(resolution, jnp.asarray(k), jnp.asarray(phi))
+    return np.asarray(volume_of(curves, phi, jnp.asarray(n)))
 
 
 @pytest.mark.parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
