@@ -316,7 +316,7 @@ class MarchedRun(Run):
 
     def _check(self, **given: Any) -> None:
         super()._check(**given)
-        if given.get("cycles") is not None:
+        if "cycles" in given:
             self._check_last(given["cycles"])
 
     def _check_last(self, cycles: Any) -> None:
