@@ -57,7 +57,10 @@ def cells_of(
     """
     c, a, radius = jnp.exp(punch.log_c), beside.a, outline.radius
     width = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
-    of_ring, (t, share, weight) = _at_held_depth(compliance, punch, c, width, from_c, from_1, effort)
+    at = c, width, from_c, from_1, effort
+    at_held_depth, (t, share, weight) = (
+        _graded(compliance, *at) if isinstance(compliance, Graded) else _powers(compliance, *at)
+    )
     # sin(pi a)/(pi (1-a)), which is regular at a = 1.
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
@@ -69,7 +72,7 @@ def cells_of(
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
-    whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
+    whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1, width)
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.
@@ -87,15 +90,6 @@ def _first_pressure(whole: Array, steady: Array, from_1: Array) -> Array:
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
     return clamp_keep_slope(0.0, solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
-
-
-def _at_held_depth(
-    compliance: Compliance, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
-) -> tuple[Array, Images]:
-    """(A_fixed in m/Pa, the images of the cells by the term that leads)."""
-    if isinstance(compliance, Graded):
-        return _graded(compliance, punch, c, width, from_c, from_1, effort)
-    return _powers(compliance, c, width, from_c, from_1, effort)
 
 
 # --- powers of the wavenumber -----------------------------------------------------------------------------------------
@@ -172,16 +166,12 @@ def _powers(
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def _springs(x: np.ndarray) -> np.ndarray:
-    """From the coefficients m_k to a table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0."""
-    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
-    return x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-
-
 def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
-    """That table for distances in units of c."""
-    coefficients = foundation(effort).terms.of(compliance.excess(c, effort)[0])
-    return jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
+    """A table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0, for distances u in units of c."""
+    x, terms = foundation(effort).x, foundation(effort).terms
+    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
+    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+    return jnp.asarray(springs, c.dtype) @ terms.of(compliance.excess(c, effort)[0])
 
 
 class _Places(NamedTuple):
@@ -261,7 +251,7 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
 
 
 def _graded(
-    compliance: Graded, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+    compliance: Graded, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
 ) -> tuple[Array, Images]:
     """The homogeneous half-space of the surface's modulus, and what m(q) adds to it directly and through the inside."""
     half = jnp.full_like(c, 0.5)

@@ -69,11 +69,6 @@ class Moments(NamedTuple):
     opens: Array  # where it is, in m
 
 
-def _leading(positive: Array) -> Array:
-    """Which entries come before the first one that is not positive."""
-    return jnp.cumprod(positive.astype(jnp.int32)) == 1
-
-
 class _Pressed(NamedTuple):
     """A contact."""
 
@@ -104,7 +99,7 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
         touches, _, count = state
         some = jnp.where(touches, one, 0.0)
         depth = _depth(fixed, some @ one, some @ held)
-        now = _leading(depth * one > held)
+        now = jnp.cumprod((depth * one > held).astype(jnp.int32)) == 1  # all before the first one that does not touch
         return now, jnp.any(now != touches), count + 1
 
     # The load rises ever faster with the depth: from more cells than touch, Newton's method only drops cells.
