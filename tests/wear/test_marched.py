@@ -12,12 +12,24 @@ from reduced import MANY, Reduced, coefficient_of, unit_of
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Shape
-from plgwear_jax.wear_laws import PressurePower
+from plgwear_jax.wear_laws import PressurePower, WearLaw
 
 compiled = pytest.mark.compiled
 ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
-SAME = PressurePower(COEFFICIENT, 1.0)  # Archard's law, which only the march does not know
+
+
+class Linear(WearLaw):
+    """Archard's law, which only the march does not know."""
+
+    linear = True
+    coefficient: float
+
+    def rate(self, pressure, slip):
+        return self.coefficient * pressure * slip
+
+
+SAME = Linear(COEFFICIENT)
 
 
 class Cone(Shape):
