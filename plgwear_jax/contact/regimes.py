@@ -14,7 +14,6 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.fretting_contact import is_closed
 from plgwear_jax.loads import Force
-from plgwear_jax.steady.solution import Steady
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
 """By which laboratories tell partial from gross slip; right for a homogeneous body under a parabola alone."""
@@ -91,33 +90,25 @@ class _Loops(NamedTuple):
     aperture: Any
 
 
-def _loops_of(steady: Steady) -> _Loops:
-    return _Loops(steady.tangential_force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
-
-
-def _onset_of(at_rest: Steady, limit: Array) -> _Loops:
-    """The loops where the whole contact begins to slip."""
-    found = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
-    return _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in found))
-
-
-@program(static=1)
-def _at_displacements(
+@program(static=1, level=1)
+def _loops_at(
     digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, displacement: Array
 ) -> tuple[_Loops, _Loops]:
+    """(The loops where the whole contact begins to slip, those at the displacements or of a numeric contact at shares).
+
+    The shares are `_SHARES` of the limiting friction.
+    """
     at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
-    onset = _onset_of(at_rest, limit)
-    # Where the contact slides, some partial slip stands in: what it gives is not read.
-    some = jnp.where(displacement < _NEAR * onset.displacement, displacement, 0.5 * onset.displacement)
-    return onset, _loops_of(contact.steady(Force(at_rest.force_at(some), rig_stiffness), digits=digits))
-
-
-@program(static=1, level=1)
-def _at_shares(
-    digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, shares: Array
-) -> tuple[_Loops, _Loops]:
-    onset = _onset_of(contact.steady(Force(0.0, rig_stiffness), digits=digits), limit)
-    return onset, _loops_of(contact.steady(Force(shares * limit, rig_stiffness), digits=digits))
+    begins = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
+    onset = _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in begins))
+    if is_closed(contact):
+        # Where the contact slides, some partial slip stands in: what it gives is not read.
+        some = jnp.where(displacement < _NEAR * onset.displacement, displacement, 0.5 * onset.displacement)
+        force = at_rest.force_at(some)
+    else:
+        force = _SHARES * limit
+    steady = contact.steady(Force(force, rig_stiffness), digits=digits)
+    return onset, _Loops(force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
 
 
 _NEAR = 1.0 - 1e-7  # displacement over that of the transition from which on loops are those of the transition
@@ -184,10 +175,9 @@ def slip_regimes(
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
     rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)
-    loops_at, at = (_at_displacements, moves) if is_closed(contact) else (_at_shares, _SHARES)
-    onset, loops = jax.tree.map(np.asarray, loops_at(digits, of_all, limit, rig_stiffness, at))
+    onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, moves))
     doubt(of_onset(onset.displacement - rig * limit))
-    if at is _SHARES:
+    if not is_closed(contact):
         loops = _between(loops, onset, moves, rig)
     slides = moves >= _NEAR * onset.displacement
 

@@ -16,7 +16,6 @@ from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax.catalogue import FRETTING, STRESSES
-from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
@@ -222,27 +221,6 @@ def test_pressures_in_the_middle_agree():
     numeric, closed = (each.over_cycles(0.9 * FRICTION * FORCE, COEFFICIENT) for each in WEARING["k = -0.4"])
     r, cycles = np.array([0.0, 0.1, 0.2])[:, None] * np.asarray(closed.contact_radius(0.0)), closed.cycles_to(SHARES)
     np.testing.assert_allclose(numeric.pressure(r, cycles), closed.pressure(r, cycles), rtol=0.02)
-
-
-@compiled
-@pytest.mark.parametrize("load", ["force", "rig"])
-def test_blocks_and_fits_of_both_engines_agree(load):
-    forces, cycles = F_X * np.array([0.5, 1.0, 0.0, 0.75]), np.array([2e5, 4e5, 1e5, 3e5])
-
-    def run(one):
-        blocks = [Block(load_of(one, load, force), n) for force, n in zip(forces, cycles, strict=True)]
-        return one.over_cycles(blocks, COEFFICIENT)
-
-    numeric, closed = map(run, WEARING["k = -0.4"])
-    ends = np.cumsum(cycles) * (1.0 - 1e-6)
-    for name in ("volume", "rate", "contact_radius", "stick_radius", "force_amplitude"):
-        found, expected = (np.asarray(getattr(each, name)(ends)) for each in (numeric, closed))
-        np.testing.assert_allclose(found, expected, atol=1e-5 * np.max(expected), err_msg=name)
-    volumes = np.asarray(closed.volume(ends)) * np.array([1.01, 0.99, 1.0, 1.02])
-    fits = [fit_wear_coefficient(each, load_of(each, load, F_X), ends, volumes) for each in WEARING["k = -0.4"]]
-    for name in ("wear_coefficient", "interval"):
-        one, other = (getattr(fit, name) for fit in fits)
-        assert one == pytest.approx(other, rel=1e-4), name
 
 
 # --- the life of a contact --------------------------------------------------------------------------------------------
