@@ -165,9 +165,11 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         theta = bodies.tangential_ratio(effort, grid.unworn)
         steps, cycles = _given_in_steps(blocks, grid, theta, count)
         found = march(disc, law.rate, 1 if law.linear else 3, steps)
-        # In the steady state the edge touches without pressure, so that the march may lose it.
-        touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
-        found = found._replace(contact_radius=touched)
+        # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
+        # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
+        falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
+        level = grid.end * jnp.repeat(jnp.cumsum(falls), count + 1)
+        found = found._replace(contact_radius=jax.lax.cummax(found.contact_radius + level) - level)
         goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
         history = TestHistory(cycles, disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
@@ -209,18 +211,6 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     slip, touches = history.moments.slip[0], history.moments.pressure[0] > 0.0
     narrow = jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0] & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
     return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
-
-
-def _widest(radii: Array, normal_force: Array) -> Array:
-    """The largest of the radii of each block, (blocks, steps), so far, from where the normal force fell last."""
-
-    def block(before: Array, its: tuple[Array, Array]) -> tuple[Array, Array]:
-        radii, falls = its
-        found = jax.lax.cummax(jnp.append(jnp.where(falls, 0.0, before), radii))[1:]
-        return found[-1], found
-
-    falls = jnp.append(True, jnp.diff(normal_force) < 0.0)
-    return jax.lax.scan(block, jnp.zeros_like(radii[0, 0]), (radii, falls))[1].ravel()
 
 
 _LONG = 200.0  # units of time after which nothing wears any more where the contact sticks
