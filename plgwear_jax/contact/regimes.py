@@ -92,21 +92,17 @@ class _Loops(NamedTuple):
 
 @program(static=1, level=1)
 def _loops_at(
-    digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, displacement: Array
+    digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, at: Array
 ) -> tuple[_Loops, _Loops]:
-    """(The loops where the whole contact begins to slip, those at the displacements or of a numeric contact at shares).
-
-    The shares are `_SHARES` of the limiting friction.
-    """
+    """(The loops where the whole contact begins to slip, those at displacements, or at `_SHARES` of a numeric contact)."""
     at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
     begins = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
     onset = _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in begins))
     if is_closed(contact):
         # Where the contact slides, some partial slip stands in: what it gives is not read.
-        some = jnp.where(displacement < _NEAR * onset.displacement, displacement, 0.5 * onset.displacement)
-        force = at_rest.force_at(some)
+        force = at_rest.force_at(jnp.where(at < _NEAR * onset.displacement, at, 0.5 * onset.displacement))
     else:
-        force = _SHARES * limit
+        force = at * limit
     steady = contact.steady(Force(force, rig_stiffness), digits=digits)
     return onset, _Loops(force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
 
@@ -175,9 +171,11 @@ def slip_regimes(
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
     rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)
-    onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, moves))
+    closed = is_closed(contact)
+    at = moves if closed else _SHARES
+    onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, at))
     doubt(of_onset(onset.displacement - rig * limit))
-    if not is_closed(contact):
+    if not closed:
         loops = _between(loops, onset, moves, rig)
     slides = moves >= _NEAR * onset.displacement
 

@@ -38,11 +38,6 @@ class RunSolution(NamedTuple):
     stick_radius: Array  # c in m
     ring: Any  # the ring of the engine: its gap, its final depth, and the pressures that it causes inside c
 
-    @property
-    def outer_radius(self) -> Array:
-        """The outer radius of the ring in m."""
-        return self.stick_radius * jnp.sqrt(1.0 + self.curves.scales.width)
-
 
 def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
@@ -105,7 +100,8 @@ def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Arr
 @program()
 def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     """(1 where radii lie in the ring and else 0, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
-    c, edge = run.stick_radius, run.outer_radius
+    c = run.stick_radius
+    edge = c * jnp.sqrt(1.0 + run.curves.scales.width)
     inside = (r >= c) & (r < edge)
     near = jnp.where(inside, r, 0.5 * (c + edge))
     return 1.0 * inside, ((near - c) / c) * ((near + c) / c), near
