@@ -94,7 +94,7 @@ class _Loops(NamedTuple):
 def _loops_at(
     digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, at: Array
 ) -> tuple[_Loops, _Loops]:
-    """(The loops where the whole contact begins to slip, those at displacements, or at `_SHARES` of a numeric contact)."""
+    """(The loops at the transition to gross slip, those at displacements, or at `_SHARES` of a numeric contact)."""
     at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
     begins = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
     onset = _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in begins))
