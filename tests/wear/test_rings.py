@@ -28,11 +28,11 @@ ERROR = {digits: 10.0**-digits for digits in RESOLUTIONS}  # promised, of the fi
 
 
 @functools.cache
-def of(amplitudes, digits=None):
+def of(amplitudes):
     """(The runs, their final volumes, first rates and units of time)."""
     phi = {"some": PHI, "close": CLOSE}[amplitudes]
     final, rate = np.asarray(fretting.wear_volume(K, phi)), np.asarray(first_rate(K, phi))
-    return Reduced(K, phi, digits), final, rate, final / rate
+    return Reduced(K, phi), final, rate, final / rate
 
 
 def volumes(resolution, k, phi, n):
