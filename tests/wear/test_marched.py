@@ -13,7 +13,7 @@ from reduced import MANY, Reduced, coefficient_of, unit_of
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.shapes import Shape
+from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
 compiled = pytest.mark.compiled
@@ -32,13 +32,6 @@ class Linear(WearLaw):
 
 
 SAME = Linear(COEFFICIENT)
-
-
-class Cone(Shape):
-    """f = A r."""
-
-    def height(self, r, radius):
-        return 0.01 * r
 
 
 def dome(k):
@@ -262,8 +255,8 @@ def test_equal_blocks_are_one(k, load, law):
 @compiled
 @pytest.mark.parametrize("kind", ["a table under steel", "a cone"])
 def test_any_contact_in_a_rig_carries_its_force(kind):
-    one = KINDS.get(kind) or FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, STEEL, Cone())
-    onset, stiffness = float(one.steady(Force(0.0, 1e7)).gross_slip_displacement), 1e7
+    one, stiffness = KINDS.get(kind) or contact_of(LAYERS, STEEL, Cone(0.01)), 1e7
+    onset = float(one.steady(Force(0.0, stiffness)).gross_slip_displacement)
     for times in (0.6, 2.0):
         run = one.over_cycles(Displacement(times * onset, stiffness), COEFFICIENT)
         for cycles in (0.0, 1e4, 1e5):
