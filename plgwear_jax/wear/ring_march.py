@@ -101,7 +101,7 @@ def _solved(step: _Step, start: Array) -> Array:
 def _solved_jvp(primals, tangents):
     (step, start), (dstep, _) = primals, tangents
     found = _solved(step, start)
-    residual = jax.jvp(lambda *moving: _excess(_Step(*moving, step.touching), found), step[:4], dstep[:4])[1][0]
+    residual = jax.jvp(lambda *moving: _excess(_Step._make((*moving, step.touching)), found), step[:4], dstep[:4])[1][0]
     return found, _tangent(step, found, residual)
 
 
