@@ -125,8 +125,8 @@ def _places_in_ring(run: RunSolution, at: Array) -> tuple[Array, Array]:
 
 
 def _deepest_in_ring(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
-    run, ring = given
-    return crest(_depth_at(run, *ring, cycles))
+    run, (y, gap, steady) = given
+    return crest(_depth_at(run, y, gap, steady, cycles))
 
 
 @program()
