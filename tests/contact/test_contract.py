@@ -133,8 +133,8 @@ def test_slopes_by_the_exponent_at_zero_are_those_beside_it():
         ring = steady.wear_depth(0.5 * (steady.stick_radius + steady.worn_radius))
         return jnp.log(jnp.stack([steady.stick_radius, steady.worn_radius, steady.wear_volume, ring]))
 
-    slope = by_numpy(lambda k: jax.jvp(results, (k,), (jnp.ones_like(k),))[1])
-    at, below, above = map(slope, jnp.array([0.0, -1e-3, 1e-3]))
+    slope = jax.jit(lambda k: jax.jvp(results, (k,), (1.0,))[1])
+    at, below, above = map(slope, (0.0, -1e-3, 1e-3))
     np.testing.assert_allclose(at, 0.5 * (below + above), rtol=1e-4)
 
 
