@@ -79,10 +79,10 @@ def _is_holl(nu: ArrayLike | str) -> bool:
     return isinstance(nu, str)
 
 
-def _of_both_ratios(kernel: Callable[..., Array], joint: tuple[str, ...] = ()) -> Callable[..., Array]:
+def _of_both_ratios(kernel: Callable[..., Array]) -> Callable[..., Array]:
     """The function of k and of nu, which may be "holl"."""
-    by_number = formula(joint=joint, k=EXPONENT, nu=POISSON_RATIO)(kernel)
-    at_holl = formula(joint=joint, k=EXPONENT)(kernel)
+    by_number = formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)(kernel)
+    at_holl = formula(joint=("k",), k=EXPONENT)(kernel)
 
     def of_both(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
         return at_holl(k, digits=digits) if _is_holl(nu) else by_number(k, nu, digits=digits)
@@ -90,8 +90,8 @@ def _of_both_ratios(kernel: Callable[..., Array], joint: tuple[str, ...] = ()) -
     return of_both
 
 
-_reduced_h = _of_both_ratios(_reduced, joint=("k",))
-_whole_h = _of_both_ratios(_whole, joint=("k",))
+_reduced_h = _of_both_ratios(_reduced)
+_whole_h = _of_both_ratios(_whole)
 _tangential_ratio = _of_both_ratios(_tangential)
 
 
