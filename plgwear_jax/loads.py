@@ -19,8 +19,6 @@ from plgwear_jax._core.domains import (
     RefusedError,
     as_array,
     check,
-    check_all,
-    check_real,
     guarded,
     on_host,
     real_dtype,
@@ -159,7 +157,13 @@ class Force(Load):
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges, among them amplitudes of gross slip."""
         self.__post_init__()
-        check_force(self.tangential_force, friction, normal_force, shares)
+        values = tuple(map(as_array, (self.tangential_force, friction, normal_force)))
+        if any(isinstance(value, Tracer) for value in values):
+            return
+        if all(map(on_host, values)):  # compiles nothing
+            dtype = real_dtype("tangential_force", values)
+            values = tuple(np.asarray(value, dtype) for value in values)
+        check("tangential_force/(friction * normal_force)", values[0] / (values[1] * values[2]), shares)
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""
@@ -341,16 +345,3 @@ def check_rig(stiffness: ArrayLike | None) -> None:
     """Refuse a concrete stiffness of a rig that is not positive."""
     if stiffness is not None:
         check("rig_stiffness", stiffness, POSITIVE)
-
-
-def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
-    """Check that a force amplitude is one of partial slip, as far as the values are concrete."""
-    check_real("tangential_force", force)
-    values = tuple(map(as_array, (force, friction, normal_force)))
-    if any(isinstance(value, Tracer) for value in values):
-        return
-    if all(map(on_host, values)):  # compiles nothing
-        dtype = real_dtype("tangential_force", values)
-        values = tuple(np.asarray(value, dtype) for value in values)
-    names = "tangential_force", "tangential_force/(friction * normal_force)"
-    check_all(names, (values[0], values[0] / (values[1] * values[2])), (AMPLITUDE_OF_FORCE, shares))

@@ -1,6 +1,7 @@
 """The power-law graded half-space, Eq. (1), and the function h_N of its elastic constants, Eqs. (29)-(31)."""
 
 import math
+from collections.abc import Callable
 from typing import Literal
 
 import jax.numpy as jnp
@@ -42,7 +43,7 @@ def _coupling(k: Array, nu: Array) -> Array:
     return (1.0 - 2.0 * nu) + nu * (1.0 - k)
 
 
-def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
+def _reduced(k: Array, nu: Array | None = None, *, digits: int | None = None) -> Array:
     """h_N/(1+k)^2, at Holl's ratio if nu is None."""
     s, q = exponents(k)
     if nu is None:
@@ -55,24 +56,20 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
-@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
-def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
-    return _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
+def _whole(k: Array, nu: Array | None = None, *, digits: int | None = None) -> Array:
+    """h_N, at Holl's ratio if nu is None."""
+    return (1.0 + k) ** 2 * _reduced(k, nu, digits=digits)
 
 
-@formula(joint=("k",), k=EXPONENT)
-def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
-    return _reduced(jnp.asarray(k), None, digits)
-
-
-@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
-def _h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
-    return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
-
-
-@formula(k=EXPONENT)
-def _h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
-    return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), None, digits)
+def _tangential(k: Array, nu: Array | None = None, *, digits: int | None = None) -> Array:
+    """theta, at Holl's ratio if nu is None."""
+    if nu is None:
+        return 0.5 * (1.0 + k) * (3.0 + k)
+    # Both terms have the pole of 1/m at k = 1, nu = 1/2; in h_N/cos(k pi/2) the zeros at k = -1 and k = 1 cancel.
+    s, _ = exponents(k)
+    coupling = _coupling(k, nu)
+    beta_squared = (1.0 + k) * coupling / (1.0 - nu)
+    return s / coupling * ((1.0 - nu) + 2.0 / math.pi * _gamma_factor(k, s, beta_squared, digits))
 
 
 def _is_holl(nu: ArrayLike | str) -> bool:
@@ -80,6 +77,22 @@ def _is_holl(nu: ArrayLike | str) -> bool:
     if isinstance(nu, str) and nu != "holl":
         raise ValueError(f'nu = "{nu}" is neither a number in {POISSON_RATIO.text} nor "holl"')
     return isinstance(nu, str)
+
+
+def _of_both_ratios(kernel: Callable[..., Array]) -> Callable[..., Array]:
+    """The function of k and of nu, which may be "holl"."""
+    by_number = formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)(kernel)
+    at_holl = formula(joint=("k",), k=EXPONENT)(kernel)
+
+    def of_both(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
+        return at_holl(k, digits=digits) if _is_holl(nu) else by_number(k, nu, digits=digits)
+
+    return of_both
+
+
+_reduced_h = _of_both_ratios(_reduced)
+_whole_h = _of_both_ratios(_whole)
+_tangential_ratio = _of_both_ratios(_tangential)
 
 
 def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
@@ -104,25 +117,7 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (29) to (31).
     """
-    if _is_holl(nu):
-        return _h_N_holl(k, digits=digits)
-    return _h_N(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
-
-
-@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
-def _tangential_ratio(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
-    # Both terms have the pole of 1/m at k = 1, nu = 1/2; in h_N/cos(k pi/2) the zeros at k = -1 and k = 1 cancel.
-    k, nu = jnp.asarray(k), jnp.asarray(nu)
-    s, _ = exponents(k)
-    coupling = _coupling(k, nu)
-    beta_squared = (1.0 + k) * coupling / (1.0 - nu)
-    return s / coupling * ((1.0 - nu) + 2.0 / math.pi * _gamma_factor(k, s, beta_squared, digits))
-
-
-@formula(k=EXPONENT)
-def _tangential_ratio_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
-    del digits
-    return 0.5 * (1.0 + jnp.asarray(k)) * (3.0 + jnp.asarray(k))
+    return _whole_h(k, nu, digits=digits)
 
 
 def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
@@ -151,9 +146,7 @@ def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: i
         `docs/explanation/numerics.md`, "Wear over cycles". At k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
         259.
     """
-    if _is_holl(nu):
-        return _tangential_ratio_holl(k, digits=digits)
-    return _tangential_ratio(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
+    return _tangential_ratio(k, nu, digits=digits)
 
 
 @formula(k=EXPONENT)
@@ -254,13 +247,11 @@ class PowerLawGraded:
     @compiled
     def tangential_ratio(self, *, digits: int | None = None) -> Array:
         """Tangential over normal compliance, dimensionless: the function `tangential_ratio` of this k and nu."""
-        k = guarded("k", self.k, EXPONENT)
-        return tangential_ratio(k, self.nu, digits=digits)
+        return tangential_ratio(guarded("k", self.k, EXPONENT), self.nu, digits=digits)
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:
         """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the only combination of E0, z0 and nu that enters a contact."""
         E0, z0, k = self._guarded()
-        nu = self.nu
-        reduced = _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)
-        return jnp.log(E0) - k * jnp.log(z0) + jnp.log(reduced) - jnp.log(self.plane_compliance())
+        reduced = jnp.log(_reduced_h(k, self.nu, digits=digits))
+        return jnp.log(E0) - k * jnp.log(z0) + reduced - jnp.log(self.plane_compliance())

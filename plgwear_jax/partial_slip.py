@@ -5,6 +5,8 @@ a_0 and c (Ciavarella 1998, Jaeger 1998). Every tangential displacement is mu th
 `material.tangential_ratio`. Radii are in units of a_0, phi = F_x/(mu F_N) is the amplitude.
 """
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -148,41 +150,50 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
     return jnp.where(slips, 0.5 * c * c * at.share * y * at.chord, 0.0)
 
 
-# Gauss rules from 0 to 1: with 17 nodes for the integrals below up to 3/4, whose integrands then have a pole at 4/3 or
-# further away, and with 9 nodes for an exponential.
-_V, _OF_V = (0.5 + 0.5 * np.polynomial.legendre.leggauss(17)[0], 0.5 * np.polynomial.legendre.leggauss(17)[1])
-_X, _OF_X = (0.5 + 0.5 * np.polynomial.legendre.leggauss(9)[0], 0.5 * np.polynomial.legendre.leggauss(9)[1])
+_Rule = tuple[np.ndarray, np.ndarray]
+
+
+def _gauss(count: int) -> _Rule:
+    """(Places, weights) of integrals from 0 to 1."""
+    x, weight = np.polynomial.legendre.leggauss(count)
+    return 0.5 + 0.5 * x, 0.5 * weight
+
+
+# The integrands up to 3/4 have a pole at 4/3 or further away.
+_POLES, _EXPONENTIAL = _gauss(17), _gauss(9)
+_BESIDE_THE_EDGE = _POLES[0], _POLES[1] * _POLES[0] * (1.0 - _POLES[0])  # with the factor v (1-v)
 _FAR = 0.75
 
 
-def _beside_the_edge(s: Array, z: Array, digits: int | None) -> Array:
-    """The integral of v (1-v) (1 - z v)^(s-1) over v from 0 to 1, for z < 3/4."""
-    v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_OF_V * _V * (1.0 - _V), z.dtype)
-    powers = exponentials((s[..., None] - 1.0) * log_complement(z[..., None] * v, digits), digits)[0]
-    return jnp.sum(weight * powers, -1)
+def _integral(rule: _Rule, function: Callable[[Array], Array], like: Array) -> Array:
+    """The integral over v from 0 to 1 of a function, whose last axis is that of v."""
+    v, weight = (jnp.asarray(x, like.dtype) for x in rule)
+    return jnp.sum(weight * function(v), -1)
 
 
-def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
-    """Integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1: proportional to energy and wear of the first cycle."""
-    z, small, mean, far = _work(s, phi, digits)
-    near = jnp.where(small, z, 0.5)
-    return jnp.where(small, near * near * near * mean, far)
+def _power(exponent: Array, x: Array, digits: int | None) -> Array:
+    """(1 - x)^exponent, with an axis of its own for x."""
+    return exponentials(exponent[..., None] * log_complement(x, digits), digits)[0]
 
 
 def _work(s: Array, phi: Array, digits: int | None) -> tuple[Array, Array, Array, Array]:
-    """(z = 1 - C, whether it is small, there the integral of `ring_work` over z^3, elsewhere the integral itself)."""
+    """The integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1: proportional to energy and wear of the first cycle.
+
+    It is (z = 1 - C, whether it is small, there the integral over z^3, elsewhere the integral itself).
+    """
     log_c = log_complement(phi, digits) / (1.0 + s)
     z = 0.0 - exponentials(log_c, digits)[1]
     small = z < _FAR
-    mean = _beside_the_edge(s, jnp.where(small, z, 0.5), digits)
+    near = jnp.where(small, z, 0.5)[..., None]
+    mean = _integral(_BESIDE_THE_EDGE, lambda v: _power(s - 1.0, near * v, digits), z)
     # From powers of C, (1 - C^(s+i))/(s+i). For i = 0 and small s it is -log(C) times the integral of C^(s x) over x.
     log_c = jnp.where(small, -1.5, log_c)
     C = jnp.exp(log_c)
     falls = [-exponentials((s + i) * log_c, digits)[1] / (s + i) for i in range(3)]
     close = s * log_c > -1.0
-    x, weight = jnp.asarray(_X, z.dtype), jnp.asarray(_OF_X, z.dtype)
-    power = exponentials((jnp.where(close, s * log_c, -0.5))[..., None] * x, digits)[0]
-    falls[0] = jnp.where(close, -log_c * jnp.sum(weight * power, -1), falls[0])
+    some = jnp.where(close, s * log_c, -0.5)[..., None]
+    power = _integral(_EXPONENTIAL, lambda x: exponentials(some * x, digits)[0], z)
+    falls[0] = jnp.where(close, -log_c * power, falls[0])
     return z, small, mean, (1.0 + C) * falls[1] - C * falls[0] - falls[2]
 
 
@@ -211,7 +222,9 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
         Mechanics 20 (1953) 327.
     """
     s, _ = exponents(k)
-    return 2.0 * (1.0 + s) * ring_work(s, jnp.asarray(phi), digits)
+    z, small, mean, far = _work(s, jnp.asarray(phi), digits)
+    near = jnp.where(small, z, 0.5)
+    return 2.0 * (1.0 + s) * jnp.where(small, near * near * near * mean, far)
 
 
 # --- the loop of force and displacement -----------------------------------------------------------------------------
@@ -220,13 +233,11 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
 def softness(s: Array, phi: Array, digits: int | None) -> Array:
     """(1 - c^2)/phi, the displacement over the force: 1/(1 + s) for no force, and 1 at gross slip."""
     small = phi < _FAR
-    near = jnp.where(small, phi, 0.5)
-    v, weight = jnp.asarray(_V, phi.dtype), jnp.asarray(_OF_V, phi.dtype)
-    exponent = s / (1.0 + s)
-    powers = exponentials(-exponent[..., None] * log_complement(near[..., None] * v, digits), digits)[0]
+    near = jnp.where(small, phi, 0.5)[..., None]
+    mean = _integral(_POLES, lambda v: _power(-s / (1.0 + s), near * v, digits), phi)
     far = jnp.where(small, 0.5, phi)
     at = -exponentials(log_complement(far, digits) / (1.0 + s), digits)[1] / far
-    return jnp.where(small, jnp.sum(weight * powers, -1) / (1.0 + s), at)
+    return jnp.where(small, mean / (1.0 + s), at)
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
@@ -286,12 +297,7 @@ def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     References:
         Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.2 as the border of gross slip.
     """
-    s, _ = exponents(k)
-    return loop_energy(s, jnp.asarray(phi), digits)
-
-
-def loop_energy(s: Array, phi: Array, digits: int | None) -> Array:
-    """The `energy_ratio`, by s = (1 + k)/2."""
+    (s, _), phi = exponents(k), jnp.asarray(phi)
     z, small, mean, far = _work(s, phi, digits)
     # The work over z^2 and phi; for small phi without their powers, which would underflow.
     beyond = jnp.where(small, 0.5, phi)
@@ -332,13 +338,15 @@ def loop_opening(s: Array, phi: Array, digits: int | None) -> Array:
     e = s / (1.0 + s)
     small = phi < _FAR
     # The second half of the force moves the contact by more than the first: by so much over the force.
-    near = jnp.where(small, phi, 0.5)[..., None]
-    v, weight = jnp.asarray(_V, phi.dtype), jnp.asarray(_OF_V, phi.dtype)
-    first = exponentials(-e[..., None] * log_complement(0.5 * near * v, digits), digits)[0]
-    more = log_complement(0.5 * near / (1.0 - 0.5 * near * v), digits)
-    near = 0.5 / (1.0 + s) * jnp.sum(weight * first * exponentials(-e[..., None] * more, digits)[1], -1)
+    near = 0.5 * jnp.where(small, phi, 0.5)[..., None]
+
+    def opened(v: Array) -> Array:
+        more = log_complement(near / (1.0 - near * v), digits)
+        return _power(-e, near * v, digits) * exponentials(-e[..., None] * more, digits)[1]
+
+    opening = 0.5 / (1.0 + s) * _integral(_POLES, opened, phi)
     # The same from powers, each as the difference from what it would be for s = 0, where no loop opens.
     far = jnp.where(small, 0.5, phi)
     half, whole = (exponentials(-e * log_complement(x, digits), digits)[1] for x in (0.5 * far, far))
     far = ((2.0 - far) * half - (1.0 - far) * whole) / far
-    return jnp.where(small, near, far) / softness(s, phi, digits)
+    return jnp.where(small, opening, far) / softness(s, phi, digits)

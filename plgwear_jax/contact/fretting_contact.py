@@ -1,12 +1,19 @@
-"""Partial slip in SI units."""
+"""Partial slip in SI units: the only place that chooses between closed forms and numerical solutions.
+
+The types of the bodies decide alone. What solves a contact is imported by the first one that needs it.
+"""
 
 from typing import TYPE_CHECKING, Any
 
 from plgwear_jax._core.domains import ArrayLike, Numbers
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.engines import run_of, steady_of
+from plgwear_jax.loads import load_of
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.steady.arguments import check_bodies, check_fields
 from plgwear_jax.steady.solution import Steady
+from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,7 +22,17 @@ if TYPE_CHECKING:
     from plgwear_jax.shapes import Shape
     from plgwear_jax.surfaces import Elastic
     from plgwear_jax.wear.run import Run
-    from plgwear_jax.wear_laws import WearLaw
+
+
+def is_closed(contact: Any) -> bool:
+    """Whether a contact has closed forms: a rigid parabola or punch on a power law, or two homogeneous bodies."""
+    if not isinstance(shape_of(contact), Parabola):
+        return False
+    if isinstance(contact.material, PowerLawGraded):
+        return getattr(contact, "indenter", None) is None
+    from plgwear_jax.surfaces import Elastic
+
+    return isinstance(contact.material, Elastic)
 
 
 @record
@@ -78,10 +95,14 @@ class FrettingContact:
                 amplitude that it needs before any wear.
             digits: Correct digits wanted; by default all that the solver has.
         """
-        return steady_of(self, load, digits)
+        if is_closed(self):
+            from plgwear_jax.steady.closed import ClosedSteady as Engine
+        else:
+            from plgwear_jax.steady.numeric import NumericSteady as Engine
+        return Engine(self, load_of(load), digits)
 
     def over_cycles(
-        self, load: "ArrayLike | Load | Sequence[Block]", law: "ArrayLike | WearLaw", *, digits: int | None = None
+        self, load: "ArrayLike | Load | Sequence[Block]", law: ArrayLike | WearLaw, *, digits: int | None = None
     ) -> "Run":
         """The wear over cycles, from the unworn contact on: see `Run`.
 
@@ -95,4 +116,13 @@ class FrettingContact:
                 forms and 2 to 4 with numerical contacts, by default 4; for any other test 2. One digit is computed
                 as two.
         """
-        return run_of(self, load, law, digits)
+        if not isinstance(law, WearLaw) and (isinstance(law, str | type | None) or callable(law)):
+            raise TypeError(f"law takes a wear coefficient K in 1/Pa or an instance of a WearLaw, not {law!r}")
+        load, law = load_of(load), law_of(law)
+        if not (load.holds_force and isinstance(law, Archard)):
+            from plgwear_jax.wear.marched import MarchedRun as Engine
+        elif is_closed(self):
+            from plgwear_jax.wear.closed_ring import ClosedRun as Engine
+        else:
+            from plgwear_jax.wear.numeric_ring import NumericRun as Engine
+        return Engine(self, load, law, digits)

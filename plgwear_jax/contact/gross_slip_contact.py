@@ -1,5 +1,6 @@
 """Gross slip in SI units."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
@@ -93,44 +94,40 @@ class SteadyPunch(Solution):
     @compiled
     def force_ratio(self) -> Array:
         """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
-        return gross_slip.force_ratio(self.contact.material.k, digits=self.digits)
+        return self._of(gross_slip.force_ratio)
 
     @property
     @compiled
     def force_drop(self) -> Array:
         """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
-        return gross_slip.force_drop(self.contact.material.k, digits=self.digits)
+        return self._of(gross_slip.force_drop)
 
     @property
     @compiled
     def volume_change(self) -> Array:
         """Effective volume change of the punch in m^3, Eq. (7)."""
         a = self._radius
-        return jnp.pi * a * a * self._depth * gross_slip.volume_change(self.contact.material.k, digits=self.digits)
+        return jnp.pi * a * a * self._depth * self._of(gross_slip.volume_change)
 
     @compiled
     def initial_pressure(self, r: ArrayLike) -> Array:
         """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
-        relative = self._relative(r)
-        return self._mean_pressure * gross_slip.initial_pressure(relative, self.contact.material.k, digits=self.digits)
+        return self._mean_pressure * self._of(gross_slip.initial_pressure, r)
 
     @compiled
     def steady_pressure(self, r: ArrayLike) -> Array:
         """Pressure in Pa under the worn punch, uniform for r <= a."""
-        relative = self._relative(r)
-        return self._mean_pressure * gross_slip.steady_pressure(relative, self.contact.material.k, digits=self.digits)
+        return self._mean_pressure * self._of(gross_slip.steady_pressure, r)
 
     @compiled
     def initial_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
-        relative = self._relative(r)
-        return self._depth * gross_slip.initial_displacement(relative, self.contact.material.k, digits=self.digits)
+        return self._depth * self._of(gross_slip.initial_displacement, r)
 
     @compiled
     def steady_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
-        relative = self._relative(r)
-        return self._depth * gross_slip.steady_displacement(relative, self.contact.material.k, digits=self.digits)
+        return self._depth * self._of(gross_slip.steady_displacement, r)
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1)."""
@@ -150,5 +147,7 @@ class SteadyPunch(Solution):
     def _depth(self) -> Array:
         return guarded("depth", self.contact.depth, POSITIVE)
 
-    def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self._radius
+    def _of(self, function: Callable[..., Array], *r: ArrayLike) -> Array:
+        """A dimensionless function of the exponent, and of radii in m if given."""
+        relative = (guarded("r", x, RADIUS) / self._radius for x in r)
+        return function(*relative, self.contact.material.k, digits=self.digits)

@@ -1,7 +1,6 @@
 """Partial or gross slip over displacement amplitude and normal force, with the loop of force and displacement."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 import jax
@@ -13,9 +12,8 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
-from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.contact.fretting_contact import is_closed
 from plgwear_jax.loads import Force
-from plgwear_jax.steady.solution import Steady
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
 """By which laboratories tell partial from gross slip; right for a homogeneous body under a parabola alone."""
@@ -56,14 +54,13 @@ class SlipRegimes:
         """Energy in J that friction dissipates in a cycle, shape (m, n)."""
         return 4.0 * self.energy_ratio * self.tangential_force * self.displacement_amplitude
 
-    def part(self, rows: ArrayLike, columns: ArrayLike) -> "SlipRegimes":
+    def part(self, rows: np.ndarray, columns: np.ndarray) -> "SlipRegimes":
         """The same at some of the normal forces and some of the displacement amplitudes, by their places."""
-        which = {"displacement_amplitude": np.asarray(columns), "normal_force": np.asarray(rows)}
-        found: dict[str, Any] = {}
-        for name, values in vars(self).items():
-            by_force = values[which["normal_force"]] if name not in which else values[which[name]]
-            found[name] = by_force[:, which["displacement_amplitude"]] if values.ndim == 2 else by_force
-        return SlipRegimes(**found)
+        moves = self.displacement_amplitude[columns]
+        others = {name: x for name, x in vars(self).items() if name != "displacement_amplitude"}
+        return SlipRegimes(
+            moves, **{name: x[rows] if x.ndim == 1 else x[rows][:, columns] for name, x in others.items()}
+        )
 
     def displacement_where(self, name: Literal["energy_ratio", "loop_aperture"], value: float) -> np.ndarray:
         """Displacement amplitude in m at which a quantity has a value, as a criterion of gross slip, shape (m,).
@@ -84,16 +81,8 @@ class SlipRegimes:
         return np.where(value < at_onset, np.array(within), sliding)
 
 
-class _Onset(NamedTuple):
-    """Where the whole contact begins to slip, without a rig, each of shape (m, 1)."""
-
-    displacement: Any
-    energy_ratio: Any
-    aperture: Any
-
-
 class _Loops(NamedTuple):
-    """What partial slip gives at some amplitudes of the force, without a rig, shape (m, n)."""
+    """The loops of some contacts, at the actuator where there is a rig, each of shape (m, n) or (m, 1)."""
 
     force: Any
     displacement: Any
@@ -101,31 +90,21 @@ class _Loops(NamedTuple):
     aperture: Any
 
 
-def _onset_of(steady: Steady) -> _Onset:
-    return _Onset(steady.gross_slip_displacement, steady.gross_slip_energy_ratio, steady.gross_slip_aperture)
-
-
-def _loops_of(contact: Any, force: Array, digits: int | None) -> _Loops:
-    steady = contact.steady(force, digits=digits)
-    return _Loops(force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
-
-
-@program(static=1)
-def _at_displacements(
-    digits: int | None, contact: Any, displacement: Array, rig_stiffness: Array | None
-) -> tuple[_Onset, _Loops]:
-    at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
-    onset = at_rest.gross_slip_displacement
-    # Where the contact slides, some partial slip stands in: what it gives is not read.
-    some = jnp.where(displacement < _NEAR * onset, displacement, 0.5 * onset)
-    force = at_rest.force_at(some)
-    return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, jnp.asarray(force), digits)
-
-
 @program(static=1, level=1)
-def _at_shares(digits: int | None, contact: Any, shares: Array) -> tuple[_Onset, _Loops]:
-    limit = jnp.asarray(contact.friction) * contact.normal_force
-    return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, shares * limit, digits)
+def _loops_at(
+    digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, at: Array
+) -> tuple[_Loops, _Loops]:
+    """(The loops at the transition to gross slip, those at displacements, or at `_SHARES` of a numeric contact)."""
+    at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
+    begins = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
+    onset = _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in begins))
+    if is_closed(contact):
+        # Where the contact slides, some partial slip stands in: what it gives is not read.
+        force = at_rest.force_at(jnp.where(at < _NEAR * onset.displacement, at, 0.5 * onset.displacement))
+    else:
+        force = at * limit
+    steady = contact.steady(Force(force, rig_stiffness), digits=digits)
+    return onset, _Loops(force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
 
 
 _NEAR = 1.0 - 1e-7  # displacement over that of the transition from which on loops are those of the transition
@@ -192,64 +171,42 @@ def slip_regimes(
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
     rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)
-    if is_closed(contact):
-        onset, loops = jax.tree.map(np.asarray, _at_displacements(digits, of_all, moves, rig_stiffness))
-    else:
-        onset, loops = jax.tree.map(np.asarray, _at_shares(digits, of_all, _SHARES))
-        onset = _Onset(*(np.reshape(x, (-1, 1)) for x in onset))
-        loops = _between(loops, onset, limit, moves, rig)
-    doubt(of_onset(onset.displacement))
-    return _put_together(moves, forces, limit, rig, onset, loops)
-
-
-def _between(loops: _Loops, onset: _Onset, limit: np.ndarray, moves: np.ndarray, rig: float) -> _Loops:
-    """Loops at displacement amplitudes of a rig from those at some amplitudes of the force, in each row for itself."""
-    from scipy.interpolate import CubicSpline
-
-    rows = []
-    for begin, row, most in zip(np.hstack(onset), np.stack(loops, -1), limit, strict=True):
-        known = np.vstack([row, [most[0], *begin]])
-        # All but the displacement itself over the displacement, as they begin like it.
-        over = CubicSpline(known[:, 1], known / known[:, 1:2])
-        own = _without_rig(lambda u, over=over: u + rig * u * over(u)[:, 0], begin[0], moves)
-        rows.append(own[:, None] * over(own))
-    return _Loops(*np.moveaxis(np.reshape(rows, (limit.size, moves.size, len(loops))), -1, 0))
-
-
-def _without_rig(of_rig: Callable[[np.ndarray], np.ndarray], most: float, moves: np.ndarray) -> np.ndarray:
-    """Where an increasing function between 0 and a largest place has these values, or the largest place."""
-    places = np.linspace(0.0, most, 4001)[1:]
-    at = of_rig(places)
-    found = np.interp(moves, np.append(0.0, at), np.append(0.0, places))
-    return np.clip(found + (moves - of_rig(found)) * np.interp(moves, at, np.gradient(places, at)), 0.0, most)
-
-
-def _put_together(
-    moves: np.ndarray, forces: np.ndarray, limit: np.ndarray, rig: float, onset: _Onset, loops: _Loops
-) -> SlipRegimes:
-    """The loops at the actuator of a rig, in partial and in gross slip."""
-    shape, begins = (forces.size, moves.size), onset.displacement + rig * limit
-    of_contact = onset.displacement / begins
-    # What the rig gives way is elastic: it makes the loop longer and nothing else.
-    share = loops.displacement / (loops.displacement + rig * loops.force)
+    closed = is_closed(contact)
+    at = moves if closed else _SHARES
+    onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, at))
+    doubt(of_onset(onset.displacement - rig * limit))
+    if not closed:
+        loops = _between(loops, onset, moves, rig)
+    slides = moves >= _NEAR * onset.displacement
 
     def over_both(partial: np.ndarray, at_onset: np.ndarray) -> np.ndarray:
         # Sliding adds a rectangle as high as the loop at the transition.
-        sliding = 1.0 - (1.0 - of_contact * at_onset) * begins / moves
-        found = np.where(moves < begins, of_contact * at_onset, sliding)
-        return np.broadcast_to(np.where(moves < _NEAR * begins, share * partial, found), shape)
-
-    def at_the_onset(value: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(value, (shape[0], 1))[:, 0]
+        sliding = 1.0 - (1.0 - at_onset) * np.minimum(onset.displacement / moves, 1.0)
+        return np.where(slides, sliding, partial)
 
     return SlipRegimes(
         displacement_amplitude=moves,
         normal_force=forces,
-        gross_slip_displacement=at_the_onset(begins),
-        gross_slip_energy_ratio=at_the_onset(of_contact * onset.energy_ratio),
-        gross_slip_aperture=at_the_onset(of_contact * onset.aperture),
-        gross_slip=moves >= begins,
-        tangential_force=np.where(moves < _NEAR * begins, loops.force, limit),
+        gross_slip_displacement=onset.displacement[:, 0],
+        gross_slip_energy_ratio=onset.energy_ratio[:, 0],
+        gross_slip_aperture=onset.aperture[:, 0],
+        gross_slip=moves >= onset.displacement,
+        tangential_force=np.where(slides, limit, loops.force),
         energy_ratio=over_both(loops.energy_ratio, onset.energy_ratio),
         loop_aperture=over_both(loops.aperture, onset.aperture),
     )
+
+
+def _between(loops: _Loops, onset: _Loops, moves: np.ndarray, rig: float) -> _Loops:
+    """Loops at displacement amplitudes, of a rig or not, from those at some force amplitudes; row by row."""
+    from scipy.interpolate import CubicSpline
+
+    rows = []
+    for known in np.concatenate([np.stack(loops, -1), np.stack(onset, -1)], axis=1):
+        own = known[:, 1] - rig * known[:, 0]  # the displacement of the contact itself, in which all are smooth
+        over = CubicSpline(own, known / own[:, None])  # as all begin like the displacement
+        places = np.linspace(0.0, own[-1], 4001)
+        with_rig = places * over(places)[:, 1]
+        at = CubicSpline(with_rig, places)(np.minimum(moves, with_rig[-1]))
+        rows.append(at[:, None] * over(at))
+    return _Loops(*np.moveaxis(np.array(rows), -1, 0))

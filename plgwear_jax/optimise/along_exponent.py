@@ -9,7 +9,6 @@ So a search needs no more runs than that, however many designs it tries.
 import dataclasses
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -42,11 +41,9 @@ class RunsAlongExponent(NamedTuple):
 
         Both arguments have the same shape.
         """
-        shape = self.log_volume.shape
-        among = shares_of_nodes(self.ends, k, shape[1])
+        among = shares_of_nodes(self.ends, k, self.log_volume.shape[1])
         n = jnp.exp(log_n + jnp.log1p(k) + among @ self.log_ratio)
-        runs = jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), self.shares)
-        share = share_at(runs, np.arange(self.log_volume.size).reshape(shape), n[..., None, None])
+        share = share_at(self.shares, n[..., None, None])
         logs = self.log_volume + jnp.log(jnp.maximum(share, jnp.finfo(share.dtype).tiny))
         return jnp.sum(logs * among[..., None, :], axis=-1)
 

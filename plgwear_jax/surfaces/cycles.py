@@ -57,7 +57,10 @@ def cells_of(
     """
     c, a, radius = jnp.exp(punch.log_c), beside.a, outline.radius
     width = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
-    of_ring, (t, share, weight) = _at_held_depth(compliance, punch, c, width, from_c, from_1, effort)
+    at = c, width, from_c, from_1, effort
+    at_held_depth, (t, share, weight) = (
+        _graded(compliance, *at) if isinstance(compliance, Graded) else _powers(compliance, *at)
+    )
     # sin(pi a)/(pi (1-a)), which is regular at a = 1.
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
@@ -69,7 +72,7 @@ def cells_of(
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
-    whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
+    whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1, width)
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.
@@ -87,15 +90,6 @@ def _first_pressure(whole: Array, steady: Array, from_1: Array) -> Array:
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
     return clamp_keep_slope(0.0, solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
-
-
-def _at_held_depth(
-    compliance: Compliance, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
-) -> tuple[Array, Images]:
-    """(A_fixed in m/Pa, the images of the cells by the term that leads)."""
-    if isinstance(compliance, Graded):
-        return _graded(compliance, punch, c, width, from_c, from_1, effort)
-    return _powers(compliance, c, width, from_c, from_1, effort)
 
 
 # --- powers of the wavenumber -----------------------------------------------------------------------------------------
@@ -172,16 +166,12 @@ def _powers(
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def _springs(x: np.ndarray) -> np.ndarray:
-    """From the coefficients m_k to a table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0."""
-    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
-    return x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-
-
 def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
-    """That table for distances in units of c."""
-    coefficients = foundation(effort).terms.of(compliance.excess(c, effort)[0])
-    return jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
+    """A table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0, for distances u in units of c."""
+    x, terms = foundation(effort).x, foundation(effort).terms
+    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
+    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+    return jnp.asarray(springs, c.dtype) @ terms.of(compliance.excess(c, effort)[0])
 
 
 class _Places(NamedTuple):
@@ -200,12 +190,13 @@ def _places_of(u: Array) -> _Places:
     return _Places(before, at - before, jnp.where(at == place - 1.0, 1.0 / (_TABLE * u), 0.0))
 
 
+_CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from values at -1, 0, 1, 2
+
+
 def _lagrange_cubics(table: Array) -> tuple[Array, ...]:
     """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
-    before, one, two, three = table[:-3], table[1:-2], table[2:-1], table[3:]
-    bend = 0.5 * (before - 2.0 * one + two)
-    third = (three - 3.0 * two + 3.0 * one - before) / 6.0
-    return one, two - one - bend - third, bend, third
+    around = jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
+    return tuple(jnp.asarray(_CUBIC, table.dtype) @ around)
 
 
 def _values_at(cubics: tuple[Array, ...], places: _Places) -> Array:
@@ -260,7 +251,7 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
 
 
 def _graded(
-    compliance: Graded, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+    compliance: Graded, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
 ) -> tuple[Array, Images]:
     """The homogeneous half-space of the surface's modulus, and what m(q) adds to it directly and through the inside."""
     half = jnp.full_like(c, 0.5)
@@ -271,16 +262,19 @@ def _graded(
     weighted = share * weight
     of_ring = products_of(share, weight)
     direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
-    moved = _displaced_cells(compliance, c, images, effort)
-    through = (c * math.pi / 4.0) * moved @ solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
-    return strength * (of_ring + 0.5 * direct) - through, images
+    moved, caused = _through_inside(compliance, c, images, effort)
+    return strength * (of_ring + 0.5 * direct) - moved @ caused, images
 
 
-def _displaced_cells(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
-    """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
+def _through_inside(compliance: Graded, c: Array, images: Images, effort: Effort) -> tuple[Array, Array]:
+    """(What each pressure inside c does in each cell beside it, the pressures inside c against those of each cell).
+
+    Each of them has the force 2 pi e^2 c = 4 c.
+    """
     modes = jnp.eye(effort.modes, dtype=c.dtype)
     first, more = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
-    return (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
+    moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
+    return moved, (c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
 
 
 # --- inside c ---------------------------------------------------------------------------------------------------------
@@ -316,10 +310,7 @@ def inward(
         return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
-    moved = _displaced_cells(compliance, c, images, effort)
-    modes = -(c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
-        jnp.asarray(punch.flat), sunk
-    )
+    modes = jnp.outer(jnp.asarray(punch.flat), sunk) - _through_inside(compliance, c, images, effort)[1]
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.sqrt(from_c)
     modes = modes.at[0].add(-c * jnp.diff(root))

@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting
@@ -55,9 +54,8 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
         return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c), work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
-    finest = int(np.argmax(resolution.refinements))
-    total = jnp.sum(ring.steady[finest])
-    unit = total / ((1.0 + s) * powered * work[finest])
+    total = jnp.sum(ring.steady[-1])
+    unit = total / ((1.0 + s) * powered * work[-1])
     return in_unit(ring, powered * unit), Scales(0.5 * jnp.pi * inner * inner * total, unit, inner, unworn + grown)
 
 
@@ -86,8 +84,7 @@ def _by_parts(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
     """The worn volume after n reduced cycles, by runs to these digits."""
     k, phi = jnp.broadcast_arrays(k, phi)
-    curves = curves_of(march_resolution_of(digits), k.ravel(), phi.ravel())
-    return volume_of(curves, phi, n)
+    return volume_of(curves_of(march_resolution_of(digits), k, phi), phi, n)
 
 
 # --- in SI units ------------------------------------------------------------------------------------------------------

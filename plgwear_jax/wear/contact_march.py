@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
 
 
@@ -68,19 +69,6 @@ class Moments(NamedTuple):
     opens: Array  # where it is, in m
 
 
-def _leading(positive: Array) -> Array:
-    """Which entries come before the first one that is not positive."""
-    return jnp.cumprod(positive.astype(jnp.int32)) == 1
-
-
-class _Control(NamedTuple):
-    """displacement_factor depth + force_factor load = value, with the load over `Disc.area`."""
-
-    displacement_factor: Array
-    force_factor: Array
-    value: Array
-
-
 class _Pressed(NamedTuple):
     """A contact."""
 
@@ -97,8 +85,8 @@ _FAST = 10.0  # pressure over that of the step before, from which on Euler's for
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
 
-def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Array, control: _Control) -> _Pressed:
-    """matrix p = depth size - shape where p > 0, under a control.
+def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Array, control: Control) -> _Pressed:
+    """matrix p = depth size - shape where p > 0; displacement_factor depth + force_factor load/`Disc.area` = value.
 
     The Cholesky factor of a leading block is a block of the whole factor: one forward substitution serves every contact
     radius. Derivatives are those of the linear equations of the cells that touch, without those of the whole factor.
@@ -111,7 +99,7 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
         touches, _, count = state
         some = jnp.where(touches, one, 0.0)
         depth = _depth(fixed, some @ one, some @ held)
-        now = _leading(depth * one > held)
+        now = jnp.cumprod((depth * one > held).astype(jnp.int32)) == 1  # all before the first one that does not touch
         return now, jnp.any(now != touches), count + 1
 
     # The load rises ever faster with the depth: from more cells than touch, Newton's method only drops cells.
@@ -146,7 +134,7 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     return _Pressed(depth, pressure, gap, jnp.where(count == 0, 0.0, radius))
 
 
-def _depth(control: _Control, one: Array, held: Array) -> Array:
+def _depth(control: Control, one: Array, held: Array) -> Array:
     """The depth at which the control equation holds, by the loads of a depth of 1 and of the shape."""
     return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
 
@@ -181,7 +169,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.
         ahead = jnp.where(sticks, ratio, 0.0)
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
-        force = _Control(0.0, 1.0, mean)  # pyright: ignore[reportArgumentType]
+        force = Control(0.0, 1.0, mean)
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
         now, contact = known, first
         for _ in range(rounds):  # Newton's method, for a depth that is proportional to the pressure at once
@@ -195,7 +183,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         found, depth = guess, contact.depth
 
         value = step.value - step.force_factor * step.normal_force - step.displacement_factor * depth
-        control = _Control(step.displacement_factor, step.force_factor * disc.area, -value)
+        control = Control(step.displacement_factor, step.force_factor * disc.area, -value)
         second = _pressed(disc.compliance, factor, disc.unworn + now, size, middle, control)
         sliding = step.tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)

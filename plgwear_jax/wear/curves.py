@@ -1,15 +1,17 @@
 """Quantities over time: where a time lies among those of a run, and what a curve has there."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 
 class Curve(NamedTuple):
-    """A quantity that never falls and its rate at increasing times; runs are along a first axis when they are read."""
+    """A quantity that never falls and its rate at increasing times; axes of contacts come first when it is read."""
 
     time: Array  # (steps + 1,)
     value: Array  # (steps + 1, ...)
@@ -25,18 +27,30 @@ def limited(curve: Curve) -> Curve:
     return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
 
 
-class Moment(NamedTuple):
-    """Some times, each located between two times of a run or beyond its last one."""
+def _rows(values: Array, axes: int) -> Array:
+    """The values with the axes of the contacts as one, on which there is at least one."""
+    rows = values.reshape(math.prod(values.shape[:axes]), *values.shape[axes:])
+    return rows if len(rows) else jnp.zeros((1, *rows.shape[1:]), rows.dtype)
 
-    run: Any  # index of the run
+
+class Moment(NamedTuple):
+    """Some times, each located between two times of its contact or beyond the last one."""
+
+    axes: int  # of the contacts, with which all that is read begins
+    contact: Any  # the number of the contact
     first: Array  # index of the time before
     part: Array  # share of the interval that has passed, 0 to 1
     length: Array  # length of the interval
-    late: Array  # time since the last time of the run
+    late: Array  # time since the last time of the contact
+
+    def pick(self, values: Array, *at: Any) -> Array:
+        """The entries of the contacts at these indices."""
+        return _rows(values, self.axes)[self.contact, *at]
 
     def between(self, values: Array, *at: Any) -> Array:
         """Linear interpolation of values at all times, and if given of one entry."""
-        begin, end = values[self.run, self.first, *at], values[self.run, self.first + 1, *at]
+        rows = _rows(values, self.axes)
+        begin, end = rows[self.contact, self.first, *at], rows[self.contact, self.first + 1, *at]
         return begin + self.part * (end - begin)
 
     def across(self, at: Callable[[Array], Array]) -> Array:
@@ -45,34 +59,36 @@ class Moment(NamedTuple):
 
     def on(self, curve: Curve, *at: Any) -> Array:
         """The curve, and if given one of its entries: the cubic through two values and rates."""
-        i, j, x = (self.run, self.first, *at), (self.run, self.first + 1, *at), self.part
-        begin = curve.value[i]
-        rise = curve.value[j] - begin
-        u, v = self.length * curve.rate[i], self.length * curve.rate[j]
+        i, j, x = (self.contact, self.first, *at), (self.contact, self.first + 1, *at), self.part
+        value, rate = _rows(curve.value, self.axes), _rows(curve.rate, self.axes)
+        begin = value[i]
+        rise = value[j] - begin
+        u, v = self.length * rate[i], self.length * rate[j]
         return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
 ROUNDINGS = 32.0  # by which sums of the cycles of blocks differ
 
 
-def moment_at(times: Array, run: Any, time: Array) -> Moment:
-    """Locate a time among the times of a run. At one of them it is the end of the interval before."""
-    last = times.shape[1] - 1
+def moment_at(times: Array, time: Array) -> Moment:
+    """Locate a time among the times of its contact. At one of them it is the end of the interval before."""
+    axes, last = times.ndim - 1, times.shape[-1] - 1
+    rows, number = _rows(times, axes), np.arange(math.prod(times.shape[:-1])).reshape(times.shape[:-1])
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
     early = jax.lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
-    fixed, first = jax.lax.stop_gradient(times), jnp.zeros(jnp.broadcast_shapes(run.shape, time.shape), int)
+    fixed, first = jax.lax.stop_gradient(rows), jnp.zeros(jnp.broadcast_shapes(number.shape, time.shape), int)
     for bit in reversed(range(last.bit_length())):
         there = jnp.minimum(first + (1 << bit), last - 1)
-        first = jnp.where(fixed[run, there] < early, there, first)
-    begin, end = times[run, first], times[run, first + 1]
+        first = jnp.where(fixed[number, there] < early, there, first)
+    begin, end = rows[number, first], rows[number, first + 1]
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
-    inside = jnp.where(time > times[run, -1], times[run, -1], time)
+    inside = jnp.where(time > times[..., -1], times[..., -1], time)
     length = jnp.where(end > begin, end - begin, 1.0)
-    return Moment(run, first, (inside - begin) / length, length, time - inside)
+    return Moment(axes, number, first, (inside - begin) / length, length, time - inside)
 
 
-def cells_around(edges: Array, run: Any, place: Array, power: float = 1.0) -> Moment:
+def cells_around(edges: Array, place: Array, power: float = 1.0) -> Moment:
     """The cells between whose middles a place is; edges are along a last axis. Beyond all middles it is the nearest."""
-    middle = 0.5 * (edges[:, 1:] + edges[:, :-1])
-    found = moment_at(middle**power, run, place**power)
+    middle = 0.5 * (edges[..., 1:] + edges[..., :-1])
+    found = moment_at(middle**power, place**power)
     return found._replace(part=jnp.clip(found.part, 0.0, 1.0))

@@ -1,7 +1,6 @@
 """The wear of any test on any contact, by `march`, on a grid that follows the contact."""
 
 import functools
-import math
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,9 +11,7 @@ from jax import Array
 
 from plgwear_jax._cells import mean_over, nodes_of
 from plgwear_jax._core.domains import (
-    CYCLES,
     POSITIVE,
-    RADIUS,
     ArrayLike,
     Domain,
     RefusedError,
@@ -30,7 +27,7 @@ from plgwear_jax.special.root import first_at
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.steady.state import opens, solver_of
+from plgwear_jax.steady.state import Bodies, opens, solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -122,8 +119,12 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid,
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _given_in_steps(blocks: StageNumbers, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
+def _given_in_steps(blocks: StageNumbers, grid: _Grid, theta: Array, count: int) -> tuple[Steps, Array]:
     """(What is given in each step, the cycles since the beginning at its end)."""
+    # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
+    held, tangential = blocks.displacement_factor > 0.0, blocks.friction * theta
+    force_factor = jnp.where(held, blocks.force_factor / theta, blocks.force_factor)
+    value = blocks.value / jnp.where(held, tangential, blocks.friction)
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
     total = jnp.where(endless, grid.last, blocks.cycles)
@@ -131,7 +132,7 @@ def _given_in_steps(blocks: StageNumbers, grid: _Grid, tangential: Array, count:
     growth = jnp.expm1(bend * np.linspace(0.0, 1.0, count + 1)) / jnp.expm1(bend)
     lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel().astype(total.dtype)
     ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel().astype(total.dtype)
-    given = blocks.normal_force, blocks.friction, blocks.friction * tangential, *blocks[3:]
+    given = blocks.normal_force, blocks.friction, tangential, blocks.displacement_factor, force_factor, value
     # Block after block, so that no roundings of steps add up.
     cycles = (jnp.append(0.0, jnp.cumsum(total)[:-1])[:, None] + total[:, None] * growth).ravel().astype(total.dtype)
     return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given)), cycles
@@ -149,19 +150,9 @@ def _flat(outline: Outline, radius: Array) -> Array:
     return jnp.pi * radius**2 * (outline.height(radius[None]) - inside)[0]
 
 
-def history_of(
-    effort: Effort, compliance: Compliance, outline: Outline, ratio: Any, blocks: StageNumbers, law: WearLaw
-) -> TestHistory:
-    """The history of a test.
-
-    Args:
-        effort: How finely the compliance of a graded body is divided.
-        compliance: That of both bodies.
-        outline: Of the unworn indenter.
-        ratio: theta of a contact radius.
-        blocks: The blocks of cycles.
-        law: The wear law.
-    """
+def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLaw) -> TestHistory:
+    """The history of a test."""
+    compliance, outline = bodies.compliance, bodies.outline
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
     begins = np.arange(number) * (count + 1)
@@ -171,18 +162,14 @@ def history_of(
 
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, TestHistory]:
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
-        tangential = ratio(grid.unworn)
-        steps, cycles = _given_in_steps(blocks, grid, tangential, count)
-        held = steps.displacement_factor > 0.0
-        # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
-        steps = steps._replace(
-            force_factor=jnp.where(held, steps.force_factor / tangential, steps.force_factor),
-            value=steps.value / jnp.where(held, steps.tangential, steps.friction),
-        )
+        theta = bodies.tangential_ratio(effort, grid.unworn)
+        steps, cycles = _given_in_steps(blocks, grid, theta, count)
         found = march(disc, law.rate, 1 if law.linear else 3, steps)
-        # In the steady state the edge touches without pressure, so that the march may lose it.
-        touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
-        found = found._replace(contact_radius=touched)
+        # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
+        # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
+        falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
+        level = grid.end * jnp.repeat(jnp.cumsum(falls), count + 1)
+        found = found._replace(contact_radius=jax.lax.cummax(found.contact_radius + level) - level)
         goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
         history = TestHistory(cycles, disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
@@ -194,7 +181,7 @@ def history_of(
         # --- the cycles of a test without an end: until the scar has grown, or for many times what it takes to wear
         slips, reach = found.rate[0] > 0.0, _REACH * widest
         rate = jnp.where(slips, found.rate[0], 1.0)
-        path = 4.0 * blocks.friction[0] * tangential
+        path = 4.0 * blocks.friction[0] * theta
         slipping = jnp.where(found.pressure[0] > 0.0, found.slip[0], 0.0) @ jnp.diff(disc.edges)
         gap, depth = disc.area * slipping / path * 4.0, outline.height(unworn[None])[0]
         area = jnp.pi * unworn**2
@@ -226,18 +213,6 @@ def history_of(
     return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
 
 
-def _widest(radii: Array, normal_force: Array) -> Array:
-    """The largest of the radii of each block, (blocks, steps), so far, from where the normal force fell last."""
-
-    def block(before: Array, its: tuple[Array, Array]) -> tuple[Array, Array]:
-        radii, falls = its
-        found = jax.lax.cummax(jnp.append(jnp.where(falls, 0.0, before), radii))[1:]
-        return found[-1], found
-
-    falls = jnp.append(True, jnp.diff(normal_force) < 0.0)
-    return jax.lax.scan(block, jnp.zeros_like(radii[0, 0]), (radii, falls))[1].ravel()
-
-
 _LONG = 200.0  # units of time after which nothing wears any more where the contact sticks
 
 
@@ -255,58 +230,47 @@ def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> 
     def one(*given: Array) -> TestHistory:
         its_blocks, given = StageNumbers(*given[:count]), given[count:]
         its_law = jax.tree.unflatten(tree, given[:coefficients])
-        found = bodies(*given[coefficients:])
-
-        def ratio(c: Array) -> Array:
-            return found.tangential_ratio(effort, c)
-
-        return history_of(effort, found.compliance, found.outline, ratio, its_blocks, its_law)
+        return history_of(effort, bodies(*given[coefficients:]), its_blocks, its_law)
 
     before = count + coefficients
     own = *range(count), *(before + table for table in tables)
     return each(sequential_forward_mode(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
 
 
-def _moment(history: TestHistory, cycles: Array) -> tuple[TestHistory, Moment, Array]:
-    """(The history with all contacts along one axis, the moments, 1 within the history and NaN beyond)."""
-    shape = history.cycles.shape[:-1]
-    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), history)
-    number = np.arange(math.prod(shape)).reshape(shape)
-    moment = moment_at(flat.cycles, number, cycles)
+def _moment(history: TestHistory, cycles: Array) -> tuple[Moment, Array]:
+    """(The moments, 1 within the history and NaN beyond)."""
+    moment = moment_at(history.cycles, cycles)
     beyond = moment.late > ROUNDINGS * jnp.finfo(cycles.dtype).eps * cycles
-    known = jnp.where(jnp.isnan(cycles) | (beyond & (flat.goes_on[number] > 0.0)), jnp.nan, 1.0).astype(cycles.dtype)
-    return flat, moment._replace(part=jnp.clip(moment.part, 0.0, 1.0)), known
+    known = jnp.where(jnp.isnan(cycles) | (beyond & (history.goes_on > 0.0)), jnp.nan, 1.0).astype(cycles.dtype)
+    return moment._replace(part=jnp.clip(moment.part, 0.0, 1.0)), known
 
 
 @program(static=1)
 def _amount(name: str, history: TestHistory, cycles: Array) -> Array:
     """One number of the history, such as its contact radius."""
-    (times, _, moments, _), moment, known = _moment(history, cycles)
+    (moment, known), moments = _moment(history, cycles), history.moments
     if name == "deepest_wear":
         cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * known.ndim)
         return known * jnp.max(moment.between(moments.depth, cells), 0)
     if name == "volume":
-        return known * moment.on(jax.vmap(limited)(Curve(times, moments.volume, moments.rate)))
+        curve = history.cycles, moments.volume, moments.rate
+        return known * moment.on(each(lambda *curve: limited(Curve(*curve)), curve, (0, 1, 2)))
     return known * moment.between(getattr(moments, name))
 
 
 @program(static=1)
 def _field(name: str, history: TestHistory, r: Array, cycles: Array) -> Array:
     """A field of the history at radii: the worn depth or the pressure."""
-    (_, edges, moments, _), moment, known = _moment(history, cycles)
-    cell = cells_around(edges**2, moment.run, r * r)
-    found = cell.across(functools.partial(moment.between, getattr(moments, name)))
-    inside = jnp.where(r < edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0)
+    (moment, known), edges = _moment(history, cycles), history.edges
+    cell = cells_around(edges**2, r * r)
+    found = cell.across(functools.partial(moment.between, getattr(history.moments, name)))
+    inside = jnp.where(r < edges[..., -1], jnp.maximum(found, 0.0), 0.0)
     return inside + 0.0 * known * jnp.minimum(r, 1.0)  # NaN where they are
 
 
 @program(static=2)
 def _cycles_to(name: str, ends: bool, history: TestHistory, goal: Array) -> Array:
-    def worn(history: TestHistory, cycles: Array) -> Array:
-        if name != "depth":
-            return _amount("volume", history, cycles)
-        return _amount("deepest_wear", history, cycles)
-
+    worn = functools.partial(_amount, "deepest_wear" if name == "depth" else "volume")
     last = history.moments.volume[..., -1]
     found = first_at(worn, history, goal * last if name == "share" else goal, history.cycles[..., -1])
     if name == "share":
@@ -342,7 +306,7 @@ class MarchedRun(Run):
 
     def _check(self, **given: Any) -> None:
         super()._check(**given)
-        if given.get("cycles") is not None:
+        if "cycles" in given:
             self._check_last(given["cycles"])
 
     def _check_last(self, cycles: Any) -> None:
@@ -404,11 +368,10 @@ class MarchedRun(Run):
         return found
 
     def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
-        self._check(cycles=cycles, r=r)
-        dtype = self._solution.cycles.dtype
+        at = self._radii(r), self._cycles(cycles)
+        history = self._solution
         self._check_last(cycles)
-        given = guarded("r", r, RADIUS), guarded("cycles", cycles, CYCLES)
-        return _field(name, self._solution, *(jnp.asarray(x, dtype) for x in given))
+        return _field(name, history, *at)
 
     def displacement_amplitude(self, cycles: ArrayLike) -> Array:
         """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
@@ -439,11 +402,8 @@ class MarchedRun(Run):
 
     @property
     def steady(self) -> Steady | None:
-        if not self.load.lasts or (not self.load.holds_force and self._ever_slips_as_a_whole):
+        ever_slips = not self.load.holds_force and np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
+        if not self.load.lasts or ever_slips:
             return None
         with one_question(*of_contact(self.contact)):
             return self.contact.steady(self.load)
-
-    @property
-    def _ever_slips_as_a_whole(self) -> bool:
-        return bool(np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0))

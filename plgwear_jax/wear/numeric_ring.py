@@ -10,7 +10,7 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._cells import RingCells
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.domains import POSITIVE, guarded, whole
 from plgwear_jax._core.record import record, static
 from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.special.sequential import sequential_forward_mode
@@ -50,7 +50,7 @@ def numeric_rings_of(effort: Effort, resolution: MarchResolution, state: State) 
     # The cells know the first rate to four digits, and the energy of friction knows it to eight.
     unit = 4.0 * state.friction * state.tangential * volume / energy_of(effort, state)
     scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
-    return in_unit(cells, unit), scales, edges[1][int(np.argmax(resolution.refinements))]
+    return in_unit(cells, unit), scales, edges[1][-1]
 
 
 # --- the runs of all contacts -----------------------------------------------------------------------------------------
@@ -122,9 +122,7 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
 def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
     """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
     under = jnp.where(r < c, r, 0.5 * c)
-    number = np.arange(c.size).reshape(c.shape)
-    places, pressures = (x.reshape(c.size, *x.shape[c.ndim :]) for x in (places, pressures))
-    at = moment_at(-places, number, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
+    at = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
     at = at._replace(part=jnp.clip(at.part, 0.0, 1.0)[..., None])
     return at.between(pressures)
 
@@ -172,9 +170,9 @@ class NumericRun(RingRun):
 
     def __init__(self, *question: Any, **more: Any) -> None:
         super().__init__(*question, **more)
-        if self.digits is not None and self.digits > DIGITS:
-            text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
-            raise ValueError(f"digits = {self.digits} {text}, whose narrow rings are not known to more")
+        if self.digits is not None:
+            told = " of wear over cycles of numeric contacts, whose narrow rings are not known to more"
+            whole("digits", self.digits, 1, DIGITS, told)
 
     def _solved(self, given: Any) -> RunSolution:
         contact, load, wear_coefficient = given

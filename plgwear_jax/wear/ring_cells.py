@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._cells import RingCells
+from plgwear_jax._core.domains import whole
 from plgwear_jax.special.xla import materialised
 
 
@@ -17,17 +18,17 @@ class MarchResolution(NamedTuple):
     inner: int  # cells of the unworn ring, c < r < a_0
     outer: int  # cells beyond a_0 that the edge of the contact passes, one in each step
     length: float  # -log of the share of the ring's growth that is left after the last step
-    refinements: tuple[int, ...]
+    refinements: tuple[int, ...]  # increasing, so that the finest march is the last one
 
     @property
     def cells(self) -> int:
         """Cells of the finest march."""
-        return (self.inner + self.outer + _BEYOND) * max(self.refinements)
+        return (self.inner + self.outer + _BEYOND) * self.refinements[-1]
 
     @property
     def steps(self) -> int:
         """Steps of the finest march."""
-        return self.outer * max(self.refinements)
+        return self.outer * self.refinements[-1]
 
 
 _BEYOND = 2  # cells that the edge of the contact does not reach
@@ -43,10 +44,8 @@ RESOLUTIONS = {
 
 def march_resolution_of(digits: int | None) -> MarchResolution:
     """Cells and steps for a number of digits; by default for 4."""
-    most = max(RESOLUTIONS)
-    if digits is not None and digits > most:
-        raise ValueError(f"digits = {digits} is outside the allowed range 1 <= digits <= {most} of wear over cycles")
-    return RESOLUTIONS[max(4 if digits is None else digits, min(RESOLUTIONS))]
+    known = whole("digits", 4 if digits is None else digits, 1, max(RESOLUTIONS), " of wear over cycles")
+    return RESOLUTIONS[max(known, min(RESOLUTIONS))]
 
 
 @functools.cache

@@ -62,39 +62,27 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     All marches divide the same coarse cells. At the steps that all marches share, the worn depths and loads of the
     coarse cells are extrapolated to small cells.
     """
-    coarse, first = resolution.cells // max(resolution.refinements), 0
+    coarse, first = resolution.cells // resolution.refinements[-1], 0
     each, sums, dtype = [], [], ring.gap.dtype
-    for i, multiple in enumerate(resolution.refinements):
+    for multiple, gap, edges in zip(resolution.refinements, ring.gap, ring.edges, strict=True):
         rows, cells = slice(first, first + resolution.outer * multiple), slice(coarse * multiple)
-        first = rows.stop
-        gap, size = ring.gap[i, cells], jnp.diff(ring.edges[i, : coarse * multiple + 1])
-        each.append(jnp.stack([gap * jnp.expm1(march.worn[rows, cells]), march.pressure[rows, cells]]))
+        first, size = rows.stop, jnp.diff(edges[: coarse * multiple + 1])
+        each.append(jnp.stack([gap[cells] * jnp.expm1(march.worn[rows, cells]), march.pressure[rows, cells]]))
         met = each[-1][:, multiple - 1 :: multiple] * jnp.stack([jnp.ones_like(size), size])[:, None]
         sums.append(jnp.sum(met.reshape(2, resolution.outer, coarse, multiple), -1))
-    finest = resolution.refinements.index(max(resolution.refinements))
     limit = jnp.tensordot(jnp.asarray(weights(resolution, 2), dtype), jnp.stack(sums), 1)
-    counts = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)  # elsewhere rounding decides
-    ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[finest], 1.0), 0.5, 1.5), 1.0)
-    to_steps, to_cells = (jnp.asarray(x, dtype) for x in _spreads(resolution))
-    return each[finest] * (to_steps @ ratio @ to_cells)
-
-
-@functools.cache
-def _spreads(resolution: MarchResolution) -> tuple[np.ndarray, np.ndarray]:
-    """Matrices of linear interpolation from the steps and cells that all marches share to those of the finest march."""
-    multiple = max(resolution.refinements)
-    steps = np.maximum(np.arange(1, resolution.steps + 1) / multiple, 1.0)
-    count = resolution.cells // multiple
-    cells = np.clip((np.arange(resolution.cells) + 0.5) / multiple - 0.5, 0.0, count - 1.0)
-    return _polynomials(np.arange(1.0, resolution.outer + 1), steps, 1), _polynomials(
-        np.arange(float(count)), cells, 1
-    ).T
+    counts = sums[-1] > 1e-9 * jnp.max(sums[-1], (1, 2), keepdims=True)  # elsewhere rounding decides
+    ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[-1], 1.0), 0.5, 1.5), 1.0)
+    *_, to_steps, to_cells = (jnp.asarray(x, dtype) for x in _matrices(resolution, 2))
+    return each[-1] * (to_steps @ ratio @ to_cells)
 
 
 class _Matrices(NamedTuple):
     limit: np.ndarray  # from all steps of all marches to those that all marches share
     spread: np.ndarray  # from these to the steps of the finest march
     slope: np.ndarray  # at the steps of the finest march, from time 0 on
+    linear: np.ndarray  # as `spread`, by straight lines
+    to_cells: np.ndarray  # the same from the cells that all marches share to those of the finest march
 
 
 @functools.cache
@@ -104,9 +92,17 @@ def _matrices(resolution: MarchResolution, order: int) -> _Matrices:
     for multiple, weight in zip(refinements, weights(resolution, order), strict=True):
         limit[common - 1, first + common * multiple - 1] = weight
         first += resolution.outer * multiple
-    places = np.maximum(np.arange(1, resolution.steps + 1) / max(refinements), 1.0)
-    steps = np.arange(resolution.steps + 1.0)
-    return _Matrices(limit, _polynomials(common, places, 3), _polynomials(steps, steps, 4, slope=True))
+    finest = refinements[-1]
+    steps, shared = np.arange(resolution.steps + 1.0), np.arange(resolution.cells // finest)
+    places = np.maximum(steps[1:] / finest, 1.0)
+    cells = np.clip((np.arange(resolution.cells) + 0.5) / finest - 0.5, 0.0, shared[-1])
+    return _Matrices(
+        limit,
+        _polynomials(common, places, 3),
+        _polynomials(steps, steps, 4, slope=True),
+        _polynomials(common, places, 1),
+        _polynomials(shared, cells, 1).T,
+    )
 
 
 def _from(start: Any, x: Array) -> Array:
@@ -115,23 +111,17 @@ def _from(start: Any, x: Array) -> Array:
 
 
 def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) -> RunCurves:
-    """The curves of a run, from the cells of each march."""
-    return _extrapolated_curves(resolution, ring, scales, marches_of(ring, resolution))
-
-
-def _extrapolated_curves(resolution: MarchResolution, ring: RingCells, scales: Scales, march: March) -> RunCurves:
-    """The curves that remain of the marches, extrapolated to small cells and steps."""
+    """The curves of a run, from the cells of each march, extrapolated to small cells and steps."""
+    march = marches_of(ring, resolution)
     depths, pressures = _depths_and_pressures(ring, march, resolution)
-    multiple = max(resolution.refinements)
-    which = resolution.refinements.index(multiple)
-    last = resolution.outer * sum(resolution.refinements[: which + 1])
-    finest = jax.tree.map(lambda x: x[last - resolution.steps : last], march)
-    ring = jax.tree.map(lambda x: x[which], ring)
+    multiple = resolution.refinements[-1]
+    finest = jax.tree.map(lambda x: x[-resolution.steps :], march)
+    ring = jax.tree.map(lambda x: x[-1], ring)
     begin = resolution.inner * multiple
     edge = ring.edges[begin : begin + resolution.steps + 1]
 
     def limit(order: int, x: Array, finest: Array) -> Array:
-        limit, spread, _ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(resolution, order))
+        limit, spread, *_ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(resolution, order))
         # Clipped, since at few digits the first steps would otherwise go backwards.
         return _from(0.0, finest * jnp.clip(spread @ (limit @ x / finest[multiple - 1 :: multiple]), 0.25, 4.0))
 
@@ -169,8 +159,9 @@ def _extrapolated_curves(resolution: MarchResolution, ring: RingCells, scales: S
 
 def for_each(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any) -> Any:
     """The function's results for each contact: the first axes of all leaves have this shape."""
-    flat = jax.tree.map(lambda x: x.reshape(math.prod(shape), *x.shape[len(shape) :]), trees)
-    if math.prod(shape) == 1:
+    count = math.prod(shape)
+    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[len(shape) :]), trees)
+    if count == 1:
         found = jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
     elif jax.default_backend() != "cpu":
         found = jax.vmap(function)(*flat)
@@ -188,24 +179,23 @@ def curves_by_parts(resolution: MarchResolution, rings: RingCells, scales: Scale
 # --- at any time ------------------------------------------------------------------------------------------------------
 
 
-def end_of(curves: RunCurves, run: np.ndarray) -> Array:
+def end_of(curves: RunCurves) -> Array:
     """The time after which less is left to wear than the rounding error of the volume."""
-    decay, time = curves.decay[run, 0], curves.volume.time[run, -1]
+    decay, time = curves.decay[..., 0], curves.volume.time[..., -1]
     long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
-    return curves.scales.unit[run] * (time + long)
+    return curves.scales.unit * (time + long)
 
 
-def share_at(shares: Shares, run: np.ndarray, time: Array) -> Array:
+def share_at(shares: Shares, time: Array) -> Array:
     """The share of the final volume that is worn by then."""
-    moment = moment_at(shares.volume.time, run, time / shares.unit[run])
-    rest = 1.0 - shares.volume.value[run, -1]
-    a, b = shares.decay[run, 0], shares.decay[run, 1]
+    moment = moment_at(shares.volume.time, time / shares.unit)
+    rest = 1.0 - shares.volume.value[..., -1]
+    a, b = shares.decay[..., 0], shares.decay[..., 1]
     fall = jnp.exp(-a * moment.late)
     after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, moment.on(shares.volume))
 
 
 def volume_of(curves: RunCurves, phi: Array, time: Array) -> Array:
-    """The volume that is worn by then; the curves of all amplitudes phi are along one axis."""
-    run = np.arange(phi.size).reshape(phi.shape)
-    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, time), 0.0)
+    """The volume that is worn by then."""
+    return jnp.where(phi > 0.0, curves.scales.volume * share_at(curves.shares, time), 0.0)

@@ -101,11 +101,7 @@ def _solved(step: _Step, start: Array) -> Array:
 def _solved_jvp(primals, tangents):
     (step, start), (dstep, _) = primals, tangents
     found = _solved(step, start)
-
-    def excess_of(compliance: Array, gap: Array, steady: Array, known: Array) -> Array:
-        return _excess(_Step(compliance, gap, steady, known, step.touching), found)
-
-    residual = jax.jvp(excess_of, step[:4], dstep[:4])[1][0]
+    residual = jax.jvp(lambda *moving: _excess(_Step._make((*moving, step.touching)), found), step[:4], dstep[:4])[1][0]
     return found, _tangent(step, found, residual)
 
 

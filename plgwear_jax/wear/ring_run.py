@@ -38,24 +38,6 @@ class RunSolution(NamedTuple):
     stick_radius: Array  # c in m
     ring: Any  # the ring of the engine: its gap, its final depth, and the pressures that it causes inside c
 
-    @property
-    def flat(self) -> RunCurves:
-        """The curves with the contacts along one axis, on which there is at least one."""
-        axes, count = self.phi.ndim, self.phi.size
-        if not count:
-            return jax.tree.map(lambda x: jnp.zeros((1, *x.shape[axes:]), x.dtype), self.curves)
-        return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
-
-    @property
-    def number(self) -> np.ndarray:
-        """The place of each contact along that axis."""
-        return np.arange(self.phi.size).reshape(self.phi.shape)
-
-    @property
-    def outer_radius(self) -> Array:
-        """The outer radius of the ring in m."""
-        return self.stick_radius * jnp.sqrt(1.0 + self.flat.scales.width[self.number])
-
 
 def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
@@ -66,7 +48,7 @@ def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Arr
 
 
 def _volume(run: RunSolution, cycles: Array) -> Array:
-    return volume_of(run.flat, run.phi, run.per_cycle * cycles)
+    return volume_of(run.curves, run.phi, run.per_cycle * cycles)
 
 
 def _volume_rate(run: RunSolution, cycles: Array) -> Array:
@@ -75,11 +57,11 @@ def _volume_rate(run: RunSolution, cycles: Array) -> Array:
 
 
 def _contact_radius(run: RunSolution, cycles: Array) -> Array:
-    curves = run.flat
-    moment = moment_at(curves.edge.time, run.number, run.per_cycle * cycles / curves.scales.unit[run.number])
+    curves, scales = run.curves, run.curves.scales
+    moment = moment_at(curves.edge.time, run.per_cycle * cycles / scales.unit)
     y = moment.on(curves.edge)
-    y = y + (curves.scales.width[run.number] - y) * -jnp.expm1(-curves.decay[run.number, 0] * moment.late)
-    grown = clamp_keep_slope(1.0, jnp.sqrt(curves.scales.inner[run.number] * (1.0 + y)))
+    y = y + (scales.width - y) * -jnp.expm1(-curves.decay[..., 0] * moment.late)
+    grown = clamp_keep_slope(1.0, jnp.sqrt(scales.inner * (1.0 + y)))
     return run.contact_radius * jnp.where(run.phi > 0.0, grown, 1.0)
 
 
@@ -101,24 +83,25 @@ def _number_of_run(name: str, run: RunSolution, cycles: Array) -> Array:
 
 def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Array) -> Array:
     """The worn depth h = g E/(1 + g E/H) at y in the ring. E grows without bound, so that h tends to exactly H."""
-    curves, number = run.flat, run.number
-    cell = cells_around(curves.edges, number, y)
-    moment = moment_at(curves.worn.time, number, run.per_cycle * cycles / curves.scales.unit[number])
+    curves = run.curves
+    cell = cells_around(curves.edges, y)
+    moment = moment_at(curves.worn.time, run.per_cycle * cycles / curves.scales.unit)
 
-    def level(cell: Array) -> Array:
-        grown = jnp.expm1(moment.on(curves.worn, cell))
-        rest = jnp.maximum(1.0 - grown / curves.ratio[number, cell], 1e-6)
+    def level(at: Array) -> Array:
+        grown = jnp.expm1(moment.on(curves.worn, at))
+        rest = jnp.maximum(1.0 - grown / cell.pick(curves.ratio, at), 1e-6)
         return jnp.log1p(grown / rest)
 
     grown = jnp.expm1(cell.across(level))
-    grown = grown * jnp.exp(jnp.minimum(curves.decay[number, 0] * moment.late, 60.0))  # no more, or it would overflow
+    grown = grown * jnp.exp(jnp.minimum(curves.decay[..., 0] * moment.late, 60.0))  # no more, or it would overflow
     return jnp.where(run.phi > 0.0, steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny), 0.0)
 
 
 @program()
 def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     """(1 where radii lie in the ring and else 0, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
-    c, edge = run.stick_radius, run.outer_radius
+    c = run.stick_radius
+    edge = c * jnp.sqrt(1.0 + run.curves.scales.width)
     inside = (r >= c) & (r < edge)
     near = jnp.where(inside, r, 0.5 * (c + edge))
     return 1.0 * inside, ((near - c) / c) * ((near + c) / c), near
@@ -137,13 +120,12 @@ _PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is n
 def _places_in_ring(run: RunSolution, at: Array) -> tuple[Array, Array]:
     """(y, radii) at places over the ring, along a first axis before those of the contacts and of other numbers."""
     places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
-    y = jnp.asarray(places, at.dtype) * run.flat.scales.width[run.number]
+    y = jnp.asarray(places, at.dtype) * run.curves.scales.width
     return y, run.stick_radius * jnp.sqrt(1.0 + y)
 
 
 def _deepest_in_ring(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
-    run, ring = given
-    y, gap, steady = ring
+    run, (y, gap, steady) = given
     return crest(_depth_at(run, y, gap, steady, cycles))
 
 
@@ -167,16 +149,16 @@ def _of_ring(read: Callable[..., Array]) -> Callable[[RunSolution, Array], Array
 
 @program(static=1)
 def _cycles_to(name: str, run: RunSolution, goal: Array, ring: tuple[Array, ...] = ()) -> Array:
-    curves, number, wears = run.flat, run.number, run.phi > 0.0
-    end = end_of(curves, number) / run.per_cycle
+    curves, wears = run.curves, run.phi > 0.0
+    end = end_of(curves) / run.per_cycle
     if name == "depth":
         found = first_at(_deepest_in_ring, (run, ring), goal, end)
     else:
 
         def worn(given: Any, cycles: Array) -> Array:
-            return share_at(given[0], number, given[1] * cycles)
+            return share_at(given[0], given[1] * cycles)
 
-        share = goal if name == "share" else goal / curves.scales.volume[number]
+        share = goal if name == "share" else goal / curves.scales.volume
         never = share >= 1.0
         found = first_at(worn, (curves.shares, run.per_cycle), jnp.where(never, 0.5, share), end)
         found = jnp.where(never, jnp.inf, found)
@@ -200,24 +182,23 @@ _LONG = 1e6  # units of time after which nothing wears any more
 def _pressure(
     run: RunSolution, ring: tuple[Array, ...], r: Array, inside: Pressures, near: tuple[Array, Pressures], cycles: Array
 ) -> Array:
-    curves, number, c = run.flat, run.number, run.stick_radius
-    unit = curves.scales.unit[number]
-    moment = moment_at(curves.worn.time, number, run.per_cycle * cycles / unit)
-    faded = jnp.exp(-curves.decay[number, 0] * moment.late) / unit
+    curves, c, unit = run.curves, run.stick_radius, run.curves.scales.unit
+    moment = moment_at(curves.worn.time, run.per_cycle * cycles / unit)
+    faded = jnp.exp(-curves.decay[..., 0] * moment.late) / unit
 
     def grown(moment: Moment, cell: Any) -> Array:
         """Pressure of a cell, without its share of the pressure before any wear; times `faded`."""
-        rates = curves.worn.rate.at[:, 0].set(0.0)
+        rates = curves.worn.rate.at[..., 0, :].set(0.0)
         return moment.between(rates, cell)
 
     remains = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)  # of the pressure before any wear
     slips, y = ring[:2]
-    cell = cells_around(curves.edges, number, y, 1.0 / 3.0)  # edges grow as the cube of their index
+    cell = cells_around(curves.edges, y, 1.0 / 3.0)  # edges grow as the cube of their index
     # A sum, since subtracting the first pressures would leave rounding errors where the pressure is zero.
     around = faded * cell.across(functools.partial(grown, moment)) + remains * inside.unworn
     # In the stick area the pressures of the ring cause a pressure that vanishes with them.
-    begin = curves.worn.rate[number, 0] / unit[..., None]
-    each = Moment(*(x[..., None] for x in moment))
+    begin = curves.worn.rate[..., 0, :] / unit[..., None]
+    each = Moment(moment.axes, *(x[..., None] for x in moment[1:]))
     now = faded[..., None] * grown(each, np.arange(begin.shape[-1])) + remains[..., None] * begin
     # Next to c only the steady pressure is singular; its share 1 - `share` of the pressure grows from 0 to 1.
     nearest, beside = near

@@ -22,11 +22,12 @@ from plgwear_jax.optimise.search import solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
+compiled, long = pytest.mark.compiled, pytest.mark.long
 COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
 
 QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
 ALL = [
-    pytest.param(kind, question, marks=pytest.mark.compiled if (kind, question) in QUICK else pytest.mark.long)
+    pytest.param(kind, question, marks=compiled if (kind, question) in QUICK else long)
     for kind in KINDS
     for question in batches.QUESTIONS
 ]
@@ -43,7 +44,7 @@ def test_a_batch_returns_again_and_again(kind, question):
     assert told["away"] < (1e-4 if digits == 4 else 2e-2)
 
 
-def calls_of_lapack(lowered: str) -> list[list[str]]:
+def calls_of_lapack(lowered):
     """The shapes of the arrays of each call."""
     lines = [line for line in lowered.splitlines() if re.search(r"@(lapack|blas)_", line)]
     return [re.findall(r"tensor<((?:\d+x)*)f(?:32|64)>", line) for line in lines]
@@ -53,10 +54,10 @@ def calls_of_lapack(lowered: str) -> list[list[str]]:
     "kind, question",
     [
         ("layers under steel", "unworn"),
-        pytest.param("a power law under steel", "fields", marks=pytest.mark.compiled),
-        pytest.param("a table under steel", "over_cycles", marks=pytest.mark.compiled),
-        pytest.param("a shape", "held", marks=pytest.mark.compiled),
-        pytest.param("closed forms", "held", marks=pytest.mark.compiled),
+        pytest.param("a power law under steel", "fields", marks=compiled),
+        pytest.param("a table under steel", "over_cycles", marks=compiled),
+        pytest.param("a shape", "held", marks=compiled),
+        pytest.param("closed forms", "held", marks=compiled),
     ],
 )
 def test_no_batch_of_matrices_reaches_lapack(kind, question):
@@ -69,7 +70,7 @@ def test_no_batch_of_matrices_reaches_lapack(kind, question):
 # --- what makes it so ---------------------------------------------------------------------------------------------
 
 
-def systems(seed: int) -> tuple[jax.Array, jax.Array]:
+def systems(seed):
     random = np.random.default_rng(seed)
     half = random.normal(size=(5, 6, 6))
     return jnp.asarray(half @ half.swapaxes(1, 2) + np.eye(6)), jnp.asarray(random.normal(size=(5, 6, 3)))
@@ -92,9 +93,9 @@ def plain(matrix, right):
     [
         lambda f: f,
         lambda f: jax.grad(f, (0, 1)),
-        pytest.param(lambda f: jax.jacfwd(jax.grad(f), 1), marks=pytest.mark.compiled),
-        pytest.param(lambda f: jax.jacrev(jax.jacrev(f)), marks=pytest.mark.compiled),
-        pytest.param(lambda f: jax.jacfwd(jax.jacfwd(f)), marks=pytest.mark.compiled),
+        pytest.param(lambda f: jax.jacfwd(jax.grad(f), 1), marks=compiled),
+        pytest.param(lambda f: jax.jacrev(jax.jacrev(f)), marks=compiled),
+        pytest.param(lambda f: jax.jacfwd(jax.jacfwd(f)), marks=compiled),
     ],
 )
 def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
@@ -102,7 +103,8 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
         return lambda matrix, right: function(0.5 * (matrix + matrix.T), right)
 
     matrix, right = systems(seed)
-    expected = [transform(symmetric(plain))(*system) for system in zip(matrix, right, strict=True)]
+    one_by_one = jax.jit(transform(symmetric(plain)))
+    expected = [one_by_one(*system) for system in zip(matrix, right, strict=True)]
     expected = jax.tree.map(lambda *parts: np.stack(parts), *expected)
     found = jax.jit(jax.vmap(transform(symmetric(ours))))(matrix, right)
     crossed = jax.vmap(jax.vmap(transform(symmetric(ours)), (None, 0)), (0, None))(matrix, right)
@@ -160,7 +162,7 @@ print(taken() - begin)
 """
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what its threads have done")
 def test_the_threads_of_openblas_stay_idle():
     more = {"OPENBLAS_NUM_THREADS": "4", "PYTHONPATH": str(Path(batches.__file__).parent)}
@@ -174,9 +176,7 @@ def test_a_matrix_that_is_not_positive_gives_nan():
 
 
 @pytest.mark.parametrize("mapped", [sequential_vmap, sequential_forward_mode])
-@pytest.mark.parametrize(
-    "count", [pytest.param(0, marks=pytest.mark.compiled), pytest.param(1, marks=pytest.mark.compiled), 4]
-)
+@pytest.mark.parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
 def test_one_after_the_other_is_what_vmap_gives(mapped, count):
     def function(numbers, table):
         return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
@@ -196,7 +196,7 @@ def test_one_after_the_other_is_what_vmap_gives(mapped, count):
         np.testing.assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table)
     )
     for transform in (jax.grad, jax.hessian):
-        found, expected = (transform(total(f), (0, 1))(numbers, table) for f in (of, plainly))
+        found, expected = (jax.jit(transform(total(f), (0, 1)))(numbers, table) for f in (of, plainly))
         jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
 
 
@@ -207,9 +207,7 @@ def test_derivatives_are_by_what_moves_alone():
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 
 
-@pytest.mark.parametrize(
-    "n", [1, 2, pytest.param(3, marks=pytest.mark.compiled), pytest.param(5, marks=pytest.mark.compiled)]
-)
+@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
 def test_elimination_solves_small_systems(n, seed):
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))

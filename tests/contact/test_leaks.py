@@ -5,82 +5,48 @@ since tracing is what leaks.
 """
 
 import dataclasses
+import functools
 import gc
-from collections.abc import Callable
-from typing import Any
 
+import batches
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from kinds import COEFFICIENT, KINDS
+from kinds import KINDS
 from rigid_shapes import Blend
 
-from plgwear_jax import FrettingContact, optimise
-from plgwear_jax.loads import Displacement, Force
+from plgwear_jax import optimise
 
 OWN = KINDS | {"a shape of one's own": dataclasses.replace(KINDS["a shape"], shape=Blend(flat=2e-5))}
-F_X = 1.5
-FORCES = np.array([1.0, F_X])
-
-Asked = Callable[[FrettingContact, Any], Any]
+FORCES = np.array([1.0, batches.F_X])
 
 
-def steady(contact: FrettingContact, force: Any) -> Any:
-    """Several quantities one after the other, which share what is remembered."""
-    steady = contact.steady(force)
-    told = steady.wear_volume, contact.steady(force).worn_radius, contact.steady(0.0).contact_radius
-    return sum(told) + steady.edge_pressure(1e-6)
+def transformed(ask, contact):
+    """Functions with arguments."""
 
+    def closed(force):
+        return ask(contact, force)
 
-def unworn(contact: FrettingContact, force: Any) -> Any:
-    steady = contact.steady(force)
-    return steady.displacement_amplitude + steady.slip_amplitude(0.0) + steady.energy_per_cycle + steady.deepest_wear
-
-
-def over_cycles(contact: FrettingContact, force: Any) -> Any:
-    return contact.over_cycles(force, COEFFICIENT).volume(1e4) + contact.steady(force).wear_volume
-
-
-def shares(contact: FrettingContact, force: Any) -> Any:
-    return contact.over_cycles(force, COEFFICIENT).cycles_to(0.5)
-
-
-def held(contact: FrettingContact, force: Any) -> Any:
-    moved = contact.steady(Force(force, 3e7)).displacement_amplitude
-    return contact.over_cycles(Displacement(moved, 3e7), COEFFICIENT).volume(1e4)
-
-
-def within(ask: Asked, contact: FrettingContact) -> Callable[[Any, Any], Any]:
-    """The question in a program within a program, of a contact of the outer one."""
-
-    def outer(load: Any, force: Any) -> Any:
+    def within(load, force):
+        """The question in a program within a program, of a contact of the outer one."""
         loaded = dataclasses.replace(contact, normal_force=load)
         return jax.jit(lambda force: ask(loaded, force))(force) + ask(loaded, force)
 
-    return outer
-
-
-def transformed(ask: Asked, contact: FrettingContact) -> dict[str, tuple[Callable[..., Any], tuple[Any, ...]]]:
-    """Functions with arguments."""
-
-    def closed(force: Any) -> Any:
-        return ask(contact, force)
-
     return {
-        "jit": (jax.jit(ask), (contact, F_X)),
-        "a contact from outside": (jax.jit(closed), (F_X,)),
-        "grad": (jax.grad(closed), (F_X,)),
+        "jit": (jax.jit(ask), (contact, batches.F_X)),
+        "a contact from outside": (jax.jit(closed), (batches.F_X,)),
+        "grad": (jax.grad(closed), (batches.F_X,)),
         "vmap": (jax.vmap(closed), (FORCES,)),
         "jit in vmap": (jax.vmap(lambda force: jax.jit(closed)(force)), (FORCES,)),
-        "jit in jit": (jax.jit(within(ask, contact)), (10.0, F_X)),
-        "jit in vmap in jit": (jax.jit(jax.vmap(within(ask, contact), (None, 0))), (10.0, FORCES)),
-        "grad in jit": (jax.jit(jax.grad(lambda force, load: within(ask, contact)(load, force))), (F_X, 10.0)),
+        "jit in jit": (jax.jit(within), (10.0, batches.F_X)),
+        "jit in vmap in jit": (jax.jit(jax.vmap(within, (None, 0))), (10.0, FORCES)),
+        "grad in jit": (jax.jit(jax.grad(within, 1)), (10.0, batches.F_X)),
     }
 
 
-def nothing_leaks(ask: Asked, kind: str, run: bool = False, ways: tuple[str, ...] | None = None) -> None:
-    found = transformed(ask, OWN[kind])
+def nothing_leaks(question, kind, run=False, ways=None):
+    found = transformed(functools.partial(batches.QUESTIONS[question], digits=None), OWN[kind])
     for function, given in (found[way] for way in ways or found):
         gc.freeze()  # JAX looks for garbage at the end of every trace, which need not be that of the suite
         with jax.checking_leaks():
@@ -90,27 +56,27 @@ def nothing_leaks(ask: Asked, kind: str, run: bool = False, ways: tuple[str, ...
 
 @pytest.mark.parametrize("kind", ["closed forms", "layers under steel"])
 def test_no_steady_question_leaks(kind):
-    nothing_leaks(steady, kind, ways=("jit", "a contact from outside", "vmap", "jit in jit"))
+    nothing_leaks("steady", kind, ways=("jit", "a contact from outside", "vmap", "jit in jit"))
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("kind", OWN)
-@pytest.mark.parametrize("ask", [steady, unworn, over_cycles, shares, held], ids=lambda ask: ask.__name__)
-def test_no_question_leaks(ask, kind):
-    nothing_leaks(ask, kind)
+@pytest.mark.parametrize("question", batches.QUESTIONS)
+def test_no_question_leaks(question, kind):
+    nothing_leaks(question, kind)
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("kind", ["closed forms", "a power law under steel", "a shape"])
 def test_no_question_that_runs_leaks(kind):
-    nothing_leaks(steady, kind, run=True)
+    nothing_leaks("steady", kind, run=True)
 
 
-def best_exponents(phi: Any) -> Any:
+def best_exponents(phi):
     return optimise.optimal_exponent(phi, (-0.9, 0.9)).k
 
 
-def best_materials(force: Any) -> Any:
+def best_materials(force):
     return optimise.designs(KINDS["closed forms"], force, {"k": (-0.5, 0.5)}).variables["k"]
 
 

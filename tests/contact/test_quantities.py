@@ -15,7 +15,6 @@ from balance import sums
 from functions import by_numpy
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
-from plgwear_jax.contact import slip_regimes
 from plgwear_jax.loads import Block, Displacement, Force
 
 RECORDED = ring_contacts.recorded()
@@ -94,18 +93,6 @@ def test_small_amplitudes_follow_their_limits(kind):
     np.testing.assert_allclose(share_of(few), share_of(more), rtol=1e-3)
     for name in ("loop_aperture", "energy_ratio", "displacement_amplitude"):
         np.testing.assert_allclose(4.0 * getattr(few, name), getattr(more, name), rtol=3e-3, err_msg=name)
-
-
-@pytest.mark.compiled
-def test_a_map_with_a_rig_has_the_amplitudes_of_the_rings():
-    contact, force, known = asked("layers under steel")
-    alone = known["steady"]
-    moved = alone["displacement_amplitude"] + force / RIG
-    found = slip_regimes(contact, [moved], [known["normal_force"]], rig_stiffness=RIG, digits=3)
-    np.testing.assert_allclose(found.tangential_force, force, rtol=1e-4)
-    np.testing.assert_allclose(found.energy_per_cycle, alone["energy_per_cycle"], rtol=1e-3)
-    np.testing.assert_allclose(found.energy_ratio, alone["energy_per_cycle"] / (4.0 * force * moved), rtol=1e-3)
-    np.testing.assert_allclose(found.loop_aperture, alone["loop_aperture"] * alone["contact_share"], rtol=1e-3)
 
 
 @pytest.mark.compiled

@@ -11,15 +11,13 @@ import itertools
 import random
 import sys
 import threading
-from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS
 
-from plgwear_jax import FrettingContact, optimise
+from plgwear_jax import optimise
 from plgwear_jax.loads import Displacement
 
 THREADS = 8
@@ -27,7 +25,7 @@ FEWEST = 2  # digits: what is remembered is the same, and computed in less time
 
 
 @functools.cache
-def loaded(kind: str, number: int) -> FrettingContact:
+def loaded(kind, number):
     """One of several contacts of a kind; what is remembered is that of the same object."""
     return dataclasses.replace(KINDS[kind], normal_force=8.0 + 0.25 * number)
 
@@ -35,27 +33,27 @@ def loaded(kind: str, number: int) -> FrettingContact:
 F_X = 1.5
 
 
-def volume(contact: FrettingContact) -> Any:
+def volume(contact):
     return contact.steady(F_X, digits=FEWEST).wear_volume
 
 
-def radius(contact: FrettingContact) -> Any:
+def radius(contact):
     return contact.steady(F_X, digits=FEWEST).worn_radius
 
 
-def unworn(contact: FrettingContact) -> Any:
+def unworn(contact):
     return contact.steady(0.0, digits=FEWEST).contact_radius
 
 
-def over_cycles(contact: FrettingContact) -> Any:
+def over_cycles(contact):
     return contact.over_cycles(F_X, COEFFICIENT, digits=FEWEST).volume(1e4)
 
 
-def held(contact: FrettingContact) -> Any:
+def held(contact):
     return contact.over_cycles(Displacement(2e-7, 3e7), COEFFICIENT, digits=FEWEST).volume(1e4)
 
 
-def best(contact: FrettingContact) -> Any:
+def best(contact):
     found = optimise.design(contact, F_X, {"k": (-0.2, 0.2)})
     return np.array([found.value, found.reference_value])
 
@@ -63,21 +61,19 @@ def best(contact: FrettingContact) -> Any:
 STEADY = volume, radius, unworn
 DESIGNED = "closed forms", "a power law under steel"
 
-Question = tuple[str, Callable[[FrettingContact], Any], int]  # the kind of a contact, what is asked, which contact
 
-
-def questions(kinds: Any, asked: Any, contacts: int) -> list[tuple[Question, ...]]:
-    """All that is asked of one contact, one after the other, for each contact."""
+def questions(kinds, asked, contacts):
+    """All that is asked of one contact, one after the other, for each contact: (its kind, what is asked, which one)."""
     return [tuple((kind, ask, number) for ask in asked) for kind in kinds for number in range(contacts)]
 
 
-def answered(question: Question) -> np.ndarray:
+def answered(question):
     kind, ask, number = question
     return np.asarray(ask(loaded(kind, number)))
 
 
 @pytest.fixture(autouse=True)
-def _often() -> Iterator[None]:
+def _often():
     """Python changes threads as often as it can."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
@@ -85,13 +81,13 @@ def _often() -> Iterator[None]:
     sys.setswitchinterval(before)
 
 
-def wrong_answers(asked: list[tuple[Question, ...]]) -> tuple[int, list[Question]]:
+def wrong_answers(asked):
     """How many questions there were, and those with wrong answers or none."""
     expected = {question: answered(question) for question in itertools.chain(*asked)}
     asked = random.Random(1).sample(asked, len(asked))
     begin = threading.Barrier(THREADS)
 
-    def ask(thread: int) -> list[tuple[Question, bool]]:
+    def ask(thread):
         begin.wait()
         told = []
         for question in itertools.chain(*asked[thread::THREADS]):

@@ -11,7 +11,7 @@ from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
-from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.contact import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
 

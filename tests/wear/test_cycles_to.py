@@ -13,7 +13,7 @@ from plgwear_jax.wear_laws import PressurePower
 
 compiled = pytest.mark.compiled
 ONE, FORCE = contact_of(LAW), 2.0
-BLOCKS = [Block(FORCE, 1e5), Block(0.5, 1e5), Block(3.0, 1e5)]  # the second one wears nothing new
+BLOCKS = [Block(force, 1e5) for force in (FORCE, 0.5, 0.5, 3.0)]  # the second and the third wear nothing new
 LOADS = {
     "closed": (ONE, FORCE),
     "numeric": (KINDS["layers under steel"], FORCE),
@@ -29,12 +29,13 @@ def run_of(name, law=COEFFICIENT):
 
 
 @pytest.mark.parametrize(
-    "name", ["closed", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "held", "blocks"))]
+    "name", ["closed", "held", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "blocks"))]
 )
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])
     volumes = shares * float(run.volume(end))
+    assert run.volume(0.0) == run.depth(0.0, 0.0) == run.pressure(1.0, 0.0) == 0.0
     np.testing.assert_allclose(run.volume(run.cycles_to(volume=volumes)), volumes, rtol=1e-9)
     np.testing.assert_allclose(run.cycles_to(volume=volumes), run.cycles_to(shares), rtol=1e-9)
     r = np.linspace(0.0, float(run.contact_radius(end)), 8001)
@@ -68,9 +69,9 @@ def test_what_is_never_worn_takes_for_ever():
 @compiled
 def test_blocks_end():
     run = run_of("blocks")
-    ends = np.asarray(run.volume(np.array([1e5, 2e5, 3e5])))
+    ends = np.asarray(run.volume(np.array([1e5, 3e5, 4e5])))
     assert run.cycles_to(volume=1.01 * ends[2]) == np.inf
-    assert 2e5 < run.cycles_to(volume=0.5 * (ends[1] + ends[2])) < 3e5
+    assert 3e5 < run.cycles_to(volume=0.5 * (ends[1] + ends[2])) < 4e5
     half = run_of("blocks", PressurePower(COEFFICIENT, 1.0)).cycles_to(volume=0.5 * ends[0])
     assert float(half) == pytest.approx(float(run.cycles_to(volume=0.5 * ends[0])), rel=1e-2)
 
@@ -135,7 +136,6 @@ def test_batches_single_precision_and_values_outside_under_jit():
         ({"share": 1.0}, "share = 1.0 is outside"),
     ],
 )
-@pytest.mark.parametrize("name", ["closed", "numeric", "sliding"])
-def test_what_is_no_goal(name, given, told):
+def test_what_is_no_goal(given, told):
     with pytest.raises(ValueError, match=told):
-        run_of(name).cycles_to(**given)
+        run_of("closed").cycles_to(**given)
