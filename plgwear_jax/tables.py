@@ -25,7 +25,9 @@ from typing import Any
 
 import numpy as np
 
+from plgwear_jax._core import ranges
 from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
+from plgwear_jax._core.units import cells_of, scales_of
 from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 from plgwear_jax.catalogue import leaf
 
@@ -217,28 +219,32 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
 
 # --- columns ----------------------------------------------------------------------------------------------------------
 
-_COLUMNS = {  # the SI unit, which is that of a column without one; what is allowed; and what it is
-    "tangential_force": ("N", NUMBER, "the amplitude of the force in N"),
-    "displacement": ("m", NUMBER, "the amplitude of the displacement in m"),
-    "weight": ("1", NUMBER, ""),
-    "cycles": ("1", NUMBER, ""),
-    "normal_force": ("N", POSITIVE, "the normal force in N"),
-    "friction": ("1", POSITIVE, "the coefficient of friction"),
-    "volume": ("m^3", NUMBER, "the worn volume in m^3"),
-    "deviation": ("m^3", POSITIVE, "the standard deviation of the volume in m^3; leave it out if it is not known"),
-    _RELATIVE: ("share", POSITIVE, "the standard deviation over the volume; leave it out if it is not known"),
-    "depth": ("m", NUMBER, "the depth below the surface"),
-    "modulus": ("Pa", POSITIVE, "Young's modulus"),
-    "r": ("m", NUMBER, "the radius"),
-    "height": ("m", NUMBER, "the height above the apex"),
+# By column: the SI unit, which is that of a column without one; what is allowed; and what it is.
+_COLUMNS = {
+    column: (unit, getattr(ranges, allowed), meaning)
+    for column, unit, allowed, meaning in cells_of("""
+    tangential_force  N    NUMBER    the amplitude of the force in N
+    displacement      m    NUMBER    the amplitude of the displacement in m
+    weight            1    NUMBER    -
+    cycles            1    NUMBER    -
+    normal_force      N    POSITIVE  the normal force in N
+    friction          1    POSITIVE  the coefficient of friction
+    volume            m^3  NUMBER    the worn volume in m^3
+    deviation         m^3  POSITIVE  the standard deviation of the volume in m^3; leave it out if it is not known
+    relative_deviation  share  POSITIVE  the standard deviation over the volume; leave it out if it is not known
+    depth             m    NUMBER    the depth below the surface
+    modulus           Pa   POSITIVE  Young's modulus
+    r                 m    NUMBER    the radius
+    height            m    NUMBER    the height above the apex
+    """)
 }
-_UNITS = {
-    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
-    "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "MN": 1e6},
-    "m^3": {"m^3": 1.0, "mm^3": 1e-9, "um^3": 1e-18, "nm^3": 1e-27},
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
-    "share": {"1": 1.0, "%": 1e-2},
-}
+_UNITS = scales_of("""
+    m      m  1    mm  1e-3    um  1e-6    nm  1e-9
+    N      N  1    mN  1e-3    uN  1e-6    kN  1e3    MN  1e6
+    m^3    m^3  1  mm^3  1e-9  um^3  1e-18  nm^3  1e-27
+    Pa     Pa  1   kPa  1e3    MPa  1e6    GPa  1e9
+    share  1  1    %  1e-2
+""")
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
 _PLAIN = {"depth": (0.0, 0.1, "um"), "modulus": (1e3, 2e12, "GPa")}  # what a coating has in m and Pa, and what is meant
 

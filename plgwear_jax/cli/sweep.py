@@ -171,40 +171,39 @@ def _subject(
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
-    if given.wear is not None and "transient" in kinds.values():
+    lasts = "transient" in kinds.values()
+    if given.wear is not None and lasts:
         known = {"wear_coefficient": given.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        arguments = given.arguments()
         others = "contact", "load", "weight"  # which a sweep has of its own
-        found["design"] = {name: value for name, value in arguments.items() if name not in others}
-    if given.load is not None and not loads:
-        lasts, life = "transient" in kinds.values(), designed and given.life is not None
-        forces = [name for name in ("phi", "tangential_force") if name in axes]
-        if forces and (lasts or life) and given.load.of_displacement:
-            refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
-        found |= {} if forces else _load_of(given, axes, lasts, life)
+        found["design"] = {name: value for name, value in given.arguments().items() if name not in others}
     if loads:
         from plgwear_jax import tables
 
         read = {str(file): tables.read(file, tables.LOADS) for file in loads}
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
+    elif given.load is not None:
+        found |= _load_of(given.load, axes, lasts or (designed and given.life is not None))
     return found
 
 
-def _load_of(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
-    """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
-    load = given.load
+def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
+    """The load of a scene, as the library takes it, but for what is an axis; it lasts in a test or in a life."""
+    forces = [name for name in ("phi", "tangential_force") if name in axes]
+    if forces and lasts and load.of_displacement:
+        from plgwear_jax.scene import SceneError
+
+        raise SceneError(f"[load] displacement: holds no force; sweep displacement, not {forces[0]}")
+    if forces:
+        return {}
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
-    if load.cycles is not None and (lasts or life):
+    if load.cycles is not None and lasts:
         return {"load": load.record()}
-    rig = {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
-    if "displacement" in axes:
-        return rig
-    return rig | (
-        {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
-    )
+    amplitude = {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
+    given = {"rig_stiffness": load.rig_stiffness} | ({} if "displacement" in axes else amplitude)
+    return {name: value for name, value in given.items() if value is not None and name not in axes}
 
 
 def _library() -> Any:

@@ -1,6 +1,7 @@
 """The command line, as tests call it."""
 
 import itertools
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,23 @@ from plgwear_jax import cli
 def plgwear(*arguments: str) -> Any:
     """The result of a command."""
     return CliRunner().invoke(cli.app, arguments)
+
+
+def printed(*arguments: str) -> str:
+    """What a command prints that succeeds and warns of nothing."""
+    result = plgwear(*arguments)
+    assert (result.exit_code, result.stderr) == (0, ""), result.output
+    return result.stdout
+
+
+def told(*arguments: str) -> dict[str, Any]:
+    """What a command tells programs, if it succeeds and warns of nothing."""
+    return json.loads(printed(*arguments, "--json"))
+
+
+def write(text: str) -> None:
+    """Write the input file that most tests of a command ask about."""
+    Path("mine.toml").write_text(text)
 
 
 def refused(*arguments: str) -> str:
