@@ -39,11 +39,7 @@ def test_units_are_written_in_the_catalogue_alone(file):
 def test_every_name_of_the_catalogue_has_words_and_a_unit():
     names = {*FRETTING, *GROSS_SLIP, *AXES, "volume", "volume_per_cycle", "energy_per_cycle", "modulus", "k"}
     assert all(entry(name).words and entry(name).unit for name in names)
-    assert {name: unit_of(name) for name in ("volume", "cycles", "wear_coefficient")} == {
-        "volume": "m^3",
-        "cycles": "1",
-        "wear_coefficient": "1/Pa",
-    }
+    assert [unit_of(name) for name in ("volume", "cycles", "wear_coefficient")] == ["m^3", "1", "1/Pa"]
     with pytest.raises(KeyError):
         entry("wear_volum")
 
