@@ -28,7 +28,7 @@ import numpy as np
 from plgwear_jax._core import ranges
 from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
 from plgwear_jax._core.units import cells_of, scales_of
-from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
+from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
 from plgwear_jax.catalogue import leaf
 
 __all__ = [
@@ -46,7 +46,7 @@ __all__ = [
 ]
 
 
-class TableError(ValueError):
+class TableError(GivenError):
     """An error in a table, in one line: file, row, column, value, and what is allowed."""
 
 

@@ -57,6 +57,7 @@ def wear(
         float | None,
         option(metavar="DEPTH", help="Also tell after how many cycles the wear is this deep, such as 5e-6, in m."),
     ] = None,
+    cycles: Annotated[float | None, option(hidden=True)] = None,
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
@@ -69,6 +70,8 @@ def wear(
     """
     given = read_scene(scene_file)
     given.tested()
+    if cycles is not None:
+        refuse("--cycles: the life stands in the input file, cycles under [wear]")
     if until is not None and not 0.0 < until < math.inf:
         refuse(f"--until = {until:g}: must be a finite number > 0, a depth in m")
     kind = "wear" if measured is None else "fit"

@@ -16,9 +16,13 @@ from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import cli
+from plgwear_jax._core.domains import RefusedError
+from plgwear_jax._files import TargetError
 from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry, unit_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, shared
 from plgwear_jax.cli.terminal import refusing
+from plgwear_jax.scene import OtherFileError, SceneError
+from plgwear_jax.tables import TableError
 
 PACKAGE = Path(plgwear_jax.__file__).parent
 
@@ -92,12 +96,9 @@ def test_an_error_of_the_program_is_not_called_one_of_the_input():
 
 
 def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
-    from plgwear_jax._files import TargetError
-    from plgwear_jax.scene import OtherFileError, SceneError
-    from plgwear_jax.tables import TableError
-
     told = {
         SceneError("[load]: missing"): "a.toml: [load]: missing",
+        RefusedError("load: slips"): "a.toml: load: slips",
         OtherFileError("b.csv: is empty"): "b.csv: is empty",
         TableError("c.csv: is empty"): "c.csv: is empty",
         TargetError("d.png: is a folder"): "d.png: is a folder",
