@@ -6,7 +6,6 @@ import inspect
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from commands import plgwear, printed, refused, table_rows, told
+from commands import plgwear, printed, python, refused, table_rows, told
 from matplotlib import image
 from refusals import cases, is_told
 
@@ -624,10 +623,7 @@ def test_example_in_the_help_is_a_scene(folder):
     assert scene.load("example.toml").material == scene.load(DESIGNS / "steel_ball.toml").material
 
 
-def in_a_process(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"PYTHONPATH": str(Path(plgwear_jax.__file__).parents[1])} | variables
-    command = [sys.executable, "-m", "plgwear_jax", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False, encoding="utf-8")
+in_a_process = functools.partial(python, "-m", "plgwear_jax")
 
 
 def test_process_refuses_without_a_traceback(folder):

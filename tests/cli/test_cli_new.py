@@ -3,14 +3,13 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import jsonschema
 import pytest
-from commands import plgwear
+from commands import plgwear, printed, python, refused
 
 from plgwear_jax import scene
 from plgwear_jax.cli.new import FRETTING
@@ -27,10 +26,8 @@ def validator():
 
 @pytest.mark.parametrize("kind", ["fretting", "gross-slip"])
 def test_a_new_scene_is_complete(validator, kind):
-    written = plgwear("new", "mine.toml", "--kind", kind)
-    assert written.exit_code == 0 and written.stdout == (
-        "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
-    )
+    line = "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
+    assert printed("new", "mine.toml", "--kind", kind) == line
     found = scene.load("mine.toml")
     assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
@@ -84,14 +81,13 @@ def test_a_new_scene_fits_into_a_terminal():
 
 def test_what_is_there_is_not_written_over():
     Path("mine.toml").write_text("mine")
-    for arguments, line in (
-        (["mine.toml"], "mine.toml: exists already; name another file"),
-        (["mine.txt"], "mine.txt: must end in .toml"),
-        (["no/mine.toml"], "no/mine.toml: cannot be written: No such file or directory"),
-    ):
-        result = plgwear("new", *arguments)
-        assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
-    assert os.listdir() == ["mine.toml"] and Path("mine.toml").read_text() == "mine"
+    for file, line in {
+        "mine.toml": "mine.toml: exists already; name another file",
+        "mine.txt": "mine.txt: must end in .toml",
+        "no/mine.toml": "no/mine.toml: cannot be written: No such file or directory",
+    }.items():
+        assert refused("new", file) == line
+    assert Path("mine.toml").read_text() == "mine"
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -118,15 +114,10 @@ def test_the_schema_finds_what_is_wrong(validator, old, new, said):
 
 
 def test_the_module_is_the_script():
-    outputs = [
-        subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
-        for command in (
-            [sys.executable, "-m", "plgwear_jax"],
-            [str(Path(sys.executable).with_name("plgwear"))],
-        )
-    ]
-    assert outputs[0] == outputs[1] and "plgwear new SCENE.toml" in outputs[0]
-    assert "--install-completion" in outputs[0]
+    script = Path(sys.executable).with_name("plgwear")
+    outputs = [python(*command, "--help").stdout for command in (["-m", "plgwear_jax"], [str(script)])]
+    assert outputs[0] == outputs[1]
+    assert "plgwear new SCENE.toml" in outputs[0] and "--install-completion" in outputs[0]
 
 
 def test_the_schema_leaves_the_reader_as_it_was():

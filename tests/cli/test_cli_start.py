@@ -3,13 +3,13 @@
 import io
 import json
 import os
-import subprocess
 import sys
 import zlib
 from pathlib import Path
 
 import jax
 import pytest
+from commands import python
 from typer.testing import CliRunner
 
 import plgwear_jax
@@ -32,22 +32,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in [name for name in os.environ if name.startswith(("JAX_", "PLGWEAR_"))]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setenv("PYTHONPATH", str(Path(plgwear_jax.__file__).parents[1]))
     monkeypatch.chdir(tmp_path)
     Path("cache").mkdir()
     Path("contact.toml").write_text(SCENE)
     return tmp_path
-
-
-def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | variables,
-        encoding="utf-8",
-    )
 
 
 # --- imports --------------------------------------------------------------------------------------------------------

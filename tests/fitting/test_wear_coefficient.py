@@ -7,9 +7,9 @@ import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
 from refusals import cases
 
-from plgwear_jax.fitting import Fit, fit_wear_coefficient
+from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.wear_laws import Archard, PressurePower
+from plgwear_jax.wear_laws import WearLaw, law_of
 
 compiled = pytest.mark.compiled
 REFUSED = Path(__file__).with_name("refused.toml")
@@ -21,20 +21,10 @@ SCATTER = 0.05
 NOISE = 1.0 + SCATTER * np.random.default_rng(3).standard_normal((40, CYCLES.size))
 
 
-def law_of(exponent):
-    """A law whose wear is about that of Archard's, by a pressure that the contacts here have."""
-    return Archard(COEFFICIENT) if exponent == 1.0 else PressurePower(COEFFICIENT * 5e8 ** (1.0 - exponent), exponent)
-
-
-def coefficient_of(law) -> float:
-    return law.wear_coefficient if isinstance(law, Archard) else law.coefficient
-
-
-def finds(found: Fit, K: float) -> None:
-    """Without noise: to 1 %, within an interval."""
-    np.testing.assert_allclose(found.wear_coefficient, K, rtol=0.01)
-    assert found.doubt is None
-    np.testing.assert_allclose(found.fitted, found.volume, rtol=0.01)
+def law_with(exponent: float) -> tuple[float, WearLaw]:
+    """A coefficient and its law, whose wear is about that of Archard's by a pressure that the contacts here have."""
+    K = COEFFICIENT * 5e8 ** (1.0 - exponent)
+    return K, law_of(K, exponent)
 
 
 @pytest.mark.parametrize(
@@ -58,9 +48,11 @@ def finds(found: Fit, K: float) -> None:
     ],
 )
 def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
-    law = law_of(exponent)
-    K, volume = coefficient_of(law), np.asarray(one.over_cycles(load, law).volume(CYCLES))
-    finds(fit_wear_coefficient(one, load, CYCLES, volume, exponent=exponent), K)
+    K, law = law_with(exponent)
+    volume = np.asarray(one.over_cycles(load, law).volume(CYCLES))
+    found = fit_wear_coefficient(one, load, CYCLES, volume, exponent=exponent)
+    assert found.wear_coefficient == pytest.approx(K, rel=0.01) and found.doubt is None
+    np.testing.assert_allclose(found.fitted, found.volume, rtol=0.01)
     noisy = fit_wear_coefficient(one, load, CYCLES, volume * NOISE[0], SCATTER * volume, exponent=exponent)
     low, high = noisy.interval
     assert low < K < high and low < noisy.wear_coefficient < high < 1.5 * low
@@ -72,12 +64,12 @@ def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
 
 @compiled
 def test_tests_at_several_normal_forces_tell_the_exponent():
-    law = law_of(1.5)
+    K, law = law_with(1.5)
     volume, lacks = np.asarray(ONE.over_cycles(CHANGING, law).volume(CYCLES)), []
     for exponent in (1.0, 1.5):
         found = fit_wear_coefficient(ONE, CHANGING, CYCLES, volume, SCATTER * volume, exponent=exponent)
         lacks.append(np.sum((found.fitted / volume - 1.0) ** 2))
-    np.testing.assert_allclose(found.wear_coefficient, law.coefficient, rtol=0.01)
+    np.testing.assert_allclose(found.wear_coefficient, K, rtol=0.01)
     assert lacks[1] < 1e-2 * lacks[0]
 
 
