@@ -197,12 +197,11 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
 
 def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     found, steady = told("design", "contact.toml", "--picture", "best.svg"), reference(0.32)
-    assert found.keys() == {
-        "scene", "best", "reference", "units", "edge_distance", "objective", "load", "less_wear_percent", "vary",
-        "hold", "limits", "conflict", "verdict", "converged", "certified", "scan_found_nothing_better",
-        "projected_gradient", "steps",
-        "rival", "if_10_percent_higher", "picture",
-    }  # fmt: skip
+    keys = """
+        scene best reference units edge_distance objective load less_wear_percent vary hold limits conflict verdict
+        converged certified scan_found_nothing_better projected_gradient steps rival if_10_percent_higher picture
+    """
+    assert found.keys() == {*keys.split()}
     edge = found["edge_distance"]
     assert edge == pytest.approx(0.01 * float(steady.contact_radius), rel=1e-14)
     assert found["reference"]["wear_volume"] == float(steady.wear_volume)
@@ -608,11 +607,9 @@ def test_version_and_help():
         assert "Example: plgwear" in plgwear(command, "--help").stdout
 
 
-@pytest.mark.parametrize(
-    "arguments", [["solve"], ["solve", "a", "b"], ["bake"], ["solve", "a", "--digits", "16"], ["design", "--jsn"]]
-)
-def test_usage_errors_exit_with_2(arguments):
-    result = plgwear(*arguments)
+@pytest.mark.parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
+def test_usage_errors_exit_with_2(line):
+    result = plgwear(*line.split())
     assert result.exit_code == 2 and "Traceback" not in result.output and result.stdout == ""
 
 
@@ -673,7 +670,7 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
 
 
 def test_where_nothing_moves_no_edge_has_an_intensity(folder):
-    rewrite('quantities = ["contact_radius", "wear_volume", "pressure", "wear_depth"]', "")
+    Path("contact.toml").write_text(Path("contact.toml").read_text().partition("[output]")[0])
     moving = told("solve", "contact.toml")["quantities"]
     rewrite("tangential_force = 0.32", "tangential_force = 0.0")
     assert moving.keys() - told("solve", "contact.toml")["quantities"].keys() == {"edge_intensity"}

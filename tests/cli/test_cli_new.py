@@ -12,6 +12,7 @@ import pytest
 from commands import plgwear, printed, python, refused
 
 from plgwear_jax import scene
+from plgwear_jax._core.units import cells_of
 from plgwear_jax.cli.new import FRETTING
 
 SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
@@ -34,26 +35,30 @@ def test_a_new_scene_is_complete(validator, kind):
     assert os.listdir() == ["mine.toml"]
 
 
-OFFERED = {  # a line that is commented out: the lines in whose place it is offered, and what is read then
-    "table": ("E0|z0|k", lambda given: given.material.kind == "table"),
-    "thickness": ("E0|z0|k|+modulus", lambda given: given.material.thickness == (5e-4,)),
-    "shape": ("indenter", lambda given: given.contact.shape.exponent == 4.0 and given.contact.indenter is None),
-    "displacement": ("tangential_force", lambda given: given.load.displacement == 1e-6),
-    "table_of_loads": ("tangential_force|+over", lambda given: given.design_space.level == 0.9),
-    "history": ("tangential_force", lambda given: given.load.history == "cycles.csv"),
-    "rig_stiffness": ("tangential_force|+displacement", lambda given: given.load.rig_stiffness == 2e7),
-    "cycles": ("", lambda given: given.wear.cycles == 1e6),
-    "edge_pressure": ("", lambda given: given.design_space.edge_distance == 1e-5),
-    "penetration": ("", lambda given: "penetration" in given.design_space.allowed),
-    "contact_radius": ("hold", lambda given: "contact_radius" in given.design_space.allowed),
-    "distance": ("", lambda given: given.output.distance == 1e-5),
+# A line that is commented out: the lines in whose place it is offered, where it is read, and what is read there.
+OFFERED = {
+    name: (instead, place, value)
+    for name, instead, place, value in cells_of("""
+    table           E0|z0|k                   material.kind                   table
+    thickness       E0|z0|k|+modulus          material.thickness              (0.0005,)
+    shape           indenter                  contact.shape.exponent          4.0
+    displacement    tangential_force          load.displacement               1e-06
+    table_of_loads  tangential_force|+over    design_space.level              0.9
+    history         tangential_force          load.history                    cycles.csv
+    rig_stiffness   tangential_force|+displacement  load.rig_stiffness        20000000.0
+    cycles          -                         wear.cycles                     1000000.0
+    edge_pressure   -                         design_space.edge_distance      1e-05
+    penetration     -                         design_space.limits.penetration.below  3e-06
+    contact_radius  hold                      design_space.limits.contact_radius.above  0.0001
+    distance        -                         output.distance                 1e-05
+    """)
 }
 
 
 @pytest.mark.parametrize("name", OFFERED)
 def test_every_line_that_is_commented_out_would_be_right(name):
     plgwear("new", "mine.toml")
-    instead, read = OFFERED[name]
+    instead, place, value = OFFERED[name]
     text = Path("mine.toml").read_text().replace('# table = "loads', '# table_of_loads = "loads')
     for key in filter(None, [f"+{name}", *instead.split("|")]):
         old, new = (rf"^# ({key[1:]} = )", r"\1") if key[0] == "+" else (rf"^({key} = )", r"# \1")
@@ -62,7 +67,10 @@ def test_every_line_that_is_commented_out_would_be_right(name):
     Path("loads.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     Path("E_of_z.csv").write_text("depth,modulus\n0,1e11\n1e-5,2e11\n")
-    assert read(scene.load("mine.toml"))
+    found = scene.load("mine.toml")
+    for part in place.split("."):
+        found = found[part] if isinstance(found, dict) else getattr(found, part)
+    assert str(found) == value
 
 
 def test_every_line_that_is_commented_out_is_tried():
