@@ -343,8 +343,8 @@ def element(path: str) -> tuple[str, int | None]:
     Args:
         path: As in `leaf`.
     """
-    stem, bracket, index = path.partition("[")
-    return (stem, int(index[:-1])) if bracket and index[:-1].isdecimal() and index[-1] == "]" else (path, None)
+    match = re.fullmatch(r"([^\[]*)\[(\d+)\]", path)
+    return (match[1], int(match[2])) if match else (path, None)
 
 
 def leaf(path: str) -> AxisKind:

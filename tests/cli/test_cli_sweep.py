@@ -1,6 +1,5 @@
 """The commands `plgwear sweep` and `plgwear plot`: what they write, say and refuse."""
 
-import dataclasses
 import os
 import signal
 import subprocess
@@ -15,7 +14,7 @@ from matplotlib import image
 from refusals import cases, is_told
 
 from plgwear_jax import scene, sweep
-from plgwear_jax.loads import Block, Displacement
+from plgwear_jax.loads import Block
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 REFUSED = Path(__file__).with_name("refused.toml")
@@ -58,32 +57,6 @@ def test_a_scene_gives_the_contact_and_the_load():
     np.testing.assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
 
 
-def test_any_number_of_the_contact_is_an_axis():
-    line = ("sweep", "--scene", str(SCENE), "-q", "stick_radius,energy_per_cycle", "--out", "map.zarr")
-    result = plgwear(*line, "--axis", "material.nu=0.2:0.3:2", "--displacement", "1e-8")
-    assert result.exit_code == 0, result.output
-    found = sweep.open_sweep("map.zarr")
-    contact = scene.load(SCENE).build_contact()
-    for nu in (0.2, 0.3):
-        changed = dataclasses.replace(contact, material=dataclasses.replace(contact.material, nu=nu))
-        energy = changed.steady(changed.steady(Displacement(1e-8)).tangential_force).energy_per_cycle
-        np.testing.assert_allclose(found.energy_per_cycle.sel({"material.nu": nu}), energy, rtol=1e-12)
-    assert found.energy_per_cycle.attrs["units"] == "J" and found["material.nu"].attrs["long_name"] == "Poisson's ratio"
-
-
-def test_tables_of_loads_are_an_axis():
-    Path("calm.csv").write_text("tangential_force,weight\n0.1,3\n0.3,1\n")
-    Path("storm.csv").write_text("weight,tangential_force\n1,3.2\n")
-    arguments = ("sweep", "--scene", str(SCENE), "--load", "calm.csv", "--load", "storm.csv", "-q", "stick_radius")
-    assert plgwear(*arguments, "--out", "map.zarr").exit_code == 0
-    found = sweep.open_sweep("map.zarr").stick_radius
-    assert list(found.load_case.values) == ["calm.csv", "storm.csv"]
-    contact = scene.load(SCENE).build_contact()
-    calm, calmer, storm = (float(contact.steady(force).stick_radius) for force in (0.1, 0.3, 3.2))
-    np.testing.assert_allclose(found[0], 0.75 * calm + 0.25 * calmer, rtol=1e-13)
-    np.testing.assert_allclose(found[1], storm, rtol=1e-13)
-
-
 @pytest.fixture
 def stand_in(monkeypatch):
     """What the library is asked, in place of its answer."""
@@ -97,17 +70,27 @@ def stand_in(monkeypatch):
     return asked
 
 
+def test_any_number_of_the_contact_is_an_axis(stand_in):
+    line = ("sweep", "--scene", str(SCENE), "-q", "stick_radius,energy_per_cycle", "--out", "map.zarr")
+    assert plgwear(*line, "--axis", "material.nu=0.2:0.3:2", "--displacement", "1e-8").stderr == "seen\n"
+    assert stand_in["material.nu"].tolist() == [0.2, 0.3] and stand_in["displacement"] == 1e-8
+    assert stand_in["contact"] == scene.load(SCENE).build_contact() and "tangential_force" not in stand_in
+
+
+def test_tables_of_loads_are_an_axis(stand_in):
+    Path("calm.csv").write_text("tangential_force,weight\n0.1,3\n0.3,1\n")
+    Path("storm.csv").write_text("weight,tangential_force\n1,3.2\n")
+    arguments = ("sweep", "--scene", str(SCENE), "--load", "calm.csv", "--load", "storm.csv", "-q", "stick_radius")
+    assert plgwear(*arguments, "--out", "map.zarr").stderr == "seen\n"
+    loads = {name: [column.tolist() for column in pair] for name, pair in stand_in["loads"].items()}
+    assert loads == {"calm.csv": [[0.1, 0.3], [3.0, 1.0]], "storm.csv": [[3.2], [1.0]]}
+
+
 def test_the_design_section_says_what_a_best_design_may_be(stand_in):
     result = plgwear("sweep", "--scene", str(SCENE), "--phi=0.1:0.9:3", "-q", "design.k", "--out", "map.zarr")
     assert result.stderr == "seen\n" and stand_in["names"] == ["design.k"]
-    given = scene.load(SCENE).design_space
-    assert stand_in["design"] == {
-        "vary": given.variables,
-        "hold": given.hold,
-        "level": 0.0,
-        "minimise": given.minimise,
-        "limits": scene.load(SCENE).arguments()["limits"],
-    }
+    asked = scene.load(SCENE).arguments()
+    assert stand_in["design"] == {name: asked[name] for name in ("vary", "hold", "level", "minimise", "limits")}
     assert "tangential_force" not in stand_in and stand_in["phi"].size == 3
 
 
