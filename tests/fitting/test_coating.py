@@ -14,7 +14,6 @@ from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, coating, o
 from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
 from plgwear_jax.optimise import evaluation
-from plgwear_jax.optimise.question import question_of
 
 REFUSED = Path(__file__).with_name("refused.toml")
 RADIUS = 7e-5
@@ -141,19 +140,6 @@ def test_a_free_gradient_lies_on_its_bounds():
     assert "  the wear is only 2 nm deep: the roughness of most surfaces is larger" in repr(found)
     none = dataclasses.replace(found, power_law_value=math.nan, converged=False)
     assert "best power law: none keeps the limits" in repr(none) and repr(none).endswith("not converged, not certified")
-
-
-@pytest.mark.long
-def test_a_free_gradient_is_for_the_mean_over_several_amplitudes():
-    force, weight = np.array([0.4, 0.2]), np.array([0.25, 0.75])
-    contact = dataclasses.replace(CONTACT, material=DepthGraded(AT, np.geomspace(80e9, 120e9, 5), 0.3))
-    vary = {f"material.modulus[{i}]": (50e9, 200e9) for i in range(5)}
-    question = question_of(contact, force, vary, weight=weight, limits={"contact_radius": {"below": 1.0}})
-    at = evaluation.evaluate(question, evaluation.reference_variables(question))
-    worn = np.asarray(contact.steady(force).wear_volume)
-    np.testing.assert_allclose(at.objective, [weight @ worn], rtol=1e-9)
-    np.testing.assert_allclose(np.exp(at.values[:, 1]), [contact.steady(0.0).contact_radius], rtol=1e-9)
-    assert at.slopes.shape == (1, 2, 5)
 
 
 @pytest.mark.usefixtures("pretended")
