@@ -140,16 +140,13 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     except (csv.Error, ValueError) as error:
         said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
         raise TableError(f"{name}: row {row}: {said}") from None
-    found = Table(name, dict(zip(factors, map(_frozen, np.transpose(values)), strict=True)), _frozen(rows[1:]))
-    for column, factor in factors.items():
+    found, columns = Table(name, {}, _frozen(rows[1:])), dict[str, np.ndarray]()
+    for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
         if factor is None:
-            _refuse_without_unit(found, column)
-    # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-    scaled = {
-        column: found[column] / round(1.0 / factor) if factor and factor < 1.0 else found[column] * (factor or 1.0)
-        for column, factor in factors.items()
-    }
-    found = dataclasses.replace(found, columns={column: _frozen(one) for column, one in scaled.items()})
+            _refuse_without_unit(found, column, given)
+        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
+        columns[column] = _frozen(given / round(1.0 / factor) if factor and factor < 1.0 else given * (factor or 1.0))
+    found = dataclasses.replace(found, columns=columns)
     form.check(found)
     return found
 
@@ -263,14 +260,14 @@ def _units_of(column: str) -> Mapping[str, float]:
     return _UNITS.get(_COLUMNS[column][0] if column in _COLUMNS else leaf(column).unit, {})
 
 
-def _refuse_without_unit(table: Table, column: str) -> None:
+def _refuse_without_unit(table: Table, column: str, given: np.ndarray) -> None:
     """Refuse numbers that are implausible in m or Pa, since another unit is probably meant."""
     if column in _PLAIN:
-        (least, most, example), values = _PLAIN[column], table[column]
+        least, most, example = _PLAIN[column]
         unit = _COLUMNS[column][0]
         text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
-        wrong = (values > most) | ((values > 0.0) & (values < least))
-        table.refuse(wrong, lambda i: f"{column} = {values[i]:g}: {text}")
+        wrong = (given > most) | ((given > 0.0) & (given < least))
+        table.refuse(wrong, lambda i: f"{column} = {given[i]:g}: {text}")
 
 
 # --- reading ----------------------------------------------------------------------------------------------------------
