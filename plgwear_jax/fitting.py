@@ -26,6 +26,7 @@ from plgwear_jax.wear_laws import WearLaw, law_of
 __all__ = ["Fit", "Measurements", "fit_wear_coefficient", "log_likelihood"]
 
 _MEASURED = Domain(">= 0 and finite", lambda value: (value >= 0.0) & (value < float("inf")))
+_MEASURABLE = "volume", "contact_radius", "depth"  # of a `Run`
 _LEVEL = 0.95  # of confidence
 _STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
@@ -67,8 +68,8 @@ class Measurements:
     relative: bool = static(default=False)
 
     def __post_init__(self) -> None:
-        if self.what not in _READ:
-            raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_READ)}")
+        if self.what not in _MEASURABLE:
+            raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_MEASURABLE)}")
         if (self.r is None) == (self.what == "depth"):
             raise ValueError("r: a depth is measured at a radius r in m, and nothing else is")
         load = load_of(self.load)
@@ -98,13 +99,6 @@ class Measurements:
     def residuals(self, modelled: Any) -> Any:
         """By how many standard deviations values of a model, shape (n,), are above what was measured."""
         return (modelled - self.measured) / self.deviations
-
-
-_READ: dict[str, Callable[[Run, Measurements], Array]] = {
-    "volume": lambda run, data: run.volume(data.cycles),
-    "contact_radius": lambda run, data: run.contact_radius(data.cycles),
-    "depth": lambda run, data: run.depth(data.r, data.cycles),  # pyright: ignore[reportArgumentType]
-}
 
 
 def log_likelihood(
@@ -139,7 +133,8 @@ def log_likelihood(
         >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))  # K = 1e-14 is in between
         True
     """
-    modelled = _READ[data.what](contact.over_cycles(data.load, law, digits=digits), data)
+    places = {"cycles": data.cycles} | ({} if data.r is None else {"r": data.r})
+    modelled = getattr(contact.over_cycles(data.load, law, digits=digits), data.what)(**places)
     z, sigma = data.residuals(modelled), data.deviations
     return -jnp.sum(0.5 * z * z + jnp.log(sigma) + 0.5 * math.log(2.0 * math.pi))
 
@@ -317,10 +312,8 @@ def fit_wear_coefficient(
 
         # Points early and late in a test can each have a minimum.
         tried = np.linspace(*model.ends, _TRIED)
-        before, here, after = np.lib.stride_tricks.sliding_window_view(
-            np.pad([misfit(log) for log in tried], 1, constant_values=math.inf), 3
-        ).T
-        minima = np.flatnonzero((here < before) & (here <= after))
+        falls = np.diff([misfit(log) for log in tried]) < 0.0
+        minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False))
         best = min((_least_near(misfit, tried, i) for i in minima), key=misfit)
         least, freedom, share = misfit(best), N.size - 1, model.at(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
