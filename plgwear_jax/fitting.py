@@ -376,6 +376,6 @@ def _exceeded_at(excess: Callable[[float], float], best: float, tried: np.ndarra
     """Where the excess becomes positive between the best and the last place of some; infinite if it does not."""
     from scipy import optimize
 
-    outwards = tried[-1] - best
+    outwards = tried[-1] - tried[0]
     beyond = next((log for log in tried if (log - best) * outwards > 0.0 and excess(log) > 0.0), None)
     return outwards * math.inf if beyond is None else optimize.brentq(excess, best, beyond, xtol=1e-6)
