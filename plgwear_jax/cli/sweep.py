@@ -22,6 +22,7 @@ _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 
 
 def sweep_command(
+    *,
     quantity: Annotated[
         list[str],
         option(
@@ -125,9 +126,7 @@ def _axis(name: str) -> inspect.Parameter:
 def _with_axes(command: Any) -> inspect.Signature:
     """The signature of the command with an option for each axis of the catalogue that has a plain name."""
     *options, _ = inspect.signature(command).parameters.values()
-    first = next(i for i, option in enumerate(options) if option.name == "axis")
-    named = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
-    return inspect.Signature([*named[:first], *map(_axis, [name for name in AXES if "." not in name]), *named[first:]])
+    return inspect.Signature([*options, *(_axis(name) for name in AXES if "." not in name)])
 
 
 sweep_command.__signature__ = _with_axes(sweep_command)  # pyright: ignore[reportFunctionMemberAccess]
