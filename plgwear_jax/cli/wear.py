@@ -349,9 +349,9 @@ def _fit(
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
     )
     report.say(load.remark if load.cycles is None else f"history {load.history}: {load.given.size} blocks")
-    size, cells = float(np.max([found.volume, found.fitted])), (counted, found.cycles.tolist())
+    size = float(np.max([found.volume, found.fitted]))
     columns = [
-        Column("cycles", [*map(*cells)]),
+        Column("cycles", [counted(number) for number in found.cycles.tolist()]),
         shared("volume", found.volume, "measured", size=size, number=".4g"),
         shared("volume", found.fitted, "fitted", size=size, number=".4g"),
         shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
