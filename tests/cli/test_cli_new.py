@@ -28,7 +28,7 @@ def validator():
 @pytest.mark.parametrize("kind", ["fretting", "gross-slip"])
 def test_a_new_scene_is_complete(validator, kind):
     line = "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
-    assert printed("new", "mine.toml", "--kind", kind) == line
+    assert printed(f"new mine.toml --kind {kind}") == line
     found = scene.load("mine.toml")
     assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
@@ -57,7 +57,7 @@ OFFERED = {
 
 @pytest.mark.parametrize("name", OFFERED)
 def test_every_line_that_is_commented_out_would_be_right(name):
-    plgwear("new", "mine.toml")
+    plgwear("new mine.toml")
     instead, place, value = OFFERED[name]
     text = Path("mine.toml").read_text().replace('# table = "loads', '# table_of_loads = "loads')
     for key in filter(None, [f"+{name}", *instead.split("|")]):
@@ -74,7 +74,7 @@ def test_every_line_that_is_commented_out_would_be_right(name):
 
 
 def test_every_line_that_is_commented_out_is_tried():
-    plgwear("new", "mine.toml")
+    plgwear("new mine.toml")
     offered = re.findall(r"^# (\w+) = ", Path("mine.toml").read_text(), flags=re.MULTILINE)
     tried = {
         key.lstrip("+").removesuffix("_of_loads") for name in OFFERED for key in (name, *OFFERED[name][0].split("|"))
@@ -94,7 +94,7 @@ def test_what_is_there_is_not_written_over():
         "mine.txt": "mine.txt: must end in .toml",
         "no/mine.toml": "no/mine.toml: cannot be written: No such file or directory",
     }.items():
-        assert refused("new", file) == line
+        assert refused(f"new {file}") == line
     assert Path("mine.toml").read_text() == "mine"
 
 
@@ -114,7 +114,7 @@ def test_the_schema_knows_every_scene(validator, path):
     ],
 )
 def test_the_schema_finds_what_is_wrong(validator, old, new, said):
-    plgwear("new", "mine.toml")
+    plgwear("new mine.toml")
     text = Path("mine.toml").read_text()
     assert text.count(old) >= 1
     document = tomllib.loads(text.replace(old, new))

@@ -19,7 +19,7 @@ contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0
 load = { displacement = 1.5e-7 }
 """
 refused, told, printed = (
-    functools.partial(run, "regimes", "mine.toml") for run in (commands.refused, commands.told, commands.printed)
+    functools.partial(run, "regimes mine.toml") for run in (commands.refused, commands.told, commands.printed)
 )
 
 
@@ -30,7 +30,7 @@ def _scene(_folder: None) -> None:
 
 @pytest.mark.compiled
 def test_the_map_is_told_written_and_drawn():
-    found = told("--csv", "map.csv", "--picture", "map.png")
+    found = told("--csv map.csv --picture map.png")
     its = scene.load("mine.toml").build_contact()
     onset = float(its.steady(0.0).gross_slip_displacement)
     ratios = {"energy_ratio": 1.5 / 5.5, "loop_aperture": 2.0 ** (1.5 / 3.5) - 1.0}
@@ -51,7 +51,7 @@ def test_the_map_is_told_written_and_drawn():
     drawn = image.imread("map.png")
     assert drawn.shape[:2] == (968, 2125) and drawn[..., :3].std() > 0.1
 
-    table = printed("--picture", "map.png")
+    table = printed("--picture map.png")
     assert ["150 nm", "partial", "1.063 N", "0.022", "0.033"] in commands.table_rows(table)
     assert "gross slip begins at 926.8 nm, where the energy ratio is 0.2727 and the sliding ratio 0.3459" in table
     assert "the energy ratio is 0.2 at 804.4 nm, 13.2 % below the transition" in table
@@ -59,7 +59,7 @@ def test_the_map_is_told_written_and_drawn():
 
 def test_ranges_and_a_rig_are_taken():
     write(SCENE.replace("displacement = 1.5e-7", "tangential_force = 3.0"))
-    found = told("--normal-force", "5:20", "--displacement", "1e-7:1e-5", "--rig-stiffness", "1e7")
+    found = told("--normal-force 5:20 --displacement 1e-7:1e-5 --rig-stiffness 1e7")
     its = scene.load("mine.toml").build_contact()
     assert found["normal_force"][0] == 5.0 and found["displacement_amplitude"][-1] == pytest.approx(1e-5)
     moved = float(its.steady(Force(3.0, 1e7)).displacement_amplitude)

@@ -28,7 +28,7 @@ COEFFICIENT, FORCE = 1e-14, 2.0
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
 REFUSED = Path(__file__).with_name("refused.toml")
 plgwear, refused, told, printed = (
-    functools.partial(run, "wear", "mine.toml")
+    functools.partial(run, "wear mine.toml")
     for run in (commands.plgwear, commands.refused, commands.told, commands.printed)
 )
 
@@ -48,7 +48,7 @@ def written(file: str, columns: str, *rows: object) -> None:
 
 @pytest.mark.compiled
 def test_the_course_is_told_written_and_drawn():
-    found, steady = told("--csv", "course.csv", "--picture", "course.png"), CONTACT.steady(FORCE)
+    found, steady = told("--csv course.csv --picture course.png"), CONTACT.steady(FORCE)
     assert found["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and found["life"] == 5e5
     assert found["tangential_force"] == FORCE and found["wear_coefficient"] == COEFFICIENT
     at, end = {name: np.array(x) for name, x in found.items() if isinstance(x, list)}, found["steady_state"]
@@ -72,7 +72,7 @@ def test_the_course_is_told_written_and_drawn():
     drawn = image.imread("course.png")
     assert drawn.shape[:2] == (1003, 2125) and drawn[..., :3].std() > 0.1
 
-    table = printed("--picture", "course.png")
+    table = printed("--picture course.png")
     assert max(map(len, table.splitlines()[:-3])) <= 80
     assert ["steady state", "555.1", "100"] in [row[:3] for row in commands.table_rows(table)]
     assert "521 µm³ after the life of 500,000 cycles: 93.9 %" in table
@@ -114,7 +114,7 @@ CHANGING = "displacement (um),cycles,normal_force (N),friction\n0.1,1e5,10,0.4\n
 def test_a_history_with_cycles_is_worn_block_by_block(history, blocks, own):
     Path("h.csv").write_text(history)
     write(OF_HISTORY)
-    found, run = told("--csv", "blocks.csv"), CONTACT.over_cycles(blocks, COEFFICIENT)
+    found, run = told("--csv blocks.csv"), CONTACT.over_cycles(blocks, COEFFICIENT)
     ends = np.cumsum([block.cycles for block in blocks])
     assert found == found | own | {"cycles": ends.tolist()}
     read = {"volume": run.volume, "tangential_force": run.force_amplitude, "contact_radius": run.contact_radius}
@@ -126,7 +126,7 @@ def test_a_history_with_cycles_is_worn_block_by_block(history, blocks, own):
     assert (slides in table) == ("friction" in own)
     written("v.csv", "cycles,volume", [1e6], [1e-16])
     line = f"v.csv: cycles: up to 1e+06, more than the {ends[-1]:g} of the blocks"
-    assert refused("--fit", "v.csv") == line
+    assert refused("--fit v.csv") == line
 
 
 def test_a_coefficient_in_another_unit_is_doubted():
@@ -194,48 +194,48 @@ def test_the_command_fits(volume):
     write(FITTED)
     scattered = volume * 1.03 ** np.resize([1.0, -1.0], CYCLES.size)
     written("v.csv", "cycles,volume,deviation", CYCLES, scattered, 0.05 * volume + 1e-22)
-    found = told("--fit", "v.csv")
+    found = told("--fit v.csv")
     low, high = found["interval_95_percent"]
     assert low < COEFFICIENT < high and found["doubt"] is None
     assert found["energy_coefficient_mm3_per_J"] == pytest.approx(1e9 * found["wear_coefficient"] / 0.4)
     assert image.imread(found["picture"]).shape[:2] == (826, 1653)
-    table = printed("--fit", "v.csv")
+    table = printed("--fit v.csv")
     assert f"wear coefficient: {found['wear_coefficient']:.4g} 1/Pa" in table and "95 % confidence: " in table
 
 
 @cases(REFUSED, "volumes")
 def test_refusal_of_measured_volumes(case):
     Path("v.csv").write_text(case["content"])
-    assert is_told(refused("--fit", "v.csv"), case)
+    assert is_told(refused("--fit v.csv"), case)
 
 
 def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(volume):
     write(FITTED)
     written("v.csv", "cycles,volume (um^3)", CYCLES, 1e18 * volume)
-    given = "--fit", "v.csv", "--deviation", "0.05", "--until", "5e-8"
-    found, needed = told(*given), float(CONTACT.over_cycles(FORCE, COEFFICIENT).cycles_to(depth=5e-8))
+    given = "--fit v.csv --deviation 0.05 --until 5e-8"
+    found, needed = told(given), float(CONTACT.over_cycles(FORCE, COEFFICIENT).cycles_to(depth=5e-8))
     np.testing.assert_allclose(found["deviation"], 0.05 * volume, rtol=1e-12)
     np.testing.assert_allclose(found["wear_coefficient"], COEFFICIENT, rtol=1e-6)
     assert found["until"] == {"depth": 5e-8, "cycles": pytest.approx(needed, rel=1e-5)}
     # Only K times the cycles counts.
     expected = [needed * COEFFICIENT / K for K in reversed(found["interval_95_percent"])]
     np.testing.assert_allclose(found["interval_95_percent_until"], expected, rtol=1e-5)
-    assert f"50 nm deep after {needed:,.0f} cycles, 95 % confidence: " in printed(*given)
+    assert f"50 nm deep after {needed:,.0f} cycles, 95 % confidence: " in printed(given)
 
 
 @pytest.mark.compiled
 def test_how_long_until_a_depth_is_worn():
     run, deepest = CONTACT.over_cycles(FORCE, COEFFICIENT), 1e9 * CONTACT.steady(FORCE).deepest_wear
-    needed = told("--until", "5e-8")["until"]
+    needed = told("--until 5e-8")["until"]
     assert needed == {"depth": 5e-8, "cycles": pytest.approx(float(run.cycles_to(depth=5e-8)), rel=1e-9)}
-    assert f"50 nm deep after {needed['cycles']:,.0f} cycles" in printed("--until", "5e-8")
+    assert f"50 nm deep after {needed['cycles']:,.0f} cycles" in printed("--until 5e-8")
     never = "a depth of 10 µm is never reached: the largest wear depth is "
-    assert f"{never}{deepest:.4g} nm" in printed("--until", "1e-5")
-    assert told("--until", "1e-5")["until"]["cycles"] is None
+    assert f"{never}{deepest:.4g} nm" in printed("--until 1e-5")
+    assert told("--until 1e-5")["until"]["cycles"] is None
     written("h.csv", "cycles,tangential_force", [2e5, 2e5], [1, 2])
     write(OF_HISTORY)
-    assert never in printed("--until", "1e-5")
-    assert 2e5 < told("--until", "3e-8")["until"]["cycles"] < 4e5
+    assert never in printed("--until 1e-5")
+    assert 2e5 < told("--until 3e-8")["until"]["cycles"] < 4e5
 
 
 # --- gross slip and other wear laws -----------------------------------------------------------------------------------
@@ -244,7 +244,7 @@ def test_how_long_until_a_depth_is_worn():
 @pytest.mark.compiled
 def test_gross_slip_is_worn_and_has_no_steady_state():
     write(SLIDING)
-    found = told("--csv", "course.csv", "--picture", "course.png")
+    found = told("--csv course.csv --picture course.png")
     assert found["regime"] == "gross slip" and found["cycles"][-1] == 5e5
     assert not {"steady_state", "cycles_to", "tangential_force"} & found.keys()
     run, onset = (
@@ -298,6 +298,6 @@ def test_the_command_fits_gross_slip_and_blocks(load):
     at = np.array([1e4, 2e5, 3e5])
     written("v.csv", "cycles,volume", at, np.asarray(scene.load("mine.toml").over_cycles().volume(at)))
     write(FITTED.replace("tangential_force = 2.0", load))
-    found = told("--fit", "v.csv")
+    found = told("--fit v.csv")
     assert found["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=0.01) and found["steady_volume"] is None
-    assert "wear coefficient: " in printed("--fit", "v.csv")
+    assert "wear coefficient: " in printed("--fit v.csv")

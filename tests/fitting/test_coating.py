@@ -188,7 +188,7 @@ def test_the_coating_command_refuses_in_a_line(folder, case):
 
 @pytest.mark.long
 def test_the_coating_command(folder):
-    found = told("coating", "E.csv", "--scene", "scene.toml", "--out", "fitted.toml", "--csv", "f.csv")
+    found = told("coating E.csv --scene scene.toml --out fitted.toml --csv f.csv")
     assert abs(found["power_law"]["contact_radius"] / found["as_given"]["contact_radius"] - 1.0) < 0.02
     assert found["covered"] > 0.9 and found["k"] < 0.0 and Path("E-coating.png").stat().st_size > 10_000
     # Over all depths together the radius and the wear change as with E as a whole.
@@ -201,7 +201,7 @@ def test_the_coating_command(folder):
 
 @pytest.mark.long
 def test_the_best_free_gradient_of_a_scene(folder):
-    found = told("design", "scene.toml")
+    found = told("design scene.toml")
     assert found["certified"] and 15.0 < found["less_than_power_law_percent"] < 25.0
     assert found["at_bound"] == ["upper", None, "lower", "upper", "upper"]
     radii = found["contact_radius"]
@@ -221,7 +221,7 @@ def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, preten
     ):
         ended = dataclasses.replace(free, minima=(free.minima[0]._replace(starts=starts),), converged=converged)
         monkeypatch.setattr(scene.Scene, "free_design", lambda given, ended=ended: ended)
-        result = plgwear("design", "scene.toml")
+        result = plgwear("design scene.toml")
         assert result.exit_code == code and said in " ".join(result.stdout.split())
         assert "the wear is only 0 m deep" in result.stdout
         assert result.stderr == (f"scene.toml: {said}\n" if code else "")

@@ -16,8 +16,8 @@ from plgwear_jax import cli
 
 
 def plgwear(*arguments: str) -> Any:
-    """The result of a command."""
-    return CliRunner().invoke(cli.app, arguments)
+    """The result of a command, whose arguments may be the words of one text."""
+    return CliRunner().invoke(cli.app, [word for text in arguments for word in text.split(" ") if word])
 
 
 def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
