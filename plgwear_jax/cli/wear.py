@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from plgwear_jax.scene import Scene
     from plgwear_jax.scene.sections import LoadSection
-    from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -77,10 +76,9 @@ def wear(
     kind = "wear" if measured is None else "fit"
     if measured is not None and csv_file is not None:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-    data = None if measured is None else _measured(measured, deviation)
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-{kind}.png"), csv_file)
-    if data is not None:
-        _fit(scene_file, given, data, deviation, report, until)
+    if measured is not None:
+        _fit(scene_file, given, measured, deviation, report, until)
     elif deviation is not None:
         refuse("--deviation: is that of volumes that --fit reads")
     else:
@@ -293,25 +291,21 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _measured(file: Path, deviation: float | None) -> "Table":
-    """The measured volumes of a file, for which this relative deviation may be given."""
-    from plgwear_jax import tables
-
-    data = tables.read(file, tables.MEASURED)
-    if not (data["volume"][data["cycles"] > 0.0] > 0.0).any():
-        refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-    if deviation is not None:
-        if {"deviation", "relative_deviation"} & data.columns.keys():
-            refuse(f"--deviation: {data.name} has a column of deviations")
-        if not 0.0 < deviation < math.inf:
-            refuse(f"--deviation = {deviation:g}: must be a finite number > 0, a share of the volumes")
-    return data
-
-
 def _fit(
-    scene_file: Path, given: "Scene", data: "Table", share: float | None, report: Report, until: float | None
+    scene_file: Path, given: "Scene", measured: Path, share: float | None, report: Report, until: float | None
 ) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
+    from plgwear_jax import tables
+
+    data = tables.read(measured, tables.MEASURED)
+    cycles, volume = data["cycles"], data["volume"]
+    if not (volume[cycles > 0.0] > 0.0).any():
+        refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+    if share is not None:
+        if {"deviation", "relative_deviation"} & data.columns.keys():
+            refuse(f"--deviation: {data.name} has a column of deviations")
+        if not 0.0 < share < math.inf:
+            refuse(f"--deviation = {share:g}: must be a finite number > 0, a share of the volumes")
     load, exponent = given.tested(), getattr(given.wear, "exponent", None) or 1.0
     with computing("fitting the wear coefficient", one_question=False):
         import numpy as np
@@ -320,7 +314,7 @@ def _fit(
         from plgwear_jax.wear_laws import law_of
 
         contact: Any = given.build_contact()
-        test, cycles, volume = load.record(), data["cycles"], data["volume"]
+        test = load.record()
         if load.cycles is not None and cycles.max() > load.cycles.sum():
             refuse(f"{data.name}: cycles: up to {cycles.max():g}, more than the {load.cycles.sum():g} of the blocks")
         relative: Any = data.columns.get("relative_deviation", share)
@@ -329,6 +323,7 @@ def _fit(
         known = {"deviation": data.columns.get("deviation", relative), "relative": relative is not None}
         found = fit_wear_coefficient(contact, test, cycles, volume, **known, exponent=exponent)
         K, (low, high) = found.wear_coefficient, found.interval
+        best = first = last = math.nan
         if until is not None:
             tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
             best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
