@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 import typer
 
 from plgwear_jax._core.words import GivenError, one_line
+from plgwear_jax._files import TargetError
 
 
 def refuse(line: str) -> NoReturn:
@@ -34,7 +35,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
         try:
             with _interrupts():
                 command(**given)
-        except GivenError as error:
+        except (GivenError, TargetError) as error:
             refuse(message(error, given.get("scene_file")))
 
     return run
@@ -73,7 +74,7 @@ def _interrupts() -> Iterator[None]:
 _SOON = 0.05  # s, after which a callback has mostly ended
 
 
-def message(error: GivenError, scene_file: Any) -> str:
+def message(error: GivenError | TargetError, scene_file: Any) -> str:
     """The line for an error in what was given, with the file that is wrong."""
     return str(error) if error.names_file else f"{scene_file}: {error}"
 
