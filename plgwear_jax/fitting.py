@@ -369,7 +369,7 @@ def _least_near(misfit: Callable[[float], float], tried: np.ndarray, place: int)
     middle, neighbours = tried[place], tried[max(place - 1, 0) : place + 2]
     bounds = neighbours[0] - middle, neighbours[-1] - middle
     options = {"bounds": bounds, "method": "bounded", "options": {"xatol": 1e-10}}
-    return middle + optimize.minimize_scalar(lambda shift: misfit(middle + shift), **options).x
+    return float(middle + optimize.minimize_scalar(lambda shift: misfit(middle + shift), **options).x)
 
 
 def _exceeded_at(excess: Callable[[float], float], best: float, tried: np.ndarray) -> float:
@@ -378,4 +378,4 @@ def _exceeded_at(excess: Callable[[float], float], best: float, tried: np.ndarra
 
     outwards = tried[-1] - tried[0]
     beyond = next((log for log in tried if (log - best) * outwards > 0.0 and excess(log) > 0.0), None)
-    return outwards * math.inf if beyond is None else optimize.brentq(excess, best, beyond, xtol=1e-6)
+    return outwards * math.inf if beyond is None else float(optimize.brentq(excess, best, beyond, xtol=1e-6))
