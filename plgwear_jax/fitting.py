@@ -288,7 +288,7 @@ def fit_wear_coefficient(
             raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
         cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
         given = 1.0 if deviation is None else np.asarray(deviation, float)
-        load, worn = Measurements(load, cycles, volume, given).load, cycles > 0.0
+        held, worn = Measurements(load, cycles, volume, given).load, cycles > 0.0
         N, target = cycles[worn], volume[worn]
         if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
@@ -298,9 +298,9 @@ def fit_wear_coefficient(
             raise ValueError(f"volume = 0 after {unknown[0]:g} cycles: has no relative deviation")
 
         def run_with(coefficient: Any) -> Run:
-            return contact.over_cycles(load, law_of(coefficient, exponent))
+            return contact.over_cycles(held, law_of(coefficient, exponent))
 
-        if load.lasts:
+        if held.lasts:
             model = _OneRun(run_with(1.0), N)
         else:
             least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
@@ -313,7 +313,7 @@ def fit_wear_coefficient(
         # Points early and late in a test can each have a minimum.
         tried = np.linspace(*model.ends, _TRIED)
         falls = np.diff([misfit(log) for log in tried]) < 0.0
-        minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False))
+        minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)).tolist()
         best = min((_least_near(misfit, tried, i) for i in minima), key=misfit)
         least, freedom, share = misfit(best), N.size - 1, model.at(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
@@ -344,7 +344,7 @@ def fit_wear_coefficient(
             said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
         if model.steady is None and np.any(ratio > _EXCESS * model.most):
             said = "more is measured than any wear coefficient explains: the test is another than given"
-        most = math.inf if load.lasts else sum(float(stage.cycles) for stage in load.stages())
+        most = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
         curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), most), _GRID)
         fitted = np.zeros_like(volume)
         fitted[worn] = model.unit * share
