@@ -17,6 +17,8 @@ PICTURES = (".png", ".pdf", ".svg")
 class TargetError(ValueError):
     """A file cannot be written; the message is one line that begins with the file."""
 
+    names_file = True
+
 
 def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:
     """Check that a file could be written, without leaving one.

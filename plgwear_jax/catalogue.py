@@ -6,11 +6,11 @@ it. Imports nothing that takes time: the command line reads its options from her
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from plgwear_jax._core import ranges
-from plgwear_jax._core.units import written
+from plgwear_jax._core.units import cells_of, written
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,12 +42,6 @@ class Entry:
         return f"{self.name} ${self.symbol}$" if self.symbol else self.name
 
 
-def _cells_of(text: str) -> Iterator[list[str]]:
-    """The cells of each line of a table: columns are set off by two spaces, and "-" is an empty one."""
-    for line in text.strip().splitlines():
-        yield ["" if cell == "-" else cell for cell in re.split("  +", line.strip())]
-
-
 # --- quantities -----------------------------------------------------------------------------------------------------
 
 Kind = Literal["fretting", "gross-slip"]
@@ -74,7 +68,7 @@ class Law(Entry):
 
 _UNITS = {  # of the contact, and of the dimensionless function
     kind: (unit, scale)
-    for kind, unit, scale in _cells_of("""
+    for kind, unit, scale in cells_of("""
     radius        m    a_0
     height        m    a_0^2/R
     volume        m^3  a_0^4/R
@@ -90,7 +84,7 @@ _UNITS = {  # of the contact, and of the dimensionless function
     """)
 }
 _CALLED = dict(  # if not by their names
-    _cells_of("""
+    cells_of("""
     wear_rate      wear rate
     stick_radius   stick radius, inner edge of the ring
     worn_radius    worn radius, outer edge of the ring
@@ -119,7 +113,7 @@ def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> d
     there is no dimensionless function; equations; arguments; and what it is.
     """
     found = {}
-    for name, symbol, kind, equation, taken, description in _cells_of(text):
+    for name, symbol, kind, equation, taken, description in cells_of(text):
         place = unbounded_at if name.endswith("*") else None
         name = name.rstrip("*")
         unit, scale = _UNITS.get(kind, (kind, None))
@@ -296,7 +290,7 @@ def _axes(text: str) -> dict[str, AxisKind]:
     """Axes by name, from a line for each: name, symbol, unit, range, scale, words, and what it is if not that."""
     open_at = {ranges.EXPONENT: (-1.0, 1.0), ranges.AMPLITUDE: (0.0, 1.0), ranges.SHARE: (0.0, 1.0)}
     found = {}
-    for name, symbol, unit, allowed, scale, words, *about in _cells_of(text):
+    for name, symbol, unit, allowed, scale, words, *about in cells_of(text):
         domain = getattr(ranges, allowed)
         described = words, symbol, unit, about[0] if about else words, scale or None
         found[name] = AxisKind(*described, domain, open_at.get(domain), "#" in words)
@@ -349,8 +343,8 @@ def element(path: str) -> tuple[str, int | None]:
     Args:
         path: As in `leaf`.
     """
-    stem, bracket, index = path.partition("[")
-    return (stem, int(index[:-1])) if bracket and index[:-1].isdecimal() and index[-1] == "]" else (path, None)
+    match = re.fullmatch(r"([^\[]*)\[(\d+)\]", path)
+    return (match[1], int(match[2])) if match else (path, None)
 
 
 def leaf(path: str) -> AxisKind:
@@ -396,7 +390,7 @@ def derivative(name: str) -> tuple[str, list[str]]:
 # what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
 _BESIDES = {
     name: Entry(words, symbol, unit)
-    for name, symbol, unit, words in _cells_of("""
+    for name, symbol, unit, words in cells_of("""
     k                  k       1    exponent k
     E0                 E_0     Pa   modulus E0 at the depth z0
     z0                 z_0     m    characteristic depth z0

@@ -1,6 +1,6 @@
 """What measured wear tells: how likely it is with a contact and a wear law, and the wear coefficient that fits it best.
 
-The fit is by least squares with the exact derivative of the wear over cycles. SciPy is imported when a fit is made.
+The fit is by least squares. SciPy is imported when a fit is made.
 """
 
 import dataclasses
@@ -26,12 +26,13 @@ from plgwear_jax.wear_laws import WearLaw, law_of
 __all__ = ["Fit", "Measurements", "fit_wear_coefficient", "log_likelihood"]
 
 _MEASURED = Domain(">= 0 and finite", lambda value: (value >= 0.0) & (value < float("inf")))
+_MEASURABLE = "volume", "contact_radius", "depth"  # of a `Run`
 _LEVEL = 0.95  # of confidence
 _STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
 _GRID = 96  # points of the curve for a picture
 _DENSE = 1024  # points between which the model interpolates
-_TRIED = 256  # wear coefficients among which a fit looks for the best one to begin at
+_TRIED = 256  # wear coefficients between which a fit looks for the best one
 _NODES = 33  # wear coefficients of which a fit to blocks computes the runs
 _LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
 
@@ -67,8 +68,8 @@ class Measurements:
     relative: bool = static(default=False)
 
     def __post_init__(self) -> None:
-        if self.what not in _READ:
-            raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_READ)}")
+        if self.what not in _MEASURABLE:
+            raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_MEASURABLE)}")
         if (self.r is None) == (self.what == "depth"):
             raise ValueError("r: a depth is measured at a radius r in m, and nothing else is")
         load = load_of(self.load)
@@ -98,17 +99,6 @@ class Measurements:
     def residuals(self, modelled: Any) -> Any:
         """By how many standard deviations values of a model, shape (n,), are above what was measured."""
         return (modelled - self.measured) / self.deviations
-
-    def run(self, contact: FrettingContact, law: ArrayLike | WearLaw, digits: int | None = None) -> Run:
-        """The test on a contact that wears by a law, or with Archard's K in 1/Pa; digits as of `over_cycles`."""
-        return contact.over_cycles(self.load, law, digits=digits)
-
-
-_READ: dict[str, Callable[[Run, Measurements], Array]] = {
-    "volume": lambda run, data: run.volume(data.cycles),
-    "contact_radius": lambda run, data: run.contact_radius(data.cycles),
-    "depth": lambda run, data: run.depth(data.r, data.cycles),  # pyright: ignore[reportArgumentType]
-}
 
 
 def log_likelihood(
@@ -143,7 +133,9 @@ def log_likelihood(
         >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))  # K = 1e-14 is in between
         True
     """
-    z, sigma = data.residuals(_READ[data.what](data.run(contact, law, digits), data)), data.deviations
+    places = {"cycles": data.cycles} | ({} if data.r is None else {"r": data.r})
+    modelled = getattr(contact.over_cycles(data.load, law, digits=digits), data.what)(**places)
+    z, sigma = data.residuals(modelled), data.deviations
     return -jnp.sum(0.5 * z * z + jnp.log(sigma) + 0.5 * math.log(2.0 * math.pi))
 
 
@@ -195,42 +187,25 @@ class _OneRun:
 
         # Up to the end, or a tenth of it, where a run has no state at its last time.
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
-        volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
-        self.unit = self.final = float(volume[-1])
-        steady = run.steady
-        if steady is not None and run.load.holds_force:
-            self.unit = float(steady.wear_volume)
-        self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
-        self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
-        self.slope = self.share.derivative()
-        self.cycles, self.steady, self.most = cycles, None if steady is None else self.unit, self.final / self.unit
+        volume, rate, steady = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid)), run.steady
+        final = float(volume[-1])
+        self.unit = final if steady is None or not run.load.holds_force else float(steady.wear_volume)
+        self.cycles, self.steady, self.most = cycles, None if steady is None else self.unit, final / self.unit
+        shares, logs = volume / final, np.log(self.grid)
+        self.share = CubicHermiteSpline(logs, shares, self.grid * rate / final)
         # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
-        most = 1.0 - 1e-6 if steady is not None else 1.0
-        self.ends = math.log(self.grid[0] / cycles.max()), math.log(float(self._inverse(most)) / cycles.min())
+        last = np.interp(1.0 if steady is None else 1.0 - 1e-6, shares, logs)
+        self.ends = float(logs[0] - np.log(cycles.max())), float(last - np.log(cycles.min()))
 
-    def __call__(self, log: float, cycles: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Volumes at some cycles, by default those of the data, in `unit`, and their slopes by log(K)."""
-        x = math.exp(log) * (self.cycles if cycles is None else cycles)
+    def at(self, log: float) -> np.ndarray:
+        """Volumes at the cycles of the data, in `unit`, by log(K)."""
+        return self.curve(np.exp(log), self.cycles)
+
+    def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+        """Volumes in `unit` with some coefficients at other cycles; both broadcast."""
+        x, first, last = coefficient * cycles, self.grid[0], self.grid[-1]
         # Before the first point the volume grows with x, after the last one not at all.
-        at, early = np.log(np.clip(x, self.grid[0], self.grid[-1])), np.minimum(x / self.grid[0], 1.0)
-        return early * self.share(at), np.where(x < self.grid[-1], early * self.slope(at), 0.0)
-
-    def guesses(self, volume: np.ndarray) -> np.ndarray:
-        """log(K) by each volume alone."""
-        return np.log(self._inverse(np.clip(volume / self.final, 1e-10, 0.99)) / self.cycles)
-
-    def curve(self, coefficients: tuple[float, ...], cycles: np.ndarray) -> np.ndarray:
-        """Volumes in `unit` with some coefficients at other cycles, shape (coefficients, cycles)."""
-        limits = np.where(np.isnan(coefficients), math.nan, 1.0)
-        rows = [
-            self(math.log(K), cycles)[0] if 0.0 < K < math.inf else np.full(cycles.shape, limit)
-            for K, limit in zip(coefficients, limits, strict=True)
-        ]
-        return np.stack(rows)
-
-    def _inverse(self, share: float | np.ndarray) -> np.ndarray:
-        """The approximate x = K N at which a share of the final volume is worn."""
-        return np.exp(np.interp(share, self.shares, np.log(self.grid)))
+        return np.minimum(x / first, 1.0) * self.share(np.log(np.clip(x, first, last)))
 
 
 class _ManyRuns:
@@ -241,33 +216,22 @@ class _ManyRuns:
     def __init__(self, run_with: Callable[[Any], Run], least: float, cycles: np.ndarray, volume: np.ndarray):
         from scipy.interpolate import PchipInterpolator
 
-        self.run_with, self.cycles, self.unit = run_with, cycles, float(volume.max())
+        self.run_with, self.unit = run_with, float(volume.max())
         first = np.asarray(run_with(least).volume(cycles))
         slow = least * self.unit / float(first.max())  # the coefficient without any change of the contact by its wear
-        known = np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES))
-        volumes = np.asarray(run_with(np.exp(known)).volume(cycles[:, None])).T / self.unit
+        known = np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)
+        volumes = self.curve(known[:, None], cycles)
         # The largest coefficients may wear more than a run follows.
         followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
-        self.known, self.volumes = known[followed], volumes[followed]
-        self.most = self.volumes.max(axis=0)  # in `unit`, with any coefficient
-        self.share = PchipInterpolator(self.known, self.volumes)
-        self.slope = self.share.derivative()
-        self.ends = float(self.known[0]), float(self.known[-1])
+        logs, volumes = np.log(known[followed]), volumes[followed]
+        self.most = volumes.max(axis=0)  # in `unit`, with any coefficient
+        self.at, self.ends = PchipInterpolator(logs, volumes), (float(logs[0]), float(logs[-1]))
 
-    def __call__(self, log: float) -> tuple[np.ndarray, np.ndarray]:
-        """Volumes at the cycles of the data, in `unit`, and their slopes by log(K)."""
-        return self.share(log), self.slope(log)
-
-    def guesses(self, volume: np.ndarray) -> np.ndarray:
-        """log(K) by each volume alone."""
-        found = zip(volume / self.unit, np.maximum.accumulate(self.volumes).T, strict=True)
-        return np.array([np.interp(wanted, known, self.known) for wanted, known in found])
-
-    def curve(self, coefficients: tuple[float, ...], cycles: np.ndarray) -> np.ndarray:
-        """Volumes in `unit` with some coefficients at other cycles, shape (coefficients, cycles)."""
-        K = np.array([K if math.isfinite(K) and K > 0.0 else 1.0 for K in coefficients])
-        found = np.asarray(self.run_with(K).volume(cycles[:, None])).T / self.unit
-        return np.where(np.isfinite(coefficients)[:, None], found, math.nan)
+    def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+        """Volumes in `unit` with coefficients of shape (c, 1) at other cycles, shape (c, n); NaN with infinite ones."""
+        one = coefficient[:, 0]
+        found = np.asarray(self.run_with(np.where((one > 0.0) & (one < math.inf), one, 1.0)).volume(cycles[:, None])).T
+        return np.where(coefficient > 0.0, np.where(coefficient < math.inf, found / self.unit, math.nan), coefficient)
 
 
 @concrete_only("contact.over_cycles(load, law).volume(cycles) works there")
@@ -315,7 +279,7 @@ def fit_wear_coefficient(
     References:
         Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/numerics.md`, "Wear over cycles".
     """
-    from scipy import optimize, special
+    from scipy import special
 
     doubt(*of_contact(contact))
     with own_numbers():  # wear coefficients with which it searches
@@ -324,57 +288,44 @@ def fit_wear_coefficient(
             raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
         cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
         given = 1.0 if deviation is None else np.asarray(deviation, float)
-        whole = Measurements(load, cycles, volume, given)
-        worn = cycles > 0.0
-        if not np.any(volume[worn] > 0.0):
+        held, worn = Measurements(load, cycles, volume, given).load, cycles > 0.0
+        N, target = cycles[worn], volume[worn]
+        if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-
-        N, deviations = cycles[worn], given * (volume if relative else np.ones_like(volume))
-        if not np.all(deviations[worn] > 0.0):
-            raise ValueError(f"volume = 0 after {N[deviations[worn] <= 0.0][0]:g} cycles: has no relative deviation")
+        deviations = given * (volume if relative else np.ones_like(volume))
+        unknown = N[deviations[worn] <= 0.0]
+        if unknown.size:
+            raise ValueError(f"volume = 0 after {unknown[0]:g} cycles: has no relative deviation")
 
         def run_with(coefficient: Any) -> Run:
-            return whole.run(contact, law_of(coefficient, exponent))
+            return contact.over_cycles(held, law_of(coefficient, exponent))
 
-        if not whole.load.lasts:
-            least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
-            model = _ManyRuns(run_with, least, N, volume[worn])
-        else:
+        if held.lasts:
             model = _OneRun(run_with(1.0), N)
-        target, ends = volume[worn] / model.unit, model.ends
-        known = model.unit * np.ones_like(target) if deviation is None else deviations[worn]
-        data = dataclasses.replace(whole, cycles=N, measured=volume[worn], deviation=known)
+        else:
+            least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
+            model = _ManyRuns(run_with, least, N, target)
+        known = model.unit if deviation is None else deviations[worn]
 
-        def residuals(x: np.ndarray) -> np.ndarray:
-            return data.residuals(model.unit * model(float(x[0]))[0])
+        def misfit(log: float) -> float:
+            return float(np.sum(((model.unit * model.at(log) - target) / known) ** 2))
 
-        def slopes(x: np.ndarray) -> np.ndarray:
-            return (model.unit * model(float(x[0]))[1] / data.deviations)[:, None]
-
-        # Points early and late in a test can each have a minimum: the search begins at the best of many coefficients.
-        tried = np.concatenate([np.linspace(*ends, _TRIED), model.guesses(volume[worn])]).clip(
-            ends[0] + 1e-6, ends[1] - 1e-6
-        )
-        start = min(tried, key=lambda log: np.sum(residuals(np.array([log])) ** 2))
-        found = optimize.least_squares(
-            residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12
-        )
-        best, freedom = float(found.x[0]), N.size - 1
-        share = model(best)[0]
-        scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
+        # Points early and late in a test can each have a minimum.
+        tried = np.linspace(*model.ends, _TRIED)
+        falls = np.diff([misfit(log) for log in tried]) < 0.0
+        minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)).tolist()
+        best = min((_least_near(misfit, tried, i) for i in minima), key=misfit)
+        least, freedom, share = misfit(best), N.size - 1, model.at(best)
+        scatter = math.sqrt(least / freedom) if freedom else math.nan
         # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the
         # normal distribution if the deviations are known.
-        if deviation is not None:
-            rise = float(special.ndtri(0.5 + 0.5 * _LEVEL)) ** 2
-        else:
-            rise = (scatter * float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL))) ** 2 if freedom else math.nan
-
-        def excess(x: float) -> float:
-            return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
-
-        low, high = (math.nan, math.nan) if math.isnan(rise) else (_exceeded_at(excess, best, end) for end in ends)
+        within = 0.5 + 0.5 * _LEVEL
+        quantile = special.ndtri(within) if deviation is not None else scatter * special.stdtrit(freedom, within)
+        rise = float(quantile) ** 2
+        low, high = (_exceeded_at(lambda log: misfit(log) - least - rise, best, some) for some in (tried[::-1], tried))
         said = None
         if math.isnan(rise):
+            low = high = math.nan
             said = "one point and one unknown: without its deviation the data tell no interval"
         elif low == -math.inf:
             said = "the scatter is too large: the data do not tell the wear coefficient"
@@ -385,27 +336,21 @@ def fit_wear_coefficient(
             said = f"{beyond}: they tell little but the least coefficient"
         elif high - low > math.log(100.0):
             said = "the scatter is too large: the data hardly tell the wear coefficient"
-        elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
+        elif deviation is not None and freedom and special.chdtrc(freedom, least) < 0.01:
             said = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
-        if (
-            model.steady is not None
-            and target.max() > _EXCESS
-            and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS
-        ):
-            more = f"up to {target.max():.3g} times the volume of the steady state is measured"
+        ratio = target / model.unit
+        if model.steady is not None and min(ratio.max(), np.mean(ratio / np.maximum(share, 1e-300))) > _EXCESS:
+            more = f"up to {ratio.max():.3g} times the volume of the steady state is measured"
             said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-        if model.steady is None and np.any(target > _EXCESS * model.most):
+        if model.steady is None and np.any(ratio > _EXCESS * model.most):
             said = "more is measured than any wear coefficient explains: the test is another than given"
-        interval = math.exp(low), math.exp(high)
-        highest = 2.0 * cycles.max()
-        if not whole.load.lasts:
-            highest = min(highest, sum(float(stage.cycles) for stage in whole.load.stages()))
-        curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
+        most = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
+        curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), most), _GRID)
         fitted = np.zeros_like(volume)
         fitted[worn] = model.unit * share
         return Fit(
             wear_coefficient=math.exp(best),
-            interval=interval,
+            interval=(math.exp(low), math.exp(high)),
             cycles=cycles,
             volume=volume,
             fitted=fitted,
@@ -413,18 +358,24 @@ def fit_wear_coefficient(
             steady_volume=model.steady,
             doubt=said,
             curve_cycles=curve_cycles,
-            curve=model.unit * model.curve((math.exp(best), *interval), curve_cycles),
+            curve=model.unit * model.curve(np.exp([[best], [low], [high]]), curve_cycles),
         )
 
 
-def _exceeded_at(excess: Callable[[float], float], best: float, end: float) -> float:
-    """Where the excess becomes positive between the best and an end; infinite if it does not."""
+def _least_near(misfit: Callable[[float], float], tried: np.ndarray, place: int) -> float:
+    """Where the misfit is least between the neighbours of a place among those that were tried."""
     from scipy import optimize
 
-    step, last = math.copysign(0.01, end - best), best
-    while (end - last) * step > 0.0:
-        there = min(last + step, end) if step > 0.0 else max(last + step, end)
-        if excess(there) > 0.0:
-            return float(optimize.brentq(excess, last, there, xtol=1e-6)) if excess(last) < 0.0 else last
-        last, step = there, 2.0 * step
-    return math.copysign(math.inf, step)
+    middle, neighbours = tried[place], tried[max(place - 1, 0) : place + 2]
+    bounds = neighbours[0] - middle, neighbours[-1] - middle
+    options = {"bounds": bounds, "method": "bounded", "options": {"xatol": 1e-10}}
+    return float(middle + optimize.minimize_scalar(lambda shift: misfit(middle + shift), **options).x)
+
+
+def _exceeded_at(excess: Callable[[float], float], best: float, tried: np.ndarray) -> float:
+    """Where the excess becomes positive between the best and the last place of some; infinite if it does not."""
+    from scipy import optimize
+
+    outwards = tried[-1] - tried[0]
+    beyond = next((log for log in tried if (log - best) * outwards > 0.0 and excess(log) > 0.0), None)
+    return outwards * math.inf if beyond is None else float(optimize.brentq(excess, best, beyond, xtol=1e-6))

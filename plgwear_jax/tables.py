@@ -25,8 +25,10 @@ from typing import Any
 
 import numpy as np
 
+from plgwear_jax._core import ranges
 from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
-from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
+from plgwear_jax._core.units import cells_of, scales_of
+from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
 from plgwear_jax.catalogue import leaf
 
 __all__ = [
@@ -44,7 +46,7 @@ __all__ = [
 ]
 
 
-class TableError(ValueError):
+class TableError(GivenError):
     """An error in a table, in one line: file, row, column, value, and what is allowed."""
 
 
@@ -138,16 +140,13 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     except (csv.Error, ValueError) as error:
         said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
         raise TableError(f"{name}: row {row}: {said}") from None
-    found = Table(name, dict(zip(factors, map(_frozen, np.transpose(values)), strict=True)), _frozen(rows[1:]))
-    for column, factor in factors.items():
+    found, columns = Table(name, {}, _frozen(rows[1:])), dict[str, np.ndarray]()
+    for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
         if factor is None:
-            _refuse_without_unit(found, column)
-    # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-    scaled = {
-        column: found[column] / round(1.0 / factor) if factor and factor < 1.0 else found[column] * (factor or 1.0)
-        for column, factor in factors.items()
-    }
-    found = dataclasses.replace(found, columns={column: _frozen(one) for column, one in scaled.items()})
+            _refuse_without_unit(found, column, given)
+        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
+        columns[column] = _frozen(given / round(1.0 / factor) if factor and factor < 1.0 else given * (factor or 1.0))
+    found = dataclasses.replace(found, columns=columns)
     form.check(found)
     return found
 
@@ -217,28 +216,32 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
 
 # --- columns ----------------------------------------------------------------------------------------------------------
 
-_COLUMNS = {  # the SI unit, which is that of a column without one; what is allowed; and what it is
-    "tangential_force": ("N", NUMBER, "the amplitude of the force in N"),
-    "displacement": ("m", NUMBER, "the amplitude of the displacement in m"),
-    "weight": ("1", NUMBER, ""),
-    "cycles": ("1", NUMBER, ""),
-    "normal_force": ("N", POSITIVE, "the normal force in N"),
-    "friction": ("1", POSITIVE, "the coefficient of friction"),
-    "volume": ("m^3", NUMBER, "the worn volume in m^3"),
-    "deviation": ("m^3", POSITIVE, "the standard deviation of the volume in m^3; leave it out if it is not known"),
-    _RELATIVE: ("share", POSITIVE, "the standard deviation over the volume; leave it out if it is not known"),
-    "depth": ("m", NUMBER, "the depth below the surface"),
-    "modulus": ("Pa", POSITIVE, "Young's modulus"),
-    "r": ("m", NUMBER, "the radius"),
-    "height": ("m", NUMBER, "the height above the apex"),
+# By column: the SI unit, which is that of a column without one; what is allowed; and what it is.
+_COLUMNS = {
+    column: (unit, getattr(ranges, allowed), meaning)
+    for column, unit, allowed, meaning in cells_of("""
+    tangential_force  N    NUMBER    the amplitude of the force in N
+    displacement      m    NUMBER    the amplitude of the displacement in m
+    weight            1    NUMBER    -
+    cycles            1    NUMBER    -
+    normal_force      N    POSITIVE  the normal force in N
+    friction          1    POSITIVE  the coefficient of friction
+    volume            m^3  NUMBER    the worn volume in m^3
+    deviation         m^3  POSITIVE  the standard deviation of the volume in m^3; leave it out if it is not known
+    relative_deviation  share  POSITIVE  the standard deviation over the volume; leave it out if it is not known
+    depth             m    NUMBER    the depth below the surface
+    modulus           Pa   POSITIVE  Young's modulus
+    r                 m    NUMBER    the radius
+    height            m    NUMBER    the height above the apex
+    """)
 }
-_UNITS = {
-    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
-    "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "MN": 1e6},
-    "m^3": {"m^3": 1.0, "mm^3": 1e-9, "um^3": 1e-18, "nm^3": 1e-27},
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
-    "share": {"1": 1.0, "%": 1e-2},
-}
+_UNITS = scales_of("""
+    m      m  1    mm  1e-3    um  1e-6    nm  1e-9
+    N      N  1    mN  1e-3    uN  1e-6    kN  1e3    MN  1e6
+    m^3    m^3  1  mm^3  1e-9  um^3  1e-18  nm^3  1e-27
+    Pa     Pa  1   kPa  1e3    MPa  1e6    GPa  1e9
+    share  1  1    %  1e-2
+""")
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
 _PLAIN = {"depth": (0.0, 0.1, "um"), "modulus": (1e3, 2e12, "GPa")}  # what a coating has in m and Pa, and what is meant
 
@@ -257,14 +260,14 @@ def _units_of(column: str) -> Mapping[str, float]:
     return _UNITS.get(_COLUMNS[column][0] if column in _COLUMNS else leaf(column).unit, {})
 
 
-def _refuse_without_unit(table: Table, column: str) -> None:
+def _refuse_without_unit(table: Table, column: str, given: np.ndarray) -> None:
     """Refuse numbers that are implausible in m or Pa, since another unit is probably meant."""
     if column in _PLAIN:
-        (least, most, example), values = _PLAIN[column], table[column]
+        least, most, example = _PLAIN[column]
         unit = _COLUMNS[column][0]
         text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
-        wrong = (values > most) | ((values > 0.0) & (values < least))
-        table.refuse(wrong, lambda i: f"{column} = {values[i]:g}: {text}")
+        wrong = (given > most) | ((given > 0.0) & (given < least))
+        table.refuse(wrong, lambda i: f"{column} = {given[i]:g}: {text}")
 
 
 # --- reading ----------------------------------------------------------------------------------------------------------

@@ -22,6 +22,7 @@ from plgwear_jax._core.ranges import (
     SHARE,
     Domain,
 )
+from plgwear_jax._core.words import GivenError
 
 __all__ = [
     "AMPLITUDE",
@@ -79,8 +80,10 @@ def as_array(value: Any) -> Any:
     return found if found.dtype.kind in "fiub" else value
 
 
-class RefusedError(ValueError):
+class RefusedError(GivenError):
     """Numbers that are allowed one by one, but not together: the contact that they describe has no solution here."""
+
+    names_file = False
 
 
 def check_real(name: str, value: ArrayLike) -> None:

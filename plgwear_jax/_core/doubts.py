@@ -15,6 +15,7 @@ from plgwear_jax._core.units import written
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides
+SMALL, THICK = 0.3, 0.1  # of the radius of the indenter, what formulas hold for; m, what no coating has
 FELT = 0.1, 3.0  # contact radii, the range of depths that influences a contact
 
 
@@ -98,6 +99,34 @@ def _layers(material: Any) -> Any:
         return ()
     z = np.asarray(depth)
     return np.diff(z[1:][np.diff(z) == 0.0], prepend=0.0)  # a depth that is given twice is an interface
+
+
+def of_input(contact: Any, contact_radius: float | None, onset: float | None) -> Iterator[str]:
+    """What is doubtful of the numbers of an input file, as values in wrong units give it.
+
+    Args:
+        contact: The contact of the file.
+        contact_radius: In m; None if it is not known.
+        onset: The displacement amplitude in m at which gross slip begins; None if it is not known.
+    """
+    yield from of_contact(contact)
+    material, radius = contact.material, contact.radius
+    about, high = ("depth", contact.depth) if hasattr(contact, "depth") else ("contact radius", contact_radius)
+    if high is not None and high > SMALL * radius:
+        said = f"the {about}, {written(high, 'm')}, is {high / radius:.2g} times the radius of the indenter"
+        stiff = f"E0 = {material.E0:g}" if hasattr(material, "E0") else "the modulus"
+        yield f"{said}; the formulas hold for small ones; check the units: {stiff} is in Pa, all else in m and N"
+    elif onset is not None and (said := of_onset(onset)):
+        yield said
+    if hasattr(material, "depth") and contact_radius is not None:
+        before, last = material.modulus[-2:]
+        end = material.depth[-1] / contact_radius
+        if end < FELT[1] and abs(last - before) > 0.01 * last:
+            said = f"[material] table: ends at {end:.2g} contact radii, where E(z) still changes"
+            yield f"{said}; below that its last modulus is taken, {written(last, 'Pa')}"
+    z0 = getattr(material, "z0", 0.0)
+    if z0 > THICK:
+        yield f"[material] z0 = {z0:g}: a coating {z0:g} m thick? z0 is in m"
 
 
 def of_onset(displacement: Any) -> str | None:

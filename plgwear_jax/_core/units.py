@@ -1,15 +1,30 @@
 """Numbers with a convenient SI prefix."""
 
 import math
+import re
+from collections.abc import Iterator
 
-PREFIXED = {
-    "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
-    "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
-    "Pa": {1e12: "TPa", 1e9: "GPa", 1e6: "MPa", 1e3: "kPa", 1.0: "Pa"},
-    "N": {1e6: "MN", 1e3: "kN", 1.0: "N", 1e-3: "mN", 1e-6: "µN"},
-    "J": {1.0: "J", 1e-3: "mJ", 1e-6: "µJ", 1e-9: "nJ", 1e-12: "pJ"},
-    "1": {1.0: ""},
-}
+
+def cells_of(text: str) -> Iterator[list[str]]:
+    """The cells of each line of a table: columns are set off by two spaces, and "-" is an empty one."""
+    for line in text.strip().splitlines():
+        yield ["" if cell == "-" else cell for cell in re.split("  +", line.strip())]
+
+
+def scales_of(text: str) -> dict[str, dict[str, float]]:
+    """What prefixed units are in a unit, from a line for each: the unit, then names and sizes of the prefixed ones."""
+    return {unit: dict(zip(cells[::2], map(float, cells[1::2]), strict=True)) for unit, *cells in cells_of(text)}
+
+
+PREFIXED = scales_of("""
+    m    m  1      mm  1e-3    µm  1e-6    nm  1e-9     pm  1e-12
+    m^3  m³  1     mm³  1e-9   µm³  1e-18  nm³  1e-27
+    Pa   TPa  1e12  GPa  1e9   MPa  1e6    kPa  1e3     Pa  1
+    N    MN  1e6   kN  1e3     N  1        mN  1e-3     µN  1e-6
+    J    J  1      mJ  1e-3    µJ  1e-6    nJ  1e-9     pJ  1e-12
+    1    -  1
+    points/s  G points/s  1e9  M points/s  1e6  k points/s  1e3  points/s  1
+""")
 
 
 def readable(size: float, unit: str) -> tuple[float, str]:
@@ -27,14 +42,10 @@ def readable(size: float, unit: str) -> tuple[float, str]:
         >>> plots.readable(6.8e-5, "m")
         (1e-06, 'µm')
     """
-    scales = PREFIXED.get(unit, {1.0: unit})
-    if size == 0.0:
-        return 1.0, scales[1.0]
+    size = abs(size) or 1.0  # 0 has the unit itself
     smallest = 0.1 if unit == "m^3" else 1.0  # the prefixes of a volume are nine decades apart
-    for factor, name in scales.items():
-        if abs(size) >= smallest * factor:
-            return factor, name
-    return min(scales.items())
+    known = [(factor, name) for name, factor in PREFIXED.get(unit, {unit: 1.0}).items()]
+    return max((one for one in known if size >= smallest * one[0]), default=min(known))
 
 
 def written(value: float, unit: str) -> str:

@@ -11,6 +11,16 @@ from typing import Any
 _LONGEST = 60
 
 
+class GivenError(ValueError):
+    """An error in what the user has given, in one line.
+
+    Attributes:
+        names_file: Whether the line begins with the file that is wrong.
+    """
+
+    names_file = True
+
+
 def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]) -> str:
     """The text of a file in UTF-8, with or without a byte order mark.
 

@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line
 
 
@@ -55,14 +56,7 @@ class Bar:
         return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
 
 
-def _points_a_second(speed: float) -> str:
-    for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
-        if speed >= unit:
-            return f"{speed / unit:.3g} {name} points/s"
-    return f"{speed:.3g} points/s"
-
-
 class _Speed(ProgressColumn):
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
-        return Text(_points_a_second(speed) if speed else "")
+        return Text(written(speed, "points/s") if speed else "")

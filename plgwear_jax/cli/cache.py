@@ -59,11 +59,15 @@ def use(one_question: bool) -> None:
 def _let_jax_keep(place: Path) -> None:
     import jax
 
-    jax.config.update("jax_compilation_cache_dir", str(place))
-    jax.config.update("jax_compilation_cache_max_size", MOST)
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # a design has many small programs
-    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-    jax.config.update("jax_persistent_cache_enable_xla_caches", "none")  # these are not bounded
+    settings = {
+        "jax_compilation_cache_dir": str(place),
+        "jax_compilation_cache_max_size": MOST,
+        "jax_persistent_cache_min_compile_time_secs": 0.0,  # a design has many small programs
+        "jax_persistent_cache_min_entry_size_bytes": -1,
+        "jax_persistent_cache_enable_xla_caches": "none",  # these are not bounded
+    }
+    for name, value in settings.items():
+        jax.config.update(name, value)
     # With a full disk, a damaged file or a program too large JAX compiles; the user need not know.
     for said in ("Error (reading|writing) persistent compilation cache", "Cache value for key .* exceeds"):
         warnings.filterwarnings("ignore", said, UserWarning)

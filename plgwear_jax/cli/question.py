@@ -10,7 +10,6 @@ import typer
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry, placed
-from plgwear_jax.cli.report import measure
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import VARIABLES
 
@@ -85,26 +84,10 @@ def doubt_units(
     """Warn of values out of proportion, as numbers in wrong units give them; `onset` is that of gross slip in m."""
     from plgwear_jax._core import doubts
 
-    material, contact = given.material, given.contact
     if onset is None and given.load is not None and given.load.of_displacement:
         onset = float(given.load.moved.gross_slip.max())
-    for line in doubts.of_contact(given.build_contact()):
+    for line in doubts.of_input(given.build_contact(), contact_radius, onset):
         warn(f"{scene_file}: {line}")
-    high, about = (contact.depth, "depth") if contact.kind == "gross-slip" else (contact_radius, "contact radius")
-    if high is not None and high > 0.3 * contact.radius:
-        times = f"{high / contact.radius:.2g} times the radius of the indenter"
-        said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
-        stiff = f"E0 = {material.E0:g}" if material.kind == "power law" else "the modulus"
-        warn(f"{scene_file}: {said}; check the units: {stiff} is in Pa, all else in m and N")
-    elif onset is not None and (line := doubts.of_onset(onset)):
-        warn(f"{scene_file}: {line}")
-    if material.file is not None and contact_radius is not None:
-        (*_, before, last), end = material.file["modulus"], float(material.file["depth"][-1])
-        if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
-            said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
-            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")
-    if material.kind == "power law" and material.z0 > 0.1:
-        warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 
 
 def saved(saving: float, words: str) -> str:

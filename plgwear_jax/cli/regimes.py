@@ -23,7 +23,7 @@ from plgwear_jax.cli.terminal import refuse
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.contact import FrettingContact, SlipRegimes
+    from plgwear_jax.contact import SlipRegimes
     from plgwear_jax.scene import Scene
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
@@ -72,8 +72,7 @@ def regimes(
     with computing("computing the loops", one_question=True):
         import numpy as np
 
-        contact, own = _contact(given, rig)
-        found, cut = _computed(scene_file, contact, moves, forces, own, rig)
+        found, cut, own = _computed(scene_file, given, moves, forces, rig)
     _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
     report.draw("regimes_picture", found, cut, own, rig)
     names = "normal_force", "displacement_amplitude"
@@ -89,38 +88,28 @@ def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
     refuse_extremes(scene_file, ((values > 0.0) & (values < math.inf)).all(), "the loops exceed")
 
 
-def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.ndarray]":
-    """(The contact of a scene, the displacement amplitudes in m of its load that are not 0)."""
-    import numpy as np
-
-    from plgwear_jax.contact import FrettingContact
-    from plgwear_jax.loads import Force
-    from plgwear_jax.scene.solving import homogeneous
-
-    contact, load = homogeneous(given.build_contact()), given.load
-    assert isinstance(contact, FrettingContact) and load is not None
-    own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
-    own = np.unique(np.asarray(own))
-    return contact, own[own > 0.0]
-
-
 def _computed(
     scene_file: Path,
-    contact: "FrettingContact",
+    given: "Scene",
     moves: tuple[float, float] | None,
     forces: tuple[float, float] | None,
-    own: "np.ndarray",
     rig: float | None,
-) -> "tuple[SlipRegimes, SlipRegimes]":
-    """(The map, the cut at the file's own normal force)."""
+) -> "tuple[SlipRegimes, SlipRegimes, np.ndarray]":
+    """(The map, the cut at the file's own normal force, the displacement amplitudes in m of its load but for 0)."""
     import dataclasses
 
     import numpy as np
 
     from plgwear_jax.contact import is_closed, slip_regimes
     from plgwear_jax.loads import Force
+    from plgwear_jax.scene.solving import homogeneous
 
-    force = float(contact.normal_force)  # pyright: ignore[reportArgumentType]
+    contact, load = homogeneous(given.build_contact()), given.load
+    assert load is not None
+    own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
+    own = np.unique(np.asarray(own))
+    own = own[own > 0.0]
+    force = float(contact.normal_force)
     first, last = forces or (force / _DECADE, force * _DECADE)
     rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
     three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
@@ -137,9 +126,8 @@ def _computed(
     order = np.argsort(columns, kind="stable")
     whole = slip_regimes(contact, columns[order], np.append(rows, force), rig_stiffness=rig)
     of_map = order < _AMPLITUDES
-    both = ((np.arange(rows.size), of_map), (np.array([rows.size]), ~of_map))
-    found, cut = (whole.part(some, np.flatnonzero(which)) for some, which in both)
-    return found, cut
+    found = whole.part(np.arange(rows.size), np.flatnonzero(of_map))
+    return found, whole.part(np.array([rows.size]), np.flatnonzero(~of_map)), own
 
 
 def _tell(

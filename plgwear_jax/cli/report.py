@@ -4,7 +4,6 @@ A command says which rows and columns it has. Words and units of quantities come
 """
 
 import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -244,15 +243,6 @@ class Report:
             picture = self._files["picture"]
             found = self._found | ({"units": self._units} if self._units else {})
             found |= {} if picture is None else {"picture": str(picture)}
-            typer.echo(json.dumps(_json_of(found), allow_nan=False))
-
-
-def _json_of(value: Any) -> Any:
-    """The value in the types of JSON; a number that is not finite becomes null."""
-    if isinstance(value, dict):
-        return {name: _json_of(item) for name, item in value.items()}
-    if hasattr(value, "tolist"):  # an array
-        return _json_of(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [_json_of(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+            # A number that is not finite becomes null.
+            finite = json.loads(json.dumps(found, default=lambda array: array.tolist()), parse_constant=lambda _: None)
+            typer.echo(json.dumps(finite))

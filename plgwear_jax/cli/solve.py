@@ -50,7 +50,12 @@ def solve(
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
     doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
-    report.put(quantities={name: _known_of(quantity) for name, quantity in quantities.items()})
+    known = {
+        name: {key: value for key, value in quantity._asdict().items() if value is not None}
+        | ({} if quantity.radii is None else {"radii_unit": entry("r").unit})
+        for name, quantity in quantities.items()
+    }
+    report.put(quantities=known)
     rows = [_row(name, quantity) for name, quantity in quantities.items()]
     shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
@@ -64,11 +69,6 @@ def solve(
 
 
 _HEADINGS = "quantity", "value", "unit", "at r", "meaning"
-
-
-def _known_of(quantity: "Quantity") -> dict[str, Any]:
-    known = {name: value for name, value in quantity._asdict().items() if value is not None}
-    return known if quantity.radii is None else known | {"radii_unit": entry("r").unit}
 
 
 def _row(name: str, quantity: "Quantity") -> list[str]:

@@ -22,6 +22,7 @@ _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 
 
 def sweep_command(
+    *,
     quantity: Annotated[
         list[str],
         option(
@@ -125,9 +126,7 @@ def _axis(name: str) -> inspect.Parameter:
 def _with_axes(command: Any) -> inspect.Signature:
     """The signature of the command with an option for each axis of the catalogue that has a plain name."""
     *options, _ = inspect.signature(command).parameters.values()
-    first = next(i for i, option in enumerate(options) if option.name == "axis")
-    named = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
-    return inspect.Signature([*named[:first], *map(_axis, [name for name in AXES if "." not in name]), *named[first:]])
+    return inspect.Signature([*options, *(_axis(name) for name in AXES if "." not in name)])
 
 
 sweep_command.__signature__ = _with_axes(sweep_command)  # pyright: ignore[reportFunctionMemberAccess]
@@ -171,40 +170,39 @@ def _subject(
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
-    if given.wear is not None and "transient" in kinds.values():
+    lasts = "transient" in kinds.values()
+    if given.wear is not None and lasts:
         known = {"wear_coefficient": given.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        arguments = given.arguments()
         others = "contact", "load", "weight"  # which a sweep has of its own
-        found["design"] = {name: value for name, value in arguments.items() if name not in others}
-    if given.load is not None and not loads:
-        lasts, life = "transient" in kinds.values(), designed and given.life is not None
-        forces = [name for name in ("phi", "tangential_force") if name in axes]
-        if forces and (lasts or life) and given.load.of_displacement:
-            refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
-        found |= {} if forces else _load_of(given, axes, lasts, life)
+        found["design"] = {name: value for name, value in given.arguments().items() if name not in others}
     if loads:
         from plgwear_jax import tables
 
         read = {str(file): tables.read(file, tables.LOADS) for file in loads}
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
+    elif given.load is not None:
+        found |= _load_of(given.load, axes, lasts or (designed and given.life is not None))
     return found
 
 
-def _load_of(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
-    """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
-    load = given.load
+def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
+    """The load of a scene, as the library takes it, but for what is an axis; it lasts in a test or in a life."""
+    forces = [name for name in ("phi", "tangential_force") if name in axes]
+    if forces and lasts and load.of_displacement:
+        from plgwear_jax.scene import SceneError
+
+        raise SceneError(f"[load] displacement: holds no force; sweep displacement, not {forces[0]}")
+    if forces:
+        return {}
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
-    if load.cycles is not None and (lasts or life):
+    if load.cycles is not None and lasts:
         return {"load": load.record()}
-    rig = {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
-    if "displacement" in axes:
-        return rig
-    return rig | (
-        {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
-    )
+    amplitude = {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
+    given = {"rig_stiffness": load.rig_stiffness} | ({} if "displacement" in axes else amplitude)
+    return {name: value for name, value in given.items() if value is not None and name not in axes}
 
 
 def _library() -> Any:

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 import typer
 
-from plgwear_jax._core.words import one_line
+from plgwear_jax._core.words import GivenError, one_line
 from plgwear_jax._files import TargetError
 
 
@@ -35,11 +35,8 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
         try:
             with _interrupts():
                 command(**given)
-        except ValueError as error:
-            line = message(error, given.get("scene_file"))
-            if line is None:
-                raise
-            refuse(line)
+        except (GivenError, TargetError) as error:
+            refuse(message(error, given.get("scene_file")))
 
     return run
 
@@ -77,21 +74,9 @@ def _interrupts() -> Iterator[None]:
 _SOON = 0.05  # s, after which a callback has mostly ended
 
 
-def message(error: ValueError, scene_file: Any) -> str | None:
-    """The message for an error in the input; None for an error of the program."""
-    if isinstance(error, TargetError):
-        return str(error)
-    from plgwear_jax.scene import OtherFileError, SceneError
-
-    if isinstance(error, SceneError):
-        return str(error) if isinstance(error, OtherFileError) else f"{scene_file}: {error}"
-    from plgwear_jax.tables import TableError
-
-    if isinstance(error, TableError):
-        return str(error)
-    from plgwear_jax._core.domains import RefusedError  # which imports JAX, as whoever raises it has done
-
-    return f"{scene_file}: {error}" if isinstance(error, RefusedError) else None
+def message(error: GivenError | TargetError, scene_file: Any) -> str:
+    """The line for an error in what was given, with the file that is wrong."""
+    return str(error) if error.names_file else f"{scene_file}: {error}"
 
 
 @contextlib.contextmanager

@@ -1,9 +1,8 @@
 """The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient from measured volumes."""
 
-import dataclasses
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 
     from plgwear_jax.scene import Scene
     from plgwear_jax.scene.sections import LoadSection
-    from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -58,6 +56,7 @@ def wear(
         float | None,
         option(metavar="DEPTH", help="Also tell after how many cycles the wear is this deep, such as 5e-6, in m."),
     ] = None,
+    cycles: Annotated[float | None, option(hidden=True)] = None,
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
@@ -69,67 +68,53 @@ def wear(
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    stem = scene_file.stem
     given.tested()
+    if cycles is not None:
+        refuse("--cycles: the life stands in the input file, cycles under [wear]")
     if until is not None and not 0.0 < until < math.inf:
         refuse(f"--until = {until:g}: must be a finite number > 0, a depth in m")
-    if measured is None and deviation is not None:
-        refuse("--deviation: is that of volumes that --fit reads")
+    kind = "wear" if measured is None else "fit"
+    if measured is not None and csv_file is not None:
+        refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
+    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-{kind}.png"), csv_file)
     if measured is not None:
-        import numpy as np
-
-        from plgwear_jax import tables
-
-        if csv_file is not None:
-            refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-        data = tables.read(measured, tables.MEASURED)
-        if not (data["volume"][data["cycles"] > 0.0] > 0.0).any():
-            refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-        if deviation is not None:
-            if {"deviation", "relative_deviation"} & data.columns.keys():
-                refuse(f"--deviation: {data.name} has a column of deviations")
-            if not 0.0 < deviation < math.inf:
-                refuse(f"--deviation = {deviation:g}: must be a finite number > 0, a share of the volumes")
-            told = {"relative_deviation": np.full(data.row.shape, deviation)}
-            data = dataclasses.replace(data, columns={**data.columns, **told})
-        _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")), until)
-        return
-    report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
-    _course(scene_file, given, report, until)
+        _fit(scene_file, given, measured, deviation, report, until)
+    elif deviation is not None:
+        refuse("--deviation: is that of volumes that --fit reads")
+    else:
+        _course(scene_file, given, report, until)
 
 
 def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
     """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
     report.put(until={"depth": depth, "cycles": cycles})
     both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
-    told = f"{measure(depth, 'depth')} deep{both} after {counted(cycles)} cycles{more}"
-    if not cycles < math.inf:
+    worn = measure(depth, "depth")
+    if cycles < math.inf:
+        report.say(f"{worn} deep{both} after {counted(cycles)} cycles{more}")
+    else:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
-        told = f"a depth of {measure(depth, 'depth')}{both} {reached}{deepest}"
-    report.say(told)
+        report.say(f"a depth of {worn}{both} {reached}{deepest}")
 
 
-def _share_out(given: "Scene", worn: dict[str, float]) -> str | None:
+def _share_out(given: "Scene", share: float, worn: dict[str, float]) -> str:
     """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
-    share = 0.0 if given.wear is None else given.wear.half_space_share
-    if not share:
-        return None
     import numpy as np
 
     from plgwear_jax.scene import SceneError
 
     # The least depth over which the modulus changes: a layer, a spacing of a table, a_0 of a power law.
-    rows, k = given.material.rows, getattr(given.material, "k", 0.0)
+    rows: Any = given.material.rows
     lengths = rows.get("thickness", np.diff(rows.get("depth", ())))
-    lengths = [float(given.build_contact().steady(0.0).contact_radius)] if k else lengths  # pyright: ignore
-    least = float(min(lengths, default=math.inf))
-    deepest = share * worn["deepest_wear"]
+    if getattr(given.material, "k", 0.0):
+        lengths = [given.build_contact().steady(0.0).contact_radius]  # pyright: ignore
+    deepest, least = share * worn["deepest_wear"], float(min(lengths, default=math.inf))
     if deepest > 0.1 * least:
         depth, most = measure(deepest, "depth"), measure(least, "depth")
         text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
         raise SceneError(f"[wear] half_space_coefficient: {text}; this wear of a gradient is not modelled")
-    bodies = [measure(part * worn["volume"], "volume") for part in (1.0 - share, share)]
-    return f"the indenter loses {bodies[0]} of it, the half-space {bodies[1]} ({100.0 * share:.3g} %)"
+    indenter, half_space = (measure(part * worn["volume"], "volume") for part in (1.0 - share, share))
+    return f"the indenter loses {indenter} of it, the half-space {half_space} ({100.0 * share:.3g} %)"
 
 
 # --- the course -------------------------------------------------------------------------------------------------------
@@ -141,28 +126,30 @@ _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "con
 
 def _course(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load, wear = given.tested(), given.wear
+    load = given.tested()
     blocks = load.cycles is not None
-    life = None if wear is None or blocks else wear.cycles
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
         import numpy as np
 
         from plgwear_jax._core.doubts import of_wear
 
-        run = given.over_cycles()
-        ends = None if load.cycles is None else np.cumsum(load.cycles)
-        shares, cycles, printed = _times(scene_file, run, life) if ends is None else ({}, ends, ends)
+        run, wear = given.over_cycles(), given.wear
+        assert wear is not None
+        life, share = None if blocks else wear.cycles, wear.half_space_share
+        shares, cycles, printed = (
+            _times(scene_file, run, life) if load.cycles is None else ({}, load.cycles.cumsum(), ())
+        )
         columns = {"cycles": cycles, **load.pressed}
         for name in _BLOCKS if blocks else _COURSE:
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
-        final = None if blocks else run.final
+        final = run.final
         steady = None if final is None else {name: float(value) for name, value in final._asdict().items()}
         through = None if until is None else float(run.cycles_to(depth=until))
-        at_end = -1 if life is None else int(np.argmin(np.abs(cycles - life)))
+        at_end = abs(cycles - (life or cycles[-1])).argmin()
         end = {name: float(values[at_end]) for name, values in columns.items()}
         worn = steady or end
-        both = _share_out(given, worn if life is None else end)
+        both = _share_out(given, share, end if life else worn) if share else None
     refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     if blocks:
         report.draw("blocks_picture", run)
@@ -177,16 +164,15 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             warn(f"{scene_file}: [wear]: {doubtful}")
     law = {name: float(value) for name, value in vars(given.law).items()}
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
-    if wear is not None and wear.half_space_share:
-        report.put(half_space_share=wear.half_space_share)
+    if share:
+        report.put(half_space_share=share)
     if blocks:
         _tell_blocks(report, load, columns)
     else:
         slips = columns["stick_radius"] <= 0.0
-        regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
+        regime = "partial slip" if not slips.any() else "gross slip, then partial slip" if slips[0] else "mixed slip"
         regime = "gross slip" if slips.all() else regime
-        at = abs(cycles - printed[:, None]).argmin(axis=1)
-        rows = {name: values[at] for name, values in columns.items()}
+        rows = {name: values[np.searchsorted(cycles, printed)] for name, values in columns.items()}
         if not load.in_gross_slip.any():
             report.put(tangential_force=load.largest)
         report.put(regime=regime, life=life, **rows)
@@ -203,8 +189,8 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     if until is not None and through is not None:
         ends = f": the largest wear depth is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
         _tell_until(given, report, until, through, ends)
-    own = blocks and wear is not None and wear.cycles is not None
-    report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
+    if blocks and wear.cycles is not None:
+        report.say("[wear] cycles: the history has cycles of its own, which count here")
     report.end()
 
 
@@ -262,92 +248,94 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
         if life is not None and life > last:
             told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
             refuse(f"{scene_file}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
-        last = life or last
-        shares, first = {}, min(max(float(run.cycles_to(_EARLY)), 1e-4 * last), 0.1 * last)
-        ends, printed = [first, last], [last]
+        printed, shares = [life or last], dict[float, float]()
+        known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
         shares = dict(zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True))
         printed = [] if life is None else [life]
-        ends = [*shares.values(), *printed]
-    first, last = min(ends), max(ends)
+        known = [*shares.values(), *printed]
+    first, last = min(known), max(known)
     refuse_extremes(scene_file, 0.0 < first <= last < math.inf)
     decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     decades = decades if shares else decades[(decades >= first) & (decades <= last)]
-    known = np.unique([*ends, *decades])[: _LENGTH - 2]
+    known = np.unique([*known, *decades])[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
 
 
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
-    wear, end = rows["volume_per_cycle"], steady or {}
-    largest = max(end.get("volume", 0.0), float(rows["volume"].max()))
-    # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
-    unit, most = readable(largest, entry("volume").unit)[0], float(wear.max())
-    count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
-    heading = f"wear per\n{count:g} cycles" if count > 1.0 else None
-    none = None if steady is None else 0.0
-    found = [
-        Column(
-            "cycles\n\n",
-            [counted(cycles) for cycles in rows["cycles"].tolist()],
-            None if steady is None else "steady state",
-        ),
-        shared("volume", rows["volume"], end=end.get("volume")),
-        shared("deepest_wear", rows["deepest_wear"], end=end.get("deepest_wear")),
-        shared("contact_radius", rows["contact_radius"], end=end.get("worn_radius")),
-        shared("volume_per_cycle", count * wear, heading, end=none, size=largest),
-        shared("energy_per_cycle", rows["energy_per_cycle"], "energy\na cycle", end=none),
-    ]
+    ends, last, share = dict[str, float](), None, list[Column]()
     if steady is not None:
-        shares = (100.0 * rows["volume"] / steady["volume"]).tolist()
-        found.insert(2, Column("share\n\n%", [rounded(share) for share in shares], "100"))
-    return found
+        none = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
+        ends, last = steady | none | {"contact_radius": steady["worn_radius"]}, "steady state"
+        share = [Column("share\n\n%", [rounded(x) for x in 100.0 * rows["volume"] / steady["volume"]], "100")]
+    # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
+    largest, most = max(ends.get("volume", 0.0), *rows["volume"]), rows["volume_per_cycle"].max()
+    unit, _ = readable(largest, entry("volume").unit)
+    count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
+
+    def column(name: str, heading: str | None = None, count: float = 1.0, size: float | None = None) -> Column:
+        return shared(name, count * rows[name], heading, end=ends.get(name), size=size)
+
+    return [
+        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"]], last),
+        column("volume"),
+        *share,
+        column("deepest_wear"),
+        column("contact_radius"),
+        column("volume_per_cycle", f"wear per\n{count:g} cycles" if count > 1.0 else None, count, largest),
+        column("energy_per_cycle", "energy\na cycle"),
+    ]
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until: float | None) -> None:
+def _fit(
+    scene_file: Path, given: "Scene", measured: Path, share: float | None, report: Report, until: float | None
+) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
-    load = given.load
-    assert load is not None
-    exponent = 1.0 if given.wear is None or given.wear.exponent is None else given.wear.exponent
+    from plgwear_jax import tables
+
+    data = tables.read(measured, tables.MEASURED)
+    cycles, volume = data["cycles"], data["volume"]
+    if not (volume[cycles > 0.0] > 0.0).any():
+        refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+    if share is not None:
+        if {"deviation", "relative_deviation"} & data.columns.keys():
+            refuse(f"--deviation: {data.name} has a column of deviations")
+        if not 0.0 < share < math.inf:
+            refuse(f"--deviation = {share:g}: must be a finite number > 0, a share of the volumes")
+    load, exponent = given.tested(), getattr(given.wear, "exponent", None) or 1.0
     with computing("fitting the wear coefficient", one_question=False):
         import numpy as np
 
-        from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import fit_wear_coefficient
         from plgwear_jax.wear_laws import law_of
 
-        contact, one = given.build_contact(), load.cycles is None
-        gross, test = bool(load.in_gross_slip.any()), load.record()
-        cycles, volume = data["cycles"], data["volume"]
+        contact: Any = given.build_contact()
+        test = load.record()
         if load.cycles is not None and cycles.max() > load.cycles.sum():
             refuse(f"{data.name}: cycles: up to {cycles.max():g}, more than the {load.cycles.sum():g} of the blocks")
-        share = data.columns.get("relative_deviation")
-        if share is not None:
+        relative: Any = data.columns.get("relative_deviation", share)
+        if relative is not None:
             data.refuse((cycles > 0.0) & (volume == 0.0), lambda _: "volume = 0: has no relative deviation")
-        deviation = data.columns.get("deviation", share)
-        assert isinstance(contact, FrettingContact)
-        found = fit_wear_coefficient(
-            contact, test, cycles, volume, deviation, relative=share is not None, exponent=exponent
-        )
+        known = {"deviation": data.columns.get("deviation", relative), "relative": relative is not None}
+        found = fit_wear_coefficient(contact, test, cycles, volume, **known, exponent=exponent)
         K, (low, high) = found.wear_coefficient, found.interval
-        through = []
+        best = first = last = math.nan
         if until is not None:
-            known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
-            run = contact.over_cycles(test, law_of(known, exponent))
-            through = np.asarray(run.cycles_to(depth=until)).tolist()
+            tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
+            best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)
-    friction = None if "friction" in load.pressed else float(contact.friction)  # pyright: ignore
     of_volume = 1e9 * K if exponent == 1.0 else None
-    of_energy = None if of_volume is None or friction is None else of_volume / friction
+    of_energy = None if of_volume is None or "friction" in load.pressed else of_volume / float(contact.friction)
     report.put(
         {"wear_coefficient": unit},
         measured=data.name,
-        tangential_force=load.largest if one and not gross else None,
+        tangential_force=None if load.cycles is not None or load.in_gross_slip.any() else load.largest,
         wear_coefficient=K,
         exponent=exponent,
         interval_95_percent=found.interval,
@@ -355,34 +343,32 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         energy_coefficient_mm3_per_J=of_energy,
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
     )
-    report.say(load.remark if one else f"history {load.history}: {load.given.size} blocks")
-    size, steady = max(float(found.volume.max()), float(found.fitted.max())), found.steady_volume
+    report.say(load.remark if load.cycles is None else f"history {load.history}: {load.given.size} blocks")
+    size = float(np.max([found.volume, found.fitted]))
     columns = [
-        Column("cycles", [counted(cycles) for cycles in found.cycles.tolist()]),
+        Column("cycles", [counted(number) for number in found.cycles.tolist()]),
         shared("volume", found.volume, "measured", size=size, number=".4g"),
         shared("volume", found.fitted, "fitted", size=size, number=".4g"),
         shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
     ]
-    if steady is not None:
-        columns.append(Column("share (%)", [f"{100.0 * share:.3g}" for share in found.fitted / steady]))
+    if found.steady_volume is not None:
+        columns.append(Column("share (%)", [f"{x:.3g}" for x in 100.0 * found.fitted / found.steady_volume]))
     report.table(*columns, more="rows")
-    others = [] if of_volume is None else [f"{of_volume:.4g} mm³/(N m)"]
-    others += [] if of_energy is None else [f"{of_energy:.4g} mm³ per J of friction"]
-    told = f"wear coefficient: {K:.4g} {unit}"
-    report.say(f"{told} = {', '.join(others)}" if others else told)
+    others = {"mm³/(N m)": of_volume, "mm³ per J of friction": of_energy}
+    also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x is not None)
+    report.say(f"wear coefficient: {K:.4g} {unit}{' = ' if also else ''}{also}")
     if low == low:  # not NaN
         report.say(
             f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
         )
     if until is not None:
-        best, *ends = through
-        first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
+        first, last = first if high < math.inf else 0.0, last if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
-        known = f"{counted(first)} to {counted(last)}"
-        if first == 0.0 or not last < math.inf:
-            known = f"at least {counted(first)}" if first or not last < math.inf else f"at most {counted(last)}"
-        known = f", 95 % confidence: {known}" if low == low and best < math.inf else ""
-        _tell_until(given, report, until, best, "", known)
+        within = f"{counted(first)} to {counted(last)}" if last < math.inf else f"at least {counted(first)}"
+        within = within if first or not last < math.inf else f"at most {counted(last)}"
+        _tell_until(
+            given, report, until, best, "", f", 95 % confidence: {within}" if low == low and best < math.inf else ""
+        )
     report.end()
     if found.doubt is not None:
         warn(f"{data.name}: {found.doubt}")

@@ -7,19 +7,23 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Self
 
-from plgwear_jax._core.words import bare, near_or_all, shown
+from plgwear_jax._core.words import GivenError, bare, near_or_all, shown
 from plgwear_jax.scene.keys import SECTIONS, values_of
 
 _ABSENT = object()
 NAMES = "material", "contact", "load", "wear", "design", "output"
 
 
-class SceneError(ValueError):
+class SceneError(GivenError):
     """An error in a scene, in one line: file, section, key, value, and what is allowed."""
+
+    names_file = False
 
 
 class OtherFileError(SceneError):
     """An error in the file of a scene, or in another one that it names; its line begins with that file."""
+
+    names_file = True
 
 
 class WrongKeyError(ValueError):

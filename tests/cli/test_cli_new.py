@@ -3,16 +3,16 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import jsonschema
 import pytest
-from commands import plgwear
+from commands import plgwear, printed, python, refused
 
 from plgwear_jax import scene
+from plgwear_jax._core.units import cells_of
 from plgwear_jax.cli.new import FRETTING
 
 SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
@@ -27,36 +27,38 @@ def validator():
 
 @pytest.mark.parametrize("kind", ["fretting", "gross-slip"])
 def test_a_new_scene_is_complete(validator, kind):
-    written = plgwear("new", "mine.toml", "--kind", kind)
-    assert written.exit_code == 0 and written.stdout == (
-        "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
-    )
+    line = "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
+    assert printed(f"new mine.toml --kind {kind}") == line
     found = scene.load("mine.toml")
     assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
     assert os.listdir() == ["mine.toml"]
 
 
-OFFERED = {  # a line that is commented out: the lines in whose place it is offered, and what is read then
-    "table": ("E0|z0|k", lambda given: given.material.kind == "table"),
-    "thickness": ("E0|z0|k|+modulus", lambda given: given.material.thickness == (5e-4,)),
-    "shape": ("indenter", lambda given: given.contact.shape.exponent == 4.0 and given.contact.indenter is None),
-    "displacement": ("tangential_force", lambda given: given.load.displacement == 1e-6),
-    "table_of_loads": ("tangential_force|+over", lambda given: given.design_space.level == 0.9),
-    "history": ("tangential_force", lambda given: given.load.history == "cycles.csv"),
-    "rig_stiffness": ("tangential_force|+displacement", lambda given: given.load.rig_stiffness == 2e7),
-    "cycles": ("", lambda given: given.wear.cycles == 1e6),
-    "edge_pressure": ("", lambda given: given.design_space.edge_distance == 1e-5),
-    "penetration": ("", lambda given: "penetration" in given.design_space.allowed),
-    "contact_radius": ("hold", lambda given: "contact_radius" in given.design_space.allowed),
-    "distance": ("", lambda given: given.output.distance == 1e-5),
+# A line that is commented out: the lines in whose place it is offered, where it is read, and what is read there.
+OFFERED = {
+    name: (instead, place, value)
+    for name, instead, place, value in cells_of("""
+    table           E0|z0|k                   material.kind                   table
+    thickness       E0|z0|k|+modulus          material.thickness              (0.0005,)
+    shape           indenter                  contact.shape.exponent          4.0
+    displacement    tangential_force          load.displacement               1e-06
+    table_of_loads  tangential_force|+over    design_space.level              0.9
+    history         tangential_force          load.history                    cycles.csv
+    rig_stiffness   tangential_force|+displacement  load.rig_stiffness        20000000.0
+    cycles          -                         wear.cycles                     1000000.0
+    edge_pressure   -                         design_space.edge_distance      1e-05
+    penetration     -                         design_space.limits.penetration.below  3e-06
+    contact_radius  hold                      design_space.limits.contact_radius.above  0.0001
+    distance        -                         output.distance                 1e-05
+    """)
 }
 
 
 @pytest.mark.parametrize("name", OFFERED)
 def test_every_line_that_is_commented_out_would_be_right(name):
-    plgwear("new", "mine.toml")
-    instead, read = OFFERED[name]
+    plgwear("new mine.toml")
+    instead, place, value = OFFERED[name]
     text = Path("mine.toml").read_text().replace('# table = "loads', '# table_of_loads = "loads')
     for key in filter(None, [f"+{name}", *instead.split("|")]):
         old, new = (rf"^# ({key[1:]} = )", r"\1") if key[0] == "+" else (rf"^({key} = )", r"# \1")
@@ -65,11 +67,14 @@ def test_every_line_that_is_commented_out_would_be_right(name):
     Path("loads.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     Path("E_of_z.csv").write_text("depth,modulus\n0,1e11\n1e-5,2e11\n")
-    assert read(scene.load("mine.toml"))
+    found = scene.load("mine.toml")
+    for part in place.split("."):
+        found = found[part] if isinstance(found, dict) else getattr(found, part)
+    assert str(found) == value
 
 
 def test_every_line_that_is_commented_out_is_tried():
-    plgwear("new", "mine.toml")
+    plgwear("new mine.toml")
     offered = re.findall(r"^# (\w+) = ", Path("mine.toml").read_text(), flags=re.MULTILINE)
     tried = {
         key.lstrip("+").removesuffix("_of_loads") for name in OFFERED for key in (name, *OFFERED[name][0].split("|"))
@@ -84,14 +89,13 @@ def test_a_new_scene_fits_into_a_terminal():
 
 def test_what_is_there_is_not_written_over():
     Path("mine.toml").write_text("mine")
-    for arguments, line in (
-        (["mine.toml"], "mine.toml: exists already; name another file"),
-        (["mine.txt"], "mine.txt: must end in .toml"),
-        (["no/mine.toml"], "no/mine.toml: cannot be written: No such file or directory"),
-    ):
-        result = plgwear("new", *arguments)
-        assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
-    assert os.listdir() == ["mine.toml"] and Path("mine.toml").read_text() == "mine"
+    for file, line in {
+        "mine.toml": "mine.toml: exists already; name another file",
+        "mine.txt": "mine.txt: must end in .toml",
+        "no/mine.toml": "no/mine.toml: cannot be written: No such file or directory",
+    }.items():
+        assert refused(f"new {file}") == line
+    assert Path("mine.toml").read_text() == "mine"
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -110,7 +114,7 @@ def test_the_schema_knows_every_scene(validator, path):
     ],
 )
 def test_the_schema_finds_what_is_wrong(validator, old, new, said):
-    plgwear("new", "mine.toml")
+    plgwear("new mine.toml")
     text = Path("mine.toml").read_text()
     assert text.count(old) >= 1
     document = tomllib.loads(text.replace(old, new))
@@ -118,15 +122,10 @@ def test_the_schema_finds_what_is_wrong(validator, old, new, said):
 
 
 def test_the_module_is_the_script():
-    outputs = [
-        subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
-        for command in (
-            [sys.executable, "-m", "plgwear_jax"],
-            [str(Path(sys.executable).with_name("plgwear"))],
-        )
-    ]
-    assert outputs[0] == outputs[1] and "plgwear new SCENE.toml" in outputs[0]
-    assert "--install-completion" in outputs[0]
+    script = Path(sys.executable).with_name("plgwear")
+    outputs = [python(*command, "--help").stdout for command in (["-m", "plgwear_jax"], [str(script)])]
+    assert outputs[0] == outputs[1]
+    assert "plgwear new SCENE.toml" in outputs[0] and "--install-completion" in outputs[0]
 
 
 def test_the_schema_leaves_the_reader_as_it_was():

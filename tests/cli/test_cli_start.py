@@ -3,13 +3,13 @@
 import io
 import json
 import os
-import subprocess
 import sys
 import zlib
 from pathlib import Path
 
 import jax
 import pytest
+from commands import python
 from typer.testing import CliRunner
 
 import plgwear_jax
@@ -32,22 +32,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in [name for name in os.environ if name.startswith(("JAX_", "PLGWEAR_"))]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setenv("PYTHONPATH", str(Path(plgwear_jax.__file__).parents[1]))
     monkeypatch.chdir(tmp_path)
     Path("cache").mkdir()
     Path("contact.toml").write_text(SCENE)
     return tmp_path
-
-
-def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | variables,
-        encoding="utf-8",
-    )
 
 
 # --- imports --------------------------------------------------------------------------------------------------------
@@ -57,8 +45,8 @@ COMMANDS = """
 import json, sys
 from typer.testing import CliRunner
 from plgwear_jax import cli
-for line in json.load(sys.stdin):
-    result = CliRunner().invoke(cli.app, line)
+for line in sys.argv[1:]:
+    result = CliRunner().invoke(cli.app, line.split())
     print(json.dumps([result.exit_code, sorted({name.partition(".")[0] for name in sys.modules})]))
 """
 
@@ -66,26 +54,23 @@ for line in json.load(sys.stdin):
 def test_commands_that_compute_nothing_import_nothing_that_computes():
     Path("wrong.toml").write_text(SCENE.replace("friction", "fricton"))
     lines = {
-        ("--help",): 0,
-        ("--version",): 0,
-        ("design", "--help"): 0,
-        ("new", "mine.toml"): 0,
-        ("schema",): 0,
-        ("solve", "wrong.toml"): 2,
-        ("front", "missing.toml"): 2,
-        ("design", "contact.toml"): 2,  # has no [design]
-        ("design", "contact.toml", "--jsn"): 2,
-        ("figures", "--out", "drawn", "--only", "table-2"): 2,
-        ("plot", "map.zarr", "--picture", "map.bmp"): 2,
-        ("bake",): 2,
+        "--help": 0,
+        "--version": 0,
+        "design --help": 0,
+        "new mine.toml": 0,
+        "schema": 0,
+        "solve wrong.toml": 2,
+        "front missing.toml": 2,
+        "design contact.toml": 2,  # has no [design]
+        "design contact.toml --jsn": 2,
+        "figures --out drawn --only table-2": 2,
+        "plot map.zarr --picture map.bmp": 2,
+        "bake": 2,
     }
-    done = subprocess.run(
-        [sys.executable, "-c", COMMANDS], input=json.dumps(list(lines)), capture_output=True, text=True, check=True
-    )
+    done = python("-c", COMMANDS, *lines)
     found = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(found) == len(lines)
     for (line, code), (ended, imported) in zip(lines.items(), found, strict=True):
-        assert (ended, HEAVY & set(imported)) == (code, set()), line
+        assert (ended, HEAVY & {*imported}) == (code, set()), line
 
 
 def test_completion_imports_nothing_that_computes():
@@ -95,8 +80,7 @@ def test_completion_imports_nothing_that_computes():
         "try:\n    __main__.main()\n"
         "finally:\n    print(sorted(sys.modules), file=sys.stderr)\n"
     )
-    asked = {"_PLGWEAR_COMPLETE": "complete_bash", "COMP_WORDS": "plgwear des", "COMP_CWORD": "1"}
-    done = python("-c", code, **asked)
+    done = python("-c", code, _PLGWEAR_COMPLETE="complete_bash", COMP_WORDS="plgwear des", COMP_CWORD="1")
     assert done.stdout.split() == ["design"]
     assert "'plgwear_jax.cli'" in done.stderr and not any(f"'{name}'" in done.stderr for name in HEAVY)
 
@@ -161,16 +145,16 @@ def test_an_option_turns_it_off(settings):
 
 
 @pytest.mark.parametrize(
-    "name, value",
+    "variable",
     [
-        ("JAX_COMPILATION_CACHE_DIR", "elsewhere"),
-        ("JAX_ENABLE_COMPILATION_CACHE", "false"),
-        ("JAX_COMPILATION_CACHE_MAX_SIZE", "1000"),
-        ("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "1"),
+        "JAX_COMPILATION_CACHE_DIR=elsewhere",
+        "JAX_ENABLE_COMPILATION_CACHE=false",
+        "JAX_COMPILATION_CACHE_MAX_SIZE=1000",
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS=1",
     ],
 )
-def test_variables_of_jax_decide_instead(settings, monkeypatch, name, value):
-    monkeypatch.setenv(name, value)
+def test_variables_of_jax_decide_instead(settings, monkeypatch, variable):
+    monkeypatch.setenv(*variable.split("="))
     computing.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
 
