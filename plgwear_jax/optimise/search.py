@@ -30,14 +30,14 @@ from jax.typing import ArrayLike, DTypeLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import Program, traced
+from plgwear_jax._startup.programs import program
 from plgwear_jax.special.xla import materialised
 
 if TYPE_CHECKING:
     import optax
 
 
-SCAN, DESCENT, POLISH, DONE = range(4)  # the phases
+SCAN, DESCENT, POLISH, DONE = np.arange(4, dtype=np.int32)  # the phases
 
 
 class SearchPlan(NamedTuple):
@@ -78,7 +78,7 @@ class SearchPlan(NamedTuple):
 
     @property
     def passes(self) -> int:
-        """The number of evaluations of the scan; the last one is padded."""
+        """The number of evaluations of the scan."""
         return -(-(self.samples**self.variables) // self.lanes)
 
     @property
@@ -96,11 +96,13 @@ class SearchPlan(NamedTuple):
         return np.linspace(-1.0, 1.0, self.samples).astype(self.dtype)
 
     def mesh(self) -> np.ndarray:
-        """Points of the scan, (passes, lanes, n)."""
-        axes = np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij")
-        points = np.stack([axis.ravel() for axis in axes], axis=-1)
-        filled = np.pad(points, ((0, self.passes * self.lanes - len(points)), (0, 0)), mode="edge")
-        return filled.reshape(self.passes, self.lanes, self.variables)
+        """Points of the scan, (passes, lanes, n); the last evaluation is filled up with the first points."""
+        points = np.stack(np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij"), axis=-1)
+        return np.resize(points, (self.passes, self.lanes, self.variables))
+
+    def lengths(self) -> np.ndarray:
+        """The lengths of the trial steps of a descent, in units of the longest."""
+        return 0.25 ** np.arange(self.trials, dtype=self.dtype)
 
 
 class Descent(NamedTuple):
@@ -126,10 +128,9 @@ class Point(NamedTuple):
 
     u: Any
     multipliers: Any
-    side: Any
     values: Any
     slopes: Any
-    residual: Any
+    residual: Any  # of the conditions of a minimum
 
 
 class Polish(NamedTuple):
@@ -156,7 +157,7 @@ class SearchState(NamedTuple):
     passes: Any  # evaluations so far
     points: Any  # whose values the search needs next, (lanes, n)
     scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
-    kept: Kept | None  # None without limits
+    kept: Kept
     scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
     valleys: Any  # the number of valleys that the scan found
     descent: Descent
@@ -167,11 +168,9 @@ class SearchResult(NamedTuple):
     """The best minimum and its rival, and how the search ended."""
 
     u: Any  # (2, n), the same point twice if there is no rival
-    multipliers: Any  # (2, m), of the functions over their scales
+    multipliers: Any  # (2, m)
     values: Any  # (2, 1 + m)
     slopes: Any  # (2, 1 + m, n)
-    side: Any  # of the best
-    scale: Any  # of the objective and of the limits, (1 + m,)
     residual: Any
     converged: Any
     certified: Any
@@ -185,29 +184,10 @@ def tolerance(dtype: DTypeLike) -> float:
     return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
 
 
-def with_row(scanned: Any, row: Any, scanning: Any, new: Any) -> Any:
-    """The scan with one more row, while it goes on."""
-    if isinstance(new, np.ndarray):
-        return np.where((scanning & (np.arange(len(scanned)) == row))[:, None, None], new, scanned)
-    old = jax.lax.dynamic_index_in_dim(scanned, row, keepdims=False)
-    return jax.lax.dynamic_update_index_in_dim(scanned, jnp.where(scanning, new, old), row, 0)
-
-
 def all_done(plan: SearchPlan, done: Any) -> Any:
     """Whether all starts are done, in all problems of the batch."""
     everybody = done.all()
     return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
-
-
-def in_lanes(points: Any) -> Any:
-    """Trials of all starts, (starts, trials, n), as points of one evaluation."""
-    return points.reshape(-1, points.shape[-1])
-
-
-def of_starts(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> tuple[Any, Any]:
-    """The values and slopes for each start and its trials, divided by the scale of each function."""
-    values, slopes = values / state.scale, slopes / state.scale[:, None]
-    return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
 
 
 # --- NumPy or JAX -----------------------------------------------------------------------------------------------------
@@ -219,13 +199,11 @@ def namespace(*arrays: Any) -> ModuleType:
 
 
 def select(condition: Any, these: Any, those: Any) -> Any:
-    """Leaf by leaf, these where the condition holds, along the first axes of each leaf, and those elsewhere."""
+    """Leaf by leaf, these where the condition, of shape (n,), holds, and those elsewhere."""
     xp = namespace(condition)
-
-    def chosen(this: Any, that: Any) -> Any:
-        return xp.where(xp.reshape(condition, condition.shape + (1,) * (this.ndim - condition.ndim)), this, that)
-
-    return jax.tree.map(chosen, these, those)
+    return jax.tree.map(
+        lambda this, that: xp.where(condition.reshape(-1, *(1,) * (this.ndim - 1)), this, that), these, those
+    )
 
 
 # --- the conditions of a minimum --------------------------------------------------------------------------------------
@@ -272,15 +250,12 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
     free = (side == 0.0).astype(u.dtype)
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    matrix = by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
-    m = multipliers.shape[-1]
-    if m:
-        # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
-        corner = (1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active)[..., None] * np.eye(m, dtype=u.dtype)
-        by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
-        above = xp.concatenate([by_u, by_multipliers], axis=-1)
-        below = xp.concatenate([active[..., None] * slopes[..., 1:, :], corner], axis=-1)
-        matrix = xp.concatenate([above, below], axis=-2)
+    by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
+    by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
+    # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
+    corner = 1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active
+    corner = corner[..., None] * np.eye(multipliers.shape[-1], dtype=u.dtype)
+    matrix = xp.block([[by_u, by_multipliers], [active[..., None] * slopes[..., 1:, :], corner]])
     return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
 
 
@@ -328,42 +303,31 @@ def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False
 
 
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
-    """Values and Jacobians at the best minimum and at its rival."""
+    """Values and Jacobians at several points."""
     return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
+def tied(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
     """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
-    del function, scale, params
+    del function, params
     return found
 
 
 @tied.defjvp
 def _tied_jvp(function, primals, tangents):
-    scale, _, params = primals
-    dparams = tangents[2]
-    minima = tied(function, *primals)
+    minima, params = tied(function, *primals), primals[1]
+    u, multipliers, values, slopes = minima
+    curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
+    here = conditions(values, slopes, curvatures, u, multipliers)
 
-    def scaled(u: Array, params: Any) -> Array:
-        return function(u, params) / scale
+    def left(params: Any) -> Array:
+        return _residual(*slopes_at(function, u, params), u, multipliers, here.side, here.active)
 
-    def known(u: Array, params: Any) -> tuple[Array, Array]:
-        return values_and_jacobian(lambda u: scaled(u, params))(u)
-
-    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
-        slopes, curvatures, values = values_and_jacobian(lambda u: known(u, params)[::-1], True)(u)
-        state = conditions(values, slopes, curvatures, u, multipliers)
-
-        def left(params: Any) -> Array:
-            return _residual(*known(u, params), u, multipliers, state.side, state.active)
-
-        _, by_params = jax.jvp(left, (params,), (dparams,))
-        step = -solved_by_elimination(state.matrix, by_params)
-        return step[: u.size], step[u.size :]
-
-    du, dmultipliers = jax.vmap(change)(*minima[:2])
-    _, along = jax.jvp(functools.partial(slopes_at, function), (minima[0], params), (du, dparams))
+    _, by_params = jax.jvp(left, (params,), tangents[1:])
+    step = -solved_by_elimination(here.matrix, by_params)
+    du, dmultipliers = step[:, : u.shape[-1]], step[:, u.shape[-1] :]
+    _, along = jax.jvp(functools.partial(slopes_at, function), (u, params), (du, tangents[1]))
     return minima, (du, dmultipliers, *along)
 
 
@@ -387,57 +351,17 @@ def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
     return optax.with_extra_args_support(plan.solver or default)
 
 
-def _empty(plan: SearchPlan) -> tuple[Any, ...]:
-    """The memory of the solver without its structure, which is made of classes of optax."""
-    start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
-    shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
-    return tuple(jnp.zeros(leaf.shape, leaf.dtype) for leaf in jax.tree.leaves(shapes))
-
-
-_kept_empty = Program(_empty, static=1)
-
-
-@functools.lru_cache(maxsize=32)
-def _memory(plan: SearchPlan) -> tuple[np.ndarray, ...]:
-    """The memory of the solver, in the right shape, before its first step."""
-    leaves = jax.eval_shape(lambda: _empty(plan)) if traced(()) else _kept_empty(plan)
-    return tuple(np.zeros(leaf.shape, leaf.dtype) for leaf in leaves)
-
-
-def at_start(plan: SearchPlan, start: Any, unused: Any) -> Descent:
-    """Descents at their starting points; those that are unused are done."""
-    xp, m = namespace(start, unused), plan.limits
-    one = np.ones(plan.starts, plan.dtype)
-    # The first pass evaluates the starting points, which are accepted.
-    values = np.zeros((plan.starts, 1 + m), plan.dtype)
-    values[:, 0] = np.inf
-    descent = Descent(
-        u=start,
-        values=values,
-        slopes=np.zeros((plan.starts, 1 + m, plan.variables), plan.dtype),
-        free=np.ones((plan.starts, plan.variables), bool),
-        direction=np.zeros((plan.starts, plan.variables), plan.dtype),
-        length=one,
-        memory=_memory(plan),
-        fresh=one > 0.0,
-        multipliers=np.zeros((plan.starts, m), plan.dtype),
-        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
-        violation=np.inf * one,
-        steps=np.zeros(plan.starts, np.int32),
-        done=unused,
-    )
-    return jax.tree.map(xp.asarray, descent)
-
-
-def _lengths(plan: SearchPlan) -> np.ndarray:
-    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
-    return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
+@program(static=1)
+def _empty_memory(plan: SearchPlan) -> tuple[Array, ...]:
+    """The memory of the solver before its first step, without its structure, which is made of classes of optax."""
+    start = jnp.zeros((plan.starts, plan.variables), plan.dtype)
+    return tuple(jax.tree.leaves(jax.vmap(_solver(plan).init)(start)))
 
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths."""
-    steps = (at.length[:, None] * _lengths(plan))[..., None] * at.direction[:, None]
-    return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0)
+    steps = (at.length[:, None] * plan.lengths())[..., None] * at.direction[:, None]
+    return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
 def _merit(values: Any, multipliers: Any, penalty: Any) -> Any:
@@ -459,8 +383,7 @@ def descended(
 ) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
-    trials = state.points.reshape(plan.starts, plan.trials, -1)
-    values, slopes = of_starts(plan, state, values, slopes)
+    trials = state.points.reshape(plan.starts, plan.trials, plan.variables)
     enough = plan.eps**0.375  # from here on Newton's method is used
 
     before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
@@ -468,116 +391,89 @@ def descended(
     wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
     falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
     falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
-    taken = falls.any(1)
-    first = falls & (xp.cumsum(falls, axis=1) == 1)
+    taken, longest = falls.any(1), falls.argmax(1)
     u, found, inclined = (
-        _picked(first, taken, new, old)
-        for new, old in zip((trials, values, slopes), (at.u, at.values, at.slopes), strict=True)
+        select(taken, new[np.arange(plan.starts), longest], old)
+        for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
     )
-    shortest = _lengths(plan)[-1] * at.length
+    shortest = plan.lengths()[-1] * at.length
     stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
-    at = at._replace(
-        u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + (~at.done).astype(np.int32)
-    )
+    at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
-    done = settled
-    if plan.limits > 0:
-        violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1)
-        penalty, before_violation = at.penalty, at.violation
-        heavier = xp.where(violation > 0.25 * at.violation, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
-        at = at._replace(
-            multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
-            penalty=xp.where(settled, heavier, at.penalty),
-            violation=xp.where(settled, violation, at.violation),
-            fresh=at.fresh | settled,
-        )
-        # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
-        broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
-        stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
-        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
-        done = settled & ((violation < enough) | lost)
-
-    def merit(u: Array, multipliers: Array, penalty: Array) -> Array:
-        assert objective is not None
-        return _merit(objective(u) / state.scale, multipliers, penalty)
-
-    at = _turned(plan, at, taken | settled, merit)
-    at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
-
-    finished, polish = all_done(plan, at.done), at_end(at)
+    violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1, initial=0.0)
+    # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
+    stays = violation > 0.25 * at.violation
+    broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
+    stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
+    lost = (at.penalty >= _HEAVIEST) & stays & stationary
+    heavier = xp.where(stays, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
+    at = at._replace(
+        multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
+        penalty=xp.where(settled, heavier, at.penalty),
+        violation=xp.where(settled, violation, at.violation),
+        fresh=at.fresh | settled,
+        done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
+    )
+    at = _turned(plan, at, taken | settled, objective)
+    finished = all_done(plan, at.done)
     return state._replace(
-        phase=xp.where(finished, POLISH, DESCENT).astype(np.int32),
-        points=in_lanes(xp.where(finished, _stencil(plan, at.u), trial_points(plan, at))),
+        phase=xp.where(finished, POLISH, DESCENT),
+        points=xp.where(finished, _stencil(plan, at.u), trial_points(plan, at)),
         descent=at,
-        polish=polish,
+        polish=state.polish._replace(u=at.u, multipliers=at.multipliers),
     )
 
 
-def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
-    """For each start the trial that was taken, or the old value if none was."""
-    xp = namespace(first)
-    shape = first.shape + (1,) * (these.ndim - 2)
-    picked = xp.where(first.reshape(shape), these, 0.0).sum(1)
-    return select(taken, picked, those)
-
-
-def _turned(plan: SearchPlan, at: Descent, turns: Any, merit: Callable[..., Array]) -> Descent:
+def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Array], Array] | None) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
-    free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
+    free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
     # The memory is reset when other variables are on their bounds.
     fresh = at.fresh | (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
     if plan.solver is None:
-        direction, memory = solver_step(plan, at.u, gradient, at.memory, fresh)
-        if xp is np:
-            direction, memory = jax.device_get((direction, memory))
+        step = _next_directions(plan, at.u, gradient, at.memory, fresh)
+        direction, *memory = jax.tree.map(xp.asarray, step)
         direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
         # At most 0.4, so that it takes three steps from the middle of the box to a bound.
         longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
         direction = direction * xp.minimum(1.0, 0.4 / longest)
     else:
-        known = at.values, at.multipliers, at.penalty
-        direction, memory = _next_directions(plan, at.u, gradient, at.memory, fresh, merit, known)
+        step = _next_directions.function(plan, at.u, gradient, at.memory, fresh, at, objective)
+        direction, *memory = step
     return at._replace(
         free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
         length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
-        memory=select(turns, memory, at.memory),
+        memory=select(turns, tuple(memory), at.memory),
         fresh=at.fresh & ~turns,
     )
 
 
+@program(static=1)
 def _next_directions(
-    plan: SearchPlan,
-    u: Any,
-    gradient: Any,
-    memory: Any,
-    fresh: Any,
-    merit: Callable[..., Array] | None = None,
-    known: tuple[Any, ...] = (),
-) -> tuple[Any, Any]:
-    """The directions and the memory that the solver of optax gives; merits are for its line search, if it has one."""
+    plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any, at: Any = (), objective: Any = None
+) -> tuple[Any, ...]:
+    """The directions and the memory that the solver of optax gives.
+
+    Descents and the objective are for the line search of a solver that has one.
+    """
     solver = _solver(plan)
 
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array, *known: Array) -> tuple[Array, Any]:
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array, at: Any) -> tuple[Array, ...]:
         at_first, tree = jax.tree.flatten(solver.init(u))
         memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
         more: dict[str, Any] = {}
-
-        def merit_at(u: Array) -> Array:
-            assert merit is not None
-            return merit(u, *known[1:])
-
-        if merit is not None:
-            more = {"value": _merit(*known), "grad": gradient, "value_fn": merit_at}
+        if at:
+            more = {
+                "value": _merit(at.values, at.multipliers, at.penalty),
+                "grad": gradient,
+                "value_fn": lambda u: _merit(objective(u), at.multipliers, at.penalty),
+            }
         direction, memory = solver.update(gradient, memory, u, **more)
-        return direction, tuple(jax.tree.leaves(memory))
+        return direction, *jax.tree.leaves(memory)
 
-    return jax.vmap(one)(u, gradient, memory, fresh, *known)
-
-
-solver_step = Program(_next_directions, static=1)
+    return jax.vmap(one)(u, gradient, memory, fresh, at)
 
 
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
@@ -587,50 +483,35 @@ _ROUNDS, _MORE = 6, 6  # of Newton's method, and those added where it still conv
 _NEAR = 1e-2  # residual below which it does
 
 
-def at_end(at: Descent) -> Polish:
-    """Newton's method at the ends of the descents."""
-    xp = namespace(at.u)
-    infinite = xp.full_like(at.length, np.inf)
-    unknown = Point(at.u, at.multipliers, at.u, xp.zeros_like(at.values), xp.zeros_like(at.slopes), infinite)
-    return Polish(at.u, at.multipliers, unknown, xp.zeros_like(at.steps))
-
-
 def _stencil(plan: SearchPlan, u: Any) -> Any:
     """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
     xp, n = namespace(u), plan.variables
     steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
     inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
     centre = xp.where(np.arange(plan.trials)[:, None] > 0, inward[:, None], u[:, None])
-    return (centre + steps).astype(plan.dtype)
+    return (centre + steps).astype(plan.dtype).reshape(plan.lanes, n)
 
 
 def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
     xp, at, n = namespace(values), state.polish, plan.variables
-    values, slopes = of_starts(plan, state, values, slopes)
     curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
     values, slopes = values[:, 0], slopes[:, 0]
     here = conditions(values, slopes, curvatures, at.u, at.multipliers)
     left = projected(at.u, inclination(slopes, at.multipliers))
-    if plan.limits > 0:
-        left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1))
-    side = xp.where(xp.abs(at.u) == 1.0, here.side, 0.0)
-    point = Point(at.u, at.multipliers, side, values, slopes, left)
+    left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1, initial=0.0))
+    point = Point(at.u, at.multipliers, values, slopes, left)
     change = -solved_by_elimination(here.matrix, here.residual)
-    usable = xp.isfinite(change).all(1)
-    moved = xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0)
-    raised = xp.maximum(at.multipliers + change[:, n:], 0.0)
-    done = _finished(plan, at)
+    goes_on = ~_finished(plan, at)
+    moves = xp.isfinite(change).all(1) & goes_on
     at = Polish(
-        u=select(usable & ~done, moved, at.u),
-        multipliers=select(usable & ~done, raised, at.multipliers),
-        best=select((left < at.best.residual) & ~done, point, at.best),
-        count=at.count + (~done).astype(np.int32),
+        u=select(moves, xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0), at.u),
+        multipliers=select(moves, xp.maximum(at.multipliers + change[:, n:], 0.0), at.multipliers),
+        best=select((left < at.best.residual) & goes_on, point, at.best),
+        count=at.count + goes_on,
     )
     done = all_done(plan, _finished(plan, at) | (np.arange(plan.starts) >= state.valleys))
-    return state._replace(
-        phase=xp.where(done, DONE, POLISH).astype(np.int32), points=in_lanes(_stencil(plan, at.u)), polish=at
-    )
+    return state._replace(phase=xp.where(done, DONE, POLISH), points=_stencil(plan, at.u), polish=at)
 
 
 def _finished(plan: SearchPlan, at: Polish) -> Any:
@@ -644,12 +525,36 @@ def _finished(plan: SearchPlan, at: Polish) -> Any:
 
 def begin(plan: SearchPlan) -> SearchState:
     """The first state of a search, which asks for the first points of its scan."""
-    n, m, mesh = plan.variables, plan.limits, plan.mesh()
-    scanned = np.zeros((plan.passes, plan.lanes, (1 + m) * (2 if n == 1 else 1)), plan.dtype)
-    functions, count = np.ones(1 + m, plan.dtype), np.zeros((), np.int32)
-    kept = Kept(np.zeros(n, plan.dtype), np.inf * functions, np.zeros((1 + m, n), plan.dtype)) if m else None
-    descent = at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
-    return SearchState(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
+    starts, n, functions = plan.starts, plan.variables, 1 + plan.limits
+    zeros, one, steps = functools.partial(np.zeros, dtype=plan.dtype), np.ones(starts, plan.dtype), np.int32(0)
+    u, multipliers, slopes = zeros((starts, n)), zeros((starts, plan.limits)), zeros((starts, functions, n))
+    infinite = np.where(np.arange(functions) > 0, slopes[..., 0], np.inf)  # all that is evaluated lies lower
+    descent = Descent(
+        u=u,
+        values=infinite,
+        slopes=slopes,
+        free=u == 0.0,
+        direction=u,
+        length=one,
+        memory=_empty_memory(plan),
+        fresh=one > 0.0,
+        multipliers=multipliers,
+        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
+        violation=np.inf * one,
+        steps=np.full(starts, steps),
+        done=one < 0.0,
+    )
+    return SearchState(
+        phase=SCAN,
+        passes=steps,
+        points=plan.mesh()[0],
+        scanned=zeros((plan.passes, plan.lanes, functions * (2 if n == 1 else 1))),
+        kept=Kept(u[0], infinite[0], slopes[0]),
+        scale=np.ones(functions, plan.dtype),
+        valleys=steps,
+        descent=descent,
+        polish=Polish(u, multipliers, Point(u, multipliers, infinite, slopes, np.inf * one), descent.steps),
+    )
 
 
 def tell(
@@ -669,31 +574,37 @@ def tell(
         objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
     """
     xp = namespace(values)
-    scanning = state.phase == SCAN
     new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
-    scanned = with_row(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, new)
+    # After the scan there is no such row, and nothing changes.
+    if xp is np:
+        scanned = np.where((np.arange(plan.passes) == state.passes)[:, None, None], new, state.scanned)
+    else:
+        scanned = state.scanned.at[state.passes].set(new)
     # The scan is kept out of the branches, which would copy it.
-    state = state._replace(passes=state.passes + np.int32(1), scanned=scanned, kept=_kept(state, values, slopes))
-    rest = state._replace(scanned=None)
+    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, values, slopes))
+    values, slopes = (
+        x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
+    )
+    scaled = None if objective is None else lambda u: objective(u) / state.scale
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
-        lambda rest: _scan_on(plan, rest),
+        lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes, objective),
+        lambda rest: descended(plan, rest, values, slopes, scaled),
         lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )
-    which = xp.where(scanning, (state.passes >= plan.passes).astype(np.int32), state.phase + np.int32(1))
+    which = state.phase + (rest.passes >= plan.passes)
     with np.errstate(all="ignore"):  # values that are not finite are handled below
         rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
     return rest._replace(scanned=scanned)
 
 
-def _kept(state: SearchState, values: Any, slopes: Any) -> Kept | None:
+def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Kept:
     """The lowest point that keeps the limits, with those at which the search has asked last."""
-    if state.kept is None:
-        return None
     xp, old = namespace(values), state.kept
     keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
+    # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
+    keeps = keeps & ((state.phase == SCAN) | (plan.limits > 0))
     lowest = xp.where(keeps, values[:, 0], np.inf).argmin()
     better = keeps[lowest] & (values[lowest, 0] < old.values[0])
     new = Kept(state.points[lowest], values[lowest], slopes[lowest])
@@ -703,98 +614,56 @@ def _kept(state: SearchState, values: Any, slopes: Any) -> Kept | None:
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------
 
 
-def _scan_on(plan: SearchPlan, state: SearchState) -> SearchState:
-    """The search, asking for the next points of its scan."""
-    xp = namespace(state.points)
-    return state._replace(points=xp.asarray(plan.mesh())[xp.minimum(state.passes, plan.passes - 1)])
-
-
-class _Scan(NamedTuple):
-    """The scan as a whole: the first three arrays have an entry for each point."""
-
-    values: Any  # of the objective
-    excess: Any  # sum of the limits that are broken, each over its scale
-    worst: Any  # the limit that is broken most, or kept least, over its scale
-    known: Any
-    lowest: Any
-    scale: Any  # of the objective and of the limits, (1 + m,)
-
-
-def _overview(plan: SearchPlan, scanned: Any) -> _Scan:
-    """The scan as a whole."""
-    xp, points = namespace(scanned), plan.samples**plan.variables
-    values = scanned.reshape(-1, scanned.shape[-1])[:points, : 1 + plan.limits]
-    known = xp.isfinite(values).all(1)
-    lowest, highest = (
-        end(xp.where(known[:, None], values, far), axis=0) for end, far in ((xp.min, np.inf), (xp.max, -np.inf))
-    )
-    # A limit that changes little over the box decides as much as one that changes by orders of magnitude.
-    change = xp.where(
-        np.arange(1 + plan.limits) == 0,
-        xp.maximum(highest - lowest, 0.01 * xp.abs(lowest)),
-        xp.minimum(highest - lowest, 1.0),
-    )
-    least = np.where(np.arange(1 + plan.limits) == 0, 0.0, plan.eps**0.375)
-    scale = xp.where(xp.isfinite(change) & (change > least), change, 1.0).astype(plan.dtype)
-    excess = xp.maximum(values[:, 1:] / scale[1:], 0.0).sum(1)
-    worst = (values[:, 1:] / scale[1:]).max(1, initial=-np.inf)
-    return _Scan(values[:, 0], excess, worst, known, lowest[0].astype(plan.dtype), scale)
-
-
 def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
     """The search with its descents begun in the deepest valleys of the scan."""
-    xp, seen = namespace(scanned), _overview(plan, scanned)
-    grid = plan.variables * (plan.samples,)
-    height = (seen.values - seen.lowest) / seen.scale[0]
-    merit = xp.where(seen.known, height + 10.0 * seen.excess, np.inf)
-    keeps, valley = seen.known & (seen.excess <= 0.0), _valleys(merit.reshape(grid))
+    xp, grid, is_limit = namespace(scanned), plan.variables * (plan.samples,), np.arange(1 + plan.limits) > 0
+    values = scanned.reshape(-1, scanned.shape[-1])[: plan.samples**plan.variables, : 1 + plan.limits]
+    known = xp.isfinite(values).all(1)
+    lowest = xp.where(known[:, None], values, np.inf).min(0)
+    change = xp.where(known[:, None], values, -np.inf).max(0) - lowest
+    # A limit that changes little over the box decides as much as one that changes by orders of magnitude.
+    change = xp.where(is_limit, xp.minimum(change, 1.0), xp.maximum(change, 0.01 * xp.abs(lowest)))
+    counts = xp.isfinite(change) & (change > np.where(is_limit, plan.eps**0.375, 0.0))
+    scale = xp.where(counts, change, 1.0).astype(plan.dtype)
+
+    above = values[:, 1:] / scale[1:]
+    excess, worst = xp.maximum(above, 0.0).sum(1), above.max(1, initial=-np.inf)
+    height, keeps = (values[:, 0] - lowest[0]) / scale[0], known & (worst <= 0.0)
+    merit = xp.where(known, height + 10.0 * excess, np.inf)
+    valley = _valleys(merit.reshape(grid))
     if plan.limits:
         # First the valleys among points that keep the limits, then those where they are broken least.
         valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
-        valley = valley | _valleys(xp.where(seen.known, seen.excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
+        valley = valley | _valleys(xp.where(known, excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
         merit = xp.where(keeps, height, 2.0 + merit)
     valleys, count = _lowest_of(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
     axis = xp.asarray(plan.axis_points())
     start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
-    if plan.limits and plan.variables == 1:
-        start = _on_limit(seen, axis, valleys, keeps)[:, None]
-    descent = at_start(plan, start, np.arange(plan.starts) >= count)
+    for step in (-1, 1) if plan.limits and plan.variables == 1 else ():
+        # Begun on a limit that is reached towards a lower neighbour: from a valley that keeps the limits a step would
+        # go over a hill that is narrower than the scan.
+        other = xp.clip(valleys + step, 0, plan.samples - 1)
+        lower = keeps[valleys] & ~keeps[other] & known[other] & (height[other] < height[valleys])
+        share = xp.where(lower, worst[valleys] / (worst[valleys] - worst[other]), 0.0)  # along a straight line
+        start = start + (share * (axis[other] - axis[valleys]))[:, None]
+    descent = state.descent._replace(u=start, done=np.arange(plan.starts) >= count)
     return state._replace(
-        phase=xp.full_like(state.phase, DESCENT),
-        points=in_lanes(trial_points(plan, descent)),
-        scale=seen.scale,
+        phase=xp.asarray(DESCENT),
+        points=trial_points(plan, descent),
+        scale=scale,
         valleys=count.astype(state.valleys.dtype),
         descent=descent,
     )
 
 
-def _on_limit(seen: _Scan, axis: Any, valleys: Any, keeps: Any) -> Any:
-    """Where descents along one variable begin: in valleys, or where a limit is reached towards a lower neighbour.
-
-    From a valley that keeps the limits a step would go over a hill that is narrower than the scan.
-    """
-    xp = namespace(axis)
-    start = axis[valleys]
-    for step in (-1, 1):
-        other = xp.clip(valleys + step, 0, axis.size - 1)
-        lower = keeps[valleys] & ~keeps[other] & seen.known[other] & (seen.values[other] < seen.values[valleys])
-        slack = xp.where(lower, seen.worst[other] - seen.worst[valleys], 1.0)
-        share = xp.where(lower, -seen.worst[valleys] / slack, 0.0)  # where a straight line reaches the limit
-        start = start + share * (axis[other] - axis[valleys])
-    return start
-
-
-def _valleys(scanned: Any) -> Any:
+def _valleys(heights: Any) -> Any:
     """Whether a point of the scan is finite and undercut by no neighbour."""
-    xp = namespace(scanned)
-    valley = xp.isfinite(scanned)
-    padded = xp.pad(scanned, 1, constant_values=np.inf)
-    for offset in itertools.product((0, 1, 2), repeat=scanned.ndim):
-        if offset == scanned.ndim * (1,):
-            continue
-        neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, scanned.shape, strict=True))]
+    xp, centre = namespace(heights), heights.ndim * (1,)
+    padded, valley = xp.pad(heights, 1, constant_values=np.inf), xp.isfinite(heights)
+    for offset in itertools.product((0, 1, 2), repeat=heights.ndim):
+        neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, heights.shape, strict=True))]
         # Of equal neighbours the first one is the valley.
-        valley = valley & (scanned < neighbour if offset < scanned.ndim * (1,) else scanned <= neighbour)
+        valley = valley & (heights < neighbour if offset < centre else heights <= neighbour)
     return valley
 
 
@@ -816,22 +685,20 @@ def _lowest_of(depths: Any, count: int) -> Any:
 
 def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, seen, points, scale = namespace(state.scale), _overview(plan, state.scanned), state.polish.best, state.scale
-    used = np.arange(plan.starts) < state.valleys
-    slack = 16.0 * plan.noise * (1.0 + xp.abs(seen.lowest) / scale[0])
-    least = xp.where(seen.known & (seen.excess <= 0.0), seen.values, np.inf).min() / scale[0]
-    if state.kept is not None:
-        # A point that keeps the limits is a design, also where no descent has ended in one as low.
-        kept = _as_point(plan, state.kept, scale)
-        points = Point(*(xp.concatenate([ends, one[None]]) for ends, one in zip(points, kept, strict=True)))
-        least, used = kept.values[0], xp.append(used, xp.isfinite(kept.values[0]))
+    xp, kept, scale = namespace(state.scale), state.kept, state.scale
+    # A point that keeps limits is a design, also where no descent has ended in one as low.
+    slopes, none = kept.slopes / scale[:, None], np.zeros(plan.limits, plan.dtype)
+    one = Point(kept.u, none, kept.values / scale, slopes, projected(kept.u, slopes[0]))
+    points = Point(*(xp.concatenate([ends, x[None]]) for ends, x in zip(state.polish.best, one, strict=True)))
+    used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
     good = used & (points.residual < tolerance(plan.dtype))
     # An end may be higher by what the rounding of the objective and of its limits is worth.
+    slack = 16.0 * plan.noise * (1.0 + xp.abs(points.values[:, 0]))
     value = points.values[:, 0] - xp.where(good, slack + tolerance(plan.dtype) * points.multipliers.sum(1), 0.0)
     # The best keeps the limits; if none does, the one that breaks them least.
     broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
-    broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) >= plan.starts)), 0.0, 1.0 + broken)
-    broken = xp.where(used & xp.isfinite(value), broken, np.inf)
+    broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) == plan.starts)), 0.0, 1.0 + broken)
+    broken = xp.where(used, broken, np.inf)
     best = xp.where(broken == broken.min(), value, np.inf).argmin()
     distinct = xp.abs(points.u - points.u[best]).max(1) > 1e-3
     others = xp.where(good & distinct, value, np.inf)
@@ -839,24 +706,24 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     has_rival = xp.isfinite(others[rival])
 
     converged = good[best]
-    certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
+    certified = converged & (state.valleys <= plan.starts) & (value[best] <= one.values[0])
     scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
         rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
-        u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
         with np.errstate(all="ignore"):
             scan_found_nothing_better = certified & _nothing_hides(
-                xp.asarray(plan.axis_points()), rows[:, 0], rows[:, 1], u, values, multipliers, slack
+                xp.asarray(plan.axis_points()),
+                rows[:, 0],
+                rows[:, 1],
+                *(x[best] for x in (points.u[:, 0], points.values, points.multipliers, slack)),
             )
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
     return SearchResult(
         u=points.u[pair],
-        multipliers=points.multipliers[pair],
+        multipliers=points.multipliers[pair] * scale[0] / scale[1:],
         values=points.values[pair] * scale,
         slopes=points.slopes[pair] * scale[:, None],
-        side=points.side[best],
-        scale=state.scale,
         residual=points.residual[best],
         converged=converged,
         certified=certified,
@@ -864,14 +731,6 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
         has_rival=has_rival,
         steps=state.descent.steps.max(),
     )
-
-
-def _as_point(plan: SearchPlan, kept: Kept, scale: Any) -> Point:
-    """The lowest point that keeps the limits, in the form of the end of a descent."""
-    xp, slopes = namespace(scale), kept.slopes / scale[:, None]
-    side = xp.where(xp.abs(kept.u) == 1.0, kept.u, 0.0)
-    none = xp.zeros(plan.limits, plan.dtype)
-    return Point(kept.u, none, side, kept.values / scale, slopes, projected(kept.u, slopes[0]))
 
 
 def _nothing_hides(
@@ -1022,11 +881,6 @@ def minimise(
         noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
         solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
             to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
-        samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
-            each for two, 17 for three.
-        starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
-        max_steps: Evaluations of the objective and its gradient allowed in each descent.
-        noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
         axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
             then go from the scan to the descents and on together.
 
@@ -1052,9 +906,8 @@ def minimise(
             raise ValueError(f"{name} = {number} is below {least}")
     if not space:
         raise ValueError("space is empty: name at least one variable")
-    names, logarithmic = tuple(space), _logarithmic(space)
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
-    lower, upper = (jnp.stack([jnp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
+    lower, upper, logarithmic = _box_of(space, jnp, dtype)
 
     def everything(variables: Variables) -> Array:
         value = jnp.asarray(objective(variables))[None]
@@ -1062,11 +915,11 @@ def minimise(
 
     # Values that the functions close over become arguments, so that a rule can differentiate with respect to them. It
     # lives longer than traced values: the bounds are arguments as well.
-    converted, closed_over = jax.closure_convert(everything, by_name(names, lower))
+    converted, closed_over = jax.closure_convert(everything, by_name(space, lower))
 
     def function(u: Array, params: Any) -> Array:
         lower, upper, closed_over = params
-        return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
+        return converted(by_name(space, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
@@ -1079,19 +932,17 @@ def minimise(
         return function(u, fixed)
 
     evaluate = jax.vmap(values_and_jacobian(there))
-    first = jax.tree.map(jnp.asarray, begin(plan))
     found = conclude(
         plan,
         jax.lax.while_loop(  # whose program contains the objective once
             lambda state: state.phase != DONE,
             lambda state: tell(plan, state, *evaluate(state.points), objective=there),
-            first,
+            jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    minima = (found.u, found.multipliers, found.values, found.slopes)
-    u, multipliers, values, slopes = tied(function, found.scale, minima, params)
-    found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
-    return _minimum_of(found, names, params[0], upper, logarithmic)
+    minima = tied(function, (found.u, found.multipliers, found.values, found.slopes), params)
+    found = found._replace(**by_name(("u", "multipliers", "values", "slopes"), minima))
+    return _minimum_of(found, space, params[0], upper, logarithmic)
 
 
 def plan_of(
@@ -1115,38 +966,28 @@ _ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what 
 _BOUNDS = "lower", "upper"
 
 
-def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
-    return np.array([interval.scale == "logarithmic" for interval in space.values()])
-
-
 def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
     """The values by the names."""
     return dict(zip(names, values, strict=True))
 
 
-def _minimum_of(
-    found: SearchResult, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray
-) -> Minimum:
+def _minimum_of(found: SearchResult, names: Iterable[str], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
     """A solution in terms of the named variables."""
-    values, slopes = found.values, found.slopes
+    xp, named = namespace(found.values), functools.partial(by_name, names)
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
-    # Without limits: JAX 0.10 cannot transpose an index into an empty array.
-    xp = namespace(values)
-    multipliers = (
-        found.multipliers[0] * found.scale[0] / found.scale[1:] if found.multipliers.size else xp.zeros(0, values.dtype)
-    )
+    side = xp.where(xp.abs(found.u[0]) == 1.0, found.u[0], 0.0)
     first, last = _ends(lower, upper, logarithmic)
-    outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
+    outward = inclination(found.slopes[0], found.multipliers[0]) / (0.5 * (last - first))
     return Minimum(
-        variables=by_name(names, at_best),
-        value=values[0, 0],
-        side=by_name(names, found.side.astype(int)),
-        bound_multipliers=by_name(names, xp.where(found.side == 0.0, 0.0, outward)),
-        limits=values[0, 1:],
-        multipliers=multipliers,
+        variables=named(at_best),
+        value=found.values[0, 0],
+        side=named(side.astype(int)),
+        bound_multipliers=named(xp.where(side == 0.0, 0.0, outward)),
+        limits=found.values[0, 1:],
+        multipliers=found.multipliers[0],
         projected_gradient=found.residual,
-        rival=by_name(names, xp.where(found.has_rival, at_rival, np.nan)),
-        rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
+        rival=named(xp.where(found.has_rival, at_rival, np.nan)),
+        rival_value=xp.where(found.has_rival, found.values[1, 0], np.inf),
         **{name: getattr(found, name) for name in _ENDED},
     )
 
@@ -1154,11 +995,17 @@ def _minimum_of(
 # --- on the scale of the search ---------------------------------------------------------------------------------------
 
 
+def _box_of(space: Mapping[str, Interval], xp: ModuleType, dtype: Any) -> tuple[Any, Any, np.ndarray]:
+    """The lowest and highest values of the variables, each (n,), and which have a logarithmic scale."""
+    lower, upper = (xp.stack([xp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
+    return lower, upper, np.array([i.scale == "logarithmic" for i in space.values()])
+
+
 def _ends(lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     """The bounds on the scale of the search, (2, n)."""
     xp = namespace(lower, upper)
     ends = xp.stack([lower, upper])
-    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends) if np.any(logarithmic) else ends
+    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends)
 
 
 def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
@@ -1166,8 +1013,7 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     xp = namespace(u, lower, upper)
     first, last = _ends(lower, upper, logarithmic)
     value = 0.5 * (first + last) + 0.5 * (last - first) * u
-    if np.any(logarithmic):
-        value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
+    value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
     exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
     return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
 
@@ -1191,12 +1037,11 @@ def found_by(
     Returns:
         The best minimum, of NumPy arrays.
     """
-    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in _BOUNDS)
-    logarithmic = _logarithmic(space)
+    lower, upper, logarithmic = _box_of(space, np, plan.dtype)
     first, last = _ends(lower, upper, logarithmic)
     state = begin(plan)
     while state.phase != DONE:
         at = _decoded(state.points, lower, upper, logarithmic)
         values, slopes = evaluate(by_name(space, at.T))
         state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
-    return _minimum_of(conclude(plan, state), tuple(space), lower, upper, logarithmic)
+    return _minimum_of(conclude(plan, state), space, lower, upper, logarithmic)

@@ -84,7 +84,7 @@ def test_numpy_and_jax_go_the_same_way(seed):
     found, other = (conclude(plan, jax.tree.map(np.asarray, state)) for state in (plain, traced))
     np.testing.assert_allclose(found.u, other.u, atol=1e-9)
     np.testing.assert_allclose(found.values, other.values, atol=1e-12)
-    for flag in ("side", "converged", "certified", "has_rival"):
+    for flag in ("converged", "certified", "has_rival"):
         np.testing.assert_array_equal(getattr(found, flag), getattr(other, flag), err_msg=flag)
 
 
@@ -100,7 +100,7 @@ def test_values_that_are_not_finite_are_dealt_with():
     while state.phase != DONE:
         state = tell(plan, state, *told(state.points))
     found = conclude(plan, state)
-    assert found.u[0] == 1.0 and found.side == 1.0 and bool(found.converged)
+    assert found.u[0] == 1.0 and bool(found.converged)
 
 
 # --- one by one and in one program ------------------------------------------------------------------------------------
