@@ -27,7 +27,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, namespace, plan_of
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, namespace, plan_of, values_and_jacobian
 
 
 @record
@@ -129,9 +129,8 @@ def _few_optimal_exponents(phi: Any, lower: Any, upper: Any, digits: int | None)
 @functools.partial(jax.jit, static_argnames="digits")
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
     """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
-    k = variables["k"]
-    value, slope = jax.jvp(lambda k: fretting.wear_volume(k, phi, digits=digits), (k,), (jnp.ones_like(k),))
-    return value[:, None], slope[:, None, None]
+    volume = functools.partial(fretting.wear_volume, phi=phi, digits=digits)
+    return jax.vmap(values_and_jacobian(volume))(variables["k"][:, None])
 
 
 def _noise(digits: int | None) -> float | None:
@@ -291,8 +290,8 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 
 
-# For any k, dV/dk is positive at the first amplitude of each pair, negative at the second, and phi_1 or phi_2 between.
-_FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
+# For any k, dV/dk is positive at the first amplitudes, negative at the second, and phi_1, phi_1 and phi_2 between.
+_BRACKETS = (0.05, 0.05, 0.998), (0.4, 0.4, 0.97)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
@@ -335,6 +334,3 @@ def _roots(lower: Array, upper: Array) -> Array:
 
     above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
     return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
-
-
-_BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))

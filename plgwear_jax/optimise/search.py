@@ -91,6 +91,11 @@ class SearchPlan(NamedTuple):
         """The width of the stencil, whose differences of slopes stand for second derivatives."""
         return self.eps ** (1.0 / 3.0)
 
+    @property
+    def tolerance(self) -> float:
+        """The relative slope at which it has converged: well above rounding errors, well below what users need."""
+        return self.eps**0.625
+
     def axis_points(self) -> np.ndarray:
         """Points of the scan along a variable."""
         return np.linspace(-1.0, 1.0, self.samples).astype(self.dtype)
@@ -111,11 +116,10 @@ class Descent(NamedTuple):
     u: Any  # (starts, n)
     values: Any  # (starts, 1 + m)
     slopes: Any  # (starts, 1 + m, n)
-    free: Any  # (starts, n), variables that are not on a bound
+    free: Any  # (starts, n), variables that are not on a bound; none of them if the memory has to be reset
     direction: Any  # (starts, n)
     length: Any  # (starts,), of the longest of the next trial steps
     memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
-    fresh: Any  # (starts,), the memory has to be reset
     multipliers: Any  # (starts, m)
     penalty: Any  # (starts,)
     violation: Any  # (starts,)
@@ -177,11 +181,6 @@ class SearchResult(NamedTuple):
     scan_found_nothing_better: Any
     has_rival: Any
     steps: Any
-
-
-def tolerance(dtype: DTypeLike) -> float:
-    """The relative slope at which a search has converged: well above rounding errors, well below what users need."""
-    return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
 
 
 def all_done(plan: SearchPlan, done: Any) -> Any:
@@ -264,10 +263,6 @@ def solved_by_elimination(matrix: Any, right: Any) -> Any:
     xp = namespace(matrix, right)
     if right.shape[-1] == 1:
         return right / matrix[..., 0]
-    if right.shape[-1] == 2:  # Cramer's rule, for which XLA needs no library
-        a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
-        x, y = right[..., 0], right[..., 1]
-        return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
     # Gauss and Jordan's elimination with the largest pivot of each column, linear in the right side. LAPACK would get a
     # batch of matrices here, with which a program that runs in several threads can deadlock.
     row, right = np.arange(right.shape[-1]), right[..., None]
@@ -411,7 +406,7 @@ def descended(
         multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
         penalty=xp.where(settled, heavier, at.penalty),
         violation=xp.where(settled, violation, at.violation),
-        fresh=at.fresh | settled,
+        free=at.free & ~settled[:, None],
         done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
     )
     at = _turned(plan, at, taken | settled, objective)
@@ -429,7 +424,7 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Arra
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
     # The memory is reset when other variables are on their bounds.
-    fresh = at.fresh | (free != at.free).any(1)
+    fresh = (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
     if plan.solver is None:
         step = _next_directions(plan, at.u, gradient, at.memory, fresh)
@@ -446,7 +441,6 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Arra
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
         length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
         memory=select(turns, tuple(memory), at.memory),
-        fresh=at.fresh & ~turns,
     )
 
 
@@ -516,7 +510,7 @@ def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> 
 
 def _finished(plan: SearchPlan, at: Polish) -> Any:
     left = at.best.residual
-    converging = (left < _NEAR) & (left >= tolerance(plan.dtype))
+    converging = (left < _NEAR) & (left >= plan.tolerance)
     return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
 
 
@@ -533,11 +527,10 @@ def begin(plan: SearchPlan) -> SearchState:
         u=u,
         values=infinite,
         slopes=slopes,
-        free=u == 0.0,
+        free=u > 0.0,
         direction=u,
         length=one,
         memory=_empty_memory(plan),
-        fresh=one > 0.0,
         multipliers=multipliers,
         penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
         violation=np.inf * one,
@@ -691,10 +684,10 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     one = Point(kept.u, none, kept.values / scale, slopes, projected(kept.u, slopes[0]))
     points = Point(*(xp.concatenate([ends, x[None]]) for ends, x in zip(state.polish.best, one, strict=True)))
     used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
-    good = used & (points.residual < tolerance(plan.dtype))
+    good = used & (points.residual < plan.tolerance)
     # An end may be higher by what the rounding of the objective and of its limits is worth.
     slack = 16.0 * plan.noise * (1.0 + xp.abs(points.values[:, 0]))
-    value = points.values[:, 0] - xp.where(good, slack + tolerance(plan.dtype) * points.multipliers.sum(1), 0.0)
+    value = points.values[:, 0] - xp.where(good, slack + plan.tolerance * points.multipliers.sum(1), 0.0)
     # The best keeps the limits; if none does, the one that breaks them least.
     broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
     broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) == plan.starts)), 0.0, 1.0 + broken)
@@ -754,27 +747,28 @@ def _nothing_hides(
     # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
     # interval and its neighbours, minus the larger difference between the means of neighbours.
     mean = (slopes[1:] - slopes[:-1]) / step
-    neighbours = xp.concatenate([mean[:1], mean, mean[-1:]])
-    change = xp.abs(mean[1:] - mean[:-1])
-    change = xp.concatenate([change[:1], change, change[-1:]])
-    lowest = xp.minimum(mean, xp.minimum(neighbours[:-2], neighbours[2:]))
-    least = lowest - xp.maximum(change[:-1], change[1:])
+    around = xp.pad(mean, ((1, 1), (0, 0)), mode="edge")
+    change = xp.abs(around[1:] - around[:-1])
+    least = xp.minimum(mean, xp.minimum(around[:-2], around[2:])) - xp.maximum(change[:-1], change[1:])
 
     def bound(value: Any, inward: Any) -> Any:
         """The least value in each interval, from one of its ends."""
-        lowest_at = xp.clip(-inward / xp.where(least > 0.0, least, 1.0), 0.0, step)
-        ends = xp.minimum(0.0, step * (inward + 0.5 * least * step))
-        return value + xp.where(least > 0.0, lowest_at * (inward + 0.5 * least * lowest_at), ends)
+
+        def rise(distance: Any) -> Any:
+            return distance * (inward + 0.5 * least * distance)
+
+        lowest = xp.clip(-inward / xp.where(least > 0.0, least, 1.0), 0.0, step)
+        return value + xp.where(least > 0.0, rise(lowest), xp.minimum(0.0, rise(step)))
 
     bounds = xp.maximum(bound(values[:-1], slopes[:-1]), bound(values[1:], -slopes[1:]))
     above = (bounds[:, 0] >= best_values[0] - slack) | (bounds[:, -1] >= best_values[0] - slack)
     above = above | xp.any(bounds[:, 1:-1] > 0.0, axis=1)
-    intervals = xp.arange(axis.size - 1)
     home = xp.clip(xp.sum(axis <= best) - 1, 0, axis.size - 2)
     bent = least[:, -1] < 0.0
-    before = xp.max(xp.where(bent & (intervals <= home), intervals, -1))
-    behind = xp.min(xp.where(bent & (intervals >= home), intervals, axis.size))
-    return xp.all(above | ((intervals > before) & (intervals < behind)))
+    last = xp.cumsum(bent)
+    first = last - bent
+    convex = xp.maximum(last, last[home]) == xp.minimum(first, first[home])  # in all intervals from there to the best
+    return xp.all(above | convex)
 
 
 # --- a minimum --------------------------------------------------------------------------------------------------------
