@@ -120,17 +120,20 @@ class Candidate:
 
     # --- what is minimised, and the limits ----------------------------------------------------------------------------
 
+    def _read(self, name: str, places: Mapping[str, ArrayLike], at_largest: bool) -> Any:
+        """A quantity in SI units, at each amplitude at which it is solved or at the largest, first of an axis."""
+        if self.question.load is None or name == "modulus_at":
+            return read(self.contact, name, None, places)
+        if is_after_cycles(name):
+            return self._by_then(name, places)
+        return read_from(self.largest if at_largest else self.steady, name, places)
+
     def amounts(self) -> Array:
         """What is minimised at each amplitude of the load, in SI units; its mean is not taken."""
-        question = self.question
-        name, places, load = question.objective, question.places, question.load
-        if load is None:
-            return jnp.atleast_1d(read(self.contact, name, None, places))
-        if question.horizon is not None and (name in BY_THEN or is_after_cycles(name)):
-            found = self._by_then(BY_THEN.get(name, name), places)
-        else:
-            found = read_from(self.steady, name, places)
-        if load.amplitudes is None:
+        name, load = self.question.objective, self.question.load
+        name = name if self.question.horizon is None else BY_THEN.get(name, name)
+        found = self._read(name, self.question.places, False)
+        if load is None or load.amplitudes is None:
             return jnp.atleast_1d(found)
         amplitudes, between = self._amplitudes
         found = jnp.broadcast_to(found, jnp.shape(amplitudes))
@@ -138,11 +141,7 @@ class Candidate:
 
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
-        if is_after_cycles(name):
-            return jnp.ravel(self._by_then(name, places))[0]
-        if self.question.load is None or name == "modulus_at":
-            return read(self.contact, name, None, places)
-        return jnp.ravel(read_from(self.largest, name, places))[0]
+        return jnp.ravel(self._read(name, places, True))[0]
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""

@@ -215,7 +215,7 @@ class Conditions(NamedTuple):
     """The conditions at a point: what is active, their residual, their Jacobian."""
 
     side: Any  # bounds that hold a variable: -1, 0, +1
-    active: Any  # limits that count: 0 or 1
+    active: Any  # limits that count
     residual: Any
     matrix: Any
 
@@ -235,7 +235,7 @@ def _residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, act
     """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
     xp = namespace(values, u)
     of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
-    return xp.concatenate([of_variables, xp.where(active > 0.0, values[..., 1:], multipliers)], axis=-1)
+    return xp.concatenate([of_variables, xp.where(active, values[..., 1:], multipliers)], axis=-1)
 
 
 def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
@@ -244,17 +244,15 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
     """
     xp = namespace(values, u)
-    downhill = u - inclination(slopes, multipliers)
-    side = xp.where(downhill >= 1.0, 1.0, xp.where(downhill <= -1.0, -1.0, 0.0)).astype(u.dtype)
-    active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
-    free = (side == 0.0).astype(u.dtype)
+    side = xp.trunc(xp.clip(u - inclination(slopes, multipliers), -1.0, 1.0))  # 0 between the bounds
+    active, limits = multipliers + values[..., 1:] > 0.0, slopes[..., 1:, :]
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
-    by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
     # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
-    corner = 1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active
-    corner = corner[..., None] * np.eye(multipliers.shape[-1], dtype=u.dtype)
-    matrix = xp.block([[by_u, by_multipliers], [active[..., None] * slopes[..., 1:, :], corner]])
+    small = -(np.finfo(u.dtype).eps ** 0.75) * np.eye(multipliers.shape[-1], dtype=u.dtype)
+    corner = xp.broadcast_to(small, (*multipliers.shape, multipliers.shape[-1]))
+    matrix = xp.block([[hessian, xp.swapaxes(limits, -1, -2)], [limits, corner]])
+    counts = xp.concatenate([side == 0.0, active], axis=-1)
+    matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
     return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
 
 
