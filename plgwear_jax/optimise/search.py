@@ -128,30 +128,13 @@ class Descent(NamedTuple):
 
 
 class Point(NamedTuple):
-    """Stationary points and their values, one for each start."""
-
-    u: Any
-    multipliers: Any
-    values: Any
-    slopes: Any
-    residual: Any  # of the conditions of a minimum
-
-
-class Polish(NamedTuple):
-    """The state of Newton's method, and the points with the least residual of the conditions."""
-
-    u: Any
-    multipliers: Any
-    best: Point
-    count: Any  # (starts,), steps
-
-
-class Kept(NamedTuple):
-    """The lowest point that keeps the limits among all at which there are values; infinite if none does."""
+    """Points and their values, with a first axis for each start, or a single point without it."""
 
     u: Any  # (n,)
+    multipliers: Any  # (m,)
     values: Any  # (1 + m,)
     slopes: Any  # (1 + m, n)
+    residual: Any  # of the conditions of a minimum
 
 
 class SearchState(NamedTuple):
@@ -161,11 +144,12 @@ class SearchState(NamedTuple):
     passes: Any  # evaluations so far
     points: Any  # whose values the search needs next, (lanes, n)
     scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
-    kept: Kept
+    kept: Point  # the lowest that keeps the limits among all at which there are values; infinite if none does
     scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
     valleys: Any  # the number of valleys that the scan found
     descent: Descent
-    polish: Polish
+    best: Point  # with the least residual of the conditions that Newton's method has found from each start
+    count: Any  # (starts,), of its steps
 
 
 class SearchResult(NamedTuple):
@@ -413,7 +397,6 @@ def descended(
         phase=xp.where(finished, POLISH, DESCENT),
         points=xp.where(finished, _stencil(plan, at.u), trial_points(plan, at)),
         descent=at,
-        polish=state.polish._replace(u=at.u, multipliers=at.multipliers),
     )
 
 
@@ -486,7 +469,7 @@ def _stencil(plan: SearchPlan, u: Any) -> Any:
 
 def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
-    xp, at, n = namespace(values), state.polish, plan.variables
+    xp, at, n = namespace(values), state.descent, plan.variables
     curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
     values, slopes = values[:, 0], slopes[:, 0]
     here = conditions(values, slopes, curvatures, at.u, at.multipliers)
@@ -494,19 +477,19 @@ def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> 
     left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1, initial=0.0))
     point = Point(at.u, at.multipliers, values, slopes, left)
     change = -solved_by_elimination(here.matrix, here.residual)
-    goes_on = ~_finished(plan, at)
+    goes_on = ~_finished(plan, state)
     moves = xp.isfinite(change).all(1) & goes_on
-    at = Polish(
+    at = at._replace(
         u=select(moves, xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0), at.u),
         multipliers=select(moves, xp.maximum(at.multipliers + change[:, n:], 0.0), at.multipliers),
-        best=select((left < at.best.residual) & goes_on, point, at.best),
-        count=at.count + goes_on,
     )
-    done = all_done(plan, _finished(plan, at) | (np.arange(plan.starts) >= state.valleys))
-    return state._replace(phase=xp.where(done, DONE, POLISH), points=_stencil(plan, at.u), polish=at)
+    best = select((left < state.best.residual) & goes_on, point, state.best)
+    state = state._replace(points=_stencil(plan, at.u), descent=at, best=best, count=state.count + goes_on)
+    done = all_done(plan, _finished(plan, state) | (np.arange(plan.starts) >= state.valleys))
+    return state._replace(phase=xp.where(done, DONE, POLISH))
 
 
-def _finished(plan: SearchPlan, at: Polish) -> Any:
+def _finished(plan: SearchPlan, at: SearchState) -> Any:
     left = at.best.residual
     converging = (left < _NEAR) & (left >= plan.tolerance)
     return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
@@ -521,6 +504,7 @@ def begin(plan: SearchPlan) -> SearchState:
     zeros, one, steps = functools.partial(np.zeros, dtype=plan.dtype), np.ones(starts, plan.dtype), np.int32(0)
     u, multipliers, slopes = zeros((starts, n)), zeros((starts, plan.limits)), zeros((starts, functions, n))
     infinite = np.where(np.arange(functions) > 0, slopes[..., 0], np.inf)  # all that is evaluated lies lower
+    best = Point(u, multipliers, infinite, slopes, np.inf * one)
     descent = Descent(
         u=u,
         values=infinite,
@@ -540,11 +524,12 @@ def begin(plan: SearchPlan) -> SearchState:
         passes=steps,
         points=plan.mesh()[0],
         scanned=zeros((plan.passes, plan.lanes, functions * (2 if n == 1 else 1))),
-        kept=Kept(u[0], infinite[0], slopes[0]),
+        kept=jax.tree.map(lambda x: x[0], best),
         scale=np.ones(functions, plan.dtype),
         valleys=steps,
         descent=descent,
-        polish=Polish(u, multipliers, Point(u, multipliers, infinite, slopes, np.inf * one), descent.steps),
+        best=best,
+        count=descent.steps,
     )
 
 
@@ -590,16 +575,15 @@ def tell(
     return rest._replace(scanned=scanned)
 
 
-def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Kept:
+def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Point:
     """The lowest point that keeps the limits, with those at which the search has asked last."""
     xp, old = namespace(values), state.kept
     keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
     # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
-    keeps = keeps & ((state.phase == SCAN) | (plan.limits > 0))
-    lowest = xp.where(keeps, values[:, 0], np.inf).argmin()
-    better = keeps[lowest] & (values[lowest, 0] < old.values[0])
-    new = Kept(state.points[lowest], values[lowest], slopes[lowest])
-    return Kept(*(xp.where(better, this, that) for this, that in zip(new, old, strict=True)))
+    height = xp.where(keeps & ((state.phase == SCAN) | (plan.limits > 0)), values[:, 0], np.inf)
+    at = height.argmin()
+    new = old._replace(u=state.points[at], values=values[at], slopes=slopes[at])
+    return jax.tree.map(lambda this, that: xp.where(height[at] < old.values[0], this, that), new, old)
 
 
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------
@@ -676,11 +660,11 @@ def _lowest_of(depths: Any, count: int) -> Any:
 
 def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, kept, scale = namespace(state.scale), state.kept, state.scale
+    xp, one, scale = namespace(state.scale), state.kept, state.scale
     # A point that keeps limits is a design, also where no descent has ended in one as low.
-    slopes, none = kept.slopes / scale[:, None], np.zeros(plan.limits, plan.dtype)
-    one = Point(kept.u, none, kept.values / scale, slopes, projected(kept.u, slopes[0]))
-    points = Point(*(xp.concatenate([ends, x[None]]) for ends, x in zip(state.polish.best, one, strict=True)))
+    one = one._replace(values=one.values / scale, slopes=one.slopes / scale[:, None])
+    one = one._replace(residual=projected(one.u, one.slopes[0]))
+    points = jax.tree.map(lambda ends, x: xp.concatenate([ends, x[None]]), state.best, one)
     used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
     good = used & (points.residual < plan.tolerance)
     # An end may be higher by what the rounding of the objective and of its limits is worth.
