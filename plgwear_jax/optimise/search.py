@@ -591,7 +591,7 @@ def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Poi
 
 def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
     """The search with its descents begun in the deepest valleys of the scan."""
-    xp, grid, is_limit = namespace(scanned), plan.variables * (plan.samples,), np.arange(1 + plan.limits) > 0
+    xp, is_limit = namespace(scanned), np.arange(1 + plan.limits) > 0
     values = scanned.reshape(-1, scanned.shape[-1])[: plan.samples**plan.variables, : 1 + plan.limits]
     known = xp.isfinite(values).all(1)
     lowest = xp.where(known[:, None], values, np.inf).min(0)
@@ -605,22 +605,22 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     excess, worst = xp.maximum(above, 0.0).sum(1), above.max(1, initial=-np.inf)
     height, keeps = (values[:, 0] - lowest[0]) / scale[0], known & (worst <= 0.0)
     merit = xp.where(known, height + 10.0 * excess, np.inf)
-    valley = _valleys(merit.reshape(grid))
+    valley = _valleys(plan, merit)
     if plan.limits:
         # First the valleys among points that keep the limits, then those where they are broken least.
-        valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
-        valley = valley | _valleys(xp.where(known, excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
+        valley = valley | _valleys(plan, xp.where(keeps, height, np.inf))
+        valley = valley | _valleys(plan, xp.where(known, excess, np.inf)) & ~keeps
         merit = xp.where(keeps, height, 2.0 + merit)
-    valleys, count = _lowest_of(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
-    axis = xp.asarray(plan.axis_points())
-    start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
+    valleys, count = _lowest_of(xp.where(valley, merit, np.inf), plan.starts), valley.sum()
+    points = xp.asarray(plan.mesh().reshape(-1, plan.variables))
+    start = points[valleys]
     for step in (-1, 1) if plan.limits and plan.variables == 1 else ():
         # Begun on a limit that is reached towards a lower neighbour: from a valley that keeps the limits a step would
         # go over a hill that is narrower than the scan.
         other = xp.clip(valleys + step, 0, plan.samples - 1)
         lower = keeps[valleys] & ~keeps[other] & known[other] & (height[other] < height[valleys])
         share = xp.where(lower, worst[valleys] / (worst[valleys] - worst[other]), 0.0)  # along a straight line
-        start = start + (share * (axis[other] - axis[valleys]))[:, None]
+        start = start + share[:, None] * (points[other] - points[valleys])
     descent = state.descent._replace(u=start, done=np.arange(plan.starts) >= count)
     return state._replace(
         phase=xp.asarray(DESCENT),
@@ -631,15 +631,16 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     )
 
 
-def _valleys(heights: Any) -> Any:
+def _valleys(plan: SearchPlan, heights: Any) -> Any:
     """Whether a point of the scan is finite and undercut by no neighbour."""
-    xp, centre = namespace(heights), heights.ndim * (1,)
+    xp, centre = namespace(heights), plan.variables * (1,)
+    heights = heights.reshape(plan.variables * (plan.samples,))
     padded, valley = xp.pad(heights, 1, constant_values=np.inf), xp.isfinite(heights)
-    for offset in itertools.product((0, 1, 2), repeat=heights.ndim):
-        neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, heights.shape, strict=True))]
+    for offset in itertools.product((0, 1, 2), repeat=plan.variables):
+        neighbour = padded[tuple(slice(o, o + plan.samples) for o in offset)]
         # Of equal neighbours the first one is the valley.
         valley = valley & (heights < neighbour if offset < centre else heights <= neighbour)
-    return valley
+    return valley.ravel()
 
 
 def _lowest_of(depths: Any, count: int) -> Any:
