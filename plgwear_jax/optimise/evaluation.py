@@ -25,12 +25,13 @@ from plgwear_jax.optimise.question import (
     keeps,
     needs_force,
     read_from_runs,
+    solved_in_turn,
     solved_one_by_one,
     variable_of,
     with_variables,
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, found_by, plan_of, values_and_jacobian
+from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, by_name, found_by, plan_of, values_and_jacobian
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
@@ -264,7 +265,7 @@ def tells_states(question: Question) -> bool:
 
 
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
-    here, held = dict(zip(names, point, strict=True)), {}
+    here, held = by_name(names, point), {}
     outside = question.hold and not is_closed(question.contact)
     if question.hold:
         held = {"E0": Candidate(question, here, shared).contact.material.E0}
@@ -349,7 +350,7 @@ class Evaluator:
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        in_turn = solved_one_by_one(self.question) and shared.runs is None
+        in_turn = solved_in_turn(self.question)
         found = []
         for first in range(0, len(points), self.lanes):
             some = points[first : first + self.lanes]
@@ -361,7 +362,7 @@ class Evaluator:
 
     def told(self, points: np.ndarray) -> Told:
         """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
-        if not solved_one_by_one(self.question) or self.shared.runs is not None:
+        if not solved_in_turn(self.question):
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
@@ -398,9 +399,9 @@ class Evaluator:
 def plan_for(question: Question) -> SearchPlan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(question.limits))
-    if not solved_one_by_one(question) or read_from_runs(question):
+    if not solved_in_turn(question):
         return plan
-    # Each value takes milliseconds, and wear changes smoothly with a gradient.
+    # Wear changes smoothly with a gradient.
     along = plan.samples if question.horizon is None else 17
     plan = plan._replace(samples=along if plan.variables == 1 else 9, starts=3)
     return plan if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
@@ -433,8 +434,8 @@ def search(
     evaluator = Evaluator(question, known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        values, slopes = evaluator.rows(evaluator.points(variables))
-        return (values, slopes) if changed is None else changed(values.copy(), slopes.copy())
+        rows = evaluator.rows(evaluator.points(variables))
+        return rows if changed is None else changed(*rows)
 
     return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
 

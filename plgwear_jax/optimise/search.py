@@ -337,22 +337,21 @@ def _empty_memory(plan: SearchPlan) -> tuple[Array, ...]:
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths."""
-    steps = (at.length[:, None] * plan.lengths())[..., None] * at.direction[:, None]
-    return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0).reshape(plan.lanes, -1)
+    steps = plan.lengths()[:, None, None] * at.length[:, None] * at.direction
+    return namespace(at.u).clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
-def _merit(values: Any, multipliers: Any, penalty: Any) -> Any:
-    pushed = _pushed(values, multipliers, penalty)
-    return values[..., 0] + (pushed**2 - multipliers**2).sum(-1) / (2.0 * penalty)
+def _merit(at: Descent, values: Any) -> Any:
+    return values[..., 0] + (_pushed(at, values) ** 2 - at.multipliers**2).sum(-1) / (2.0 * at.penalty)
 
 
-def _pushed(values: Any, multipliers: Any, penalty: Any) -> Any:
+def _pushed(at: Descent, values: Any) -> Any:
     """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
-    return namespace(values).maximum(multipliers + penalty[..., None] * values[..., 1:], 0.0)
+    return namespace(values).maximum(at.multipliers + at.penalty[..., None] * values[..., 1:], 0.0)
 
 
 def _merit_slope(at: Descent) -> Any:
-    return inclination(at.slopes, _pushed(at.values, at.multipliers, at.penalty))
+    return inclination(at.slopes, _pushed(at, at.values))
 
 
 def descended(
@@ -360,17 +359,16 @@ def descended(
 ) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
-    trials = state.points.reshape(plan.starts, plan.trials, plan.variables)
+    trials = state.points.reshape(plan.trials, plan.starts, plan.variables)
     enough = plan.eps**0.375  # from here on Newton's method is used
 
-    before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
-    after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
-    wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
-    falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
-    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
-    taken, longest = falls.any(1), falls.argmax(1)
+    after = _merit(at, values)
+    wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
+    falls = after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)
+    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done
+    taken, longest = falls.any(0), falls.argmax(0)
     u, found, inclined = (
-        select(taken, new[np.arange(plan.starts), longest], old)
+        select(taken, new[longest, np.arange(plan.starts)], old)
         for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
     )
     shortest = plan.lengths()[-1] * at.length
@@ -385,7 +383,7 @@ def descended(
     lost = (at.penalty >= _HEAVIEST) & stays & stationary
     heavier = xp.where(stays, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
     at = at._replace(
-        multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
+        multipliers=select(settled, _pushed(at, at.values), at.multipliers),
         penalty=xp.where(settled, heavier, at.penalty),
         violation=xp.where(settled, violation, at.violation),
         free=at.free & ~settled[:, None],
@@ -441,9 +439,9 @@ def _next_directions(
         more: dict[str, Any] = {}
         if at:
             more = {
-                "value": _merit(at.values, at.multipliers, at.penalty),
+                "value": _merit(at, at.values),
                 "grad": gradient,
-                "value_fn": lambda u: _merit(objective(u), at.multipliers, at.penalty),
+                "value_fn": lambda u: _merit(at, objective(u)),
             }
         direction, memory = solver.update(gradient, memory, u, **more)
         return direction, *jax.tree.leaves(memory)
@@ -460,18 +458,16 @@ _NEAR = 1e-2  # residual below which it does
 
 def _stencil(plan: SearchPlan, u: Any) -> Any:
     """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
-    xp, n = namespace(u), plan.variables
-    steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
+    xp, steps = namespace(u), plan.width * np.eye(plan.variables, dtype=plan.dtype)[:, None]
     inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
-    centre = xp.where(np.arange(plan.trials)[:, None] > 0, inward[:, None], u[:, None])
-    return (centre + steps).astype(plan.dtype).reshape(plan.lanes, n)
+    return xp.concatenate([u[None], inward + steps, inward - steps]).reshape(plan.lanes, plan.variables)
 
 
 def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
     xp, at, n = namespace(values), state.descent, plan.variables
-    curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
-    values, slopes = values[:, 0], slopes[:, 0]
+    curvatures = xp.moveaxis(slopes[1 : n + 1] - slopes[n + 1 :], 0, -1) / (2.0 * plan.width)
+    values, slopes = values[0], slopes[0]
     here = conditions(values, slopes, curvatures, at.u, at.multipliers)
     left = projected(at.u, inclination(slopes, at.multipliers))
     left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1, initial=0.0))
@@ -559,7 +555,7 @@ def tell(
     # The scan is kept out of the branches, which would copy it.
     rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, values, slopes))
     values, slopes = (
-        x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
+        x.reshape(plan.trials, plan.starts, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
     )
     scaled = None if objective is None else lambda u: objective(u) / state.scale
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
