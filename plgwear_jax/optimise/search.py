@@ -683,12 +683,8 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     if plan.variables == 1:
         rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
         with np.errstate(all="ignore"):
-            scan_found_nothing_better = certified & _nothing_hides(
-                xp.asarray(plan.axis_points()),
-                rows[:, 0],
-                rows[:, 1],
-                *(x[best] for x in (points.u[:, 0], points.values, points.multipliers, slack)),
-            )
+            nothing_hides = _nothing_hides(plan, rows, Point(*(x[best] for x in points)), slack[best])
+        scan_found_nothing_better = certified & nothing_hides
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
     return SearchResult(
@@ -705,23 +701,21 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     )
 
 
-def _nothing_hides(
-    axis: Any, values: Any, slopes: Any, best: Any, best_values: Any, multipliers: Any, slack: Any
-) -> Any:
+def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> Any:
     """Whether no interval of the scan can contain a point that keeps the limits and is lower than the best.
 
     An interval is excluded if a limit is broken everywhere in it, if a lower bound of the objective, or of the
     Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
     bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
 
-    At the points of the scan, (samples,), there are values and slopes of the objective and the limits, (samples,
-    1 + m); at the best point their values, (1 + m,), and the multipliers. A point may be lower by the slack.
+    The scan has values and slopes of the objective and the limits, (samples, 2, 1 + m). A point may be lower by the
+    slack.
     """
-    xp = namespace(values, best)
+    xp, axis = namespace(scanned), plan.axis_points()
     step = axis[1] - axis[0]
+    weights = xp.append(1.0, best.multipliers)
     # the objective, the limits, and last the Lagrangian
-    weights = xp.concatenate([xp.ones_like(best_values[:1]), multipliers])
-    values, slopes = (xp.concatenate([x, (weights * x).sum(1)[:, None]], axis=1) for x in (values, slopes))
+    values, slopes = xp.moveaxis(xp.concatenate([scanned, (weights * scanned).sum(2, keepdims=True)], axis=2), 1, 0)
 
     # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
     # interval and its neighbours, minus the larger difference between the means of neighbours.
@@ -740,14 +734,13 @@ def _nothing_hides(
         return value + xp.where(least > 0.0, rise(lowest), xp.minimum(0.0, rise(step)))
 
     bounds = xp.maximum(bound(values[:-1], slopes[:-1]), bound(values[1:], -slopes[1:]))
-    above = (bounds[:, 0] >= best_values[0] - slack) | (bounds[:, -1] >= best_values[0] - slack)
-    above = above | xp.any(bounds[:, 1:-1] > 0.0, axis=1)
-    home = xp.clip(xp.sum(axis <= best) - 1, 0, axis.size - 2)
+    above = (bounds[:, [0, -1]] >= best.values[0] - slack).any(1) | (bounds[:, 1:-1] > 0.0).any(1)
+    home = xp.clip((axis <= best.u).sum() - 1, 0, plan.samples - 2)
     bent = least[:, -1] < 0.0
     last = xp.cumsum(bent)
     first = last - bent
     convex = xp.maximum(last, last[home]) == xp.minimum(first, first[home])  # in all intervals from there to the best
-    return xp.all(above | convex)
+    return (above | convex).all()
 
 
 # --- a minimum --------------------------------------------------------------------------------------------------------
