@@ -16,9 +16,9 @@ from jax import Array
 
 from plgwear_jax import fretting
 from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import solved_at, without_padding
-from plgwear_jax.optimise.search import namespace
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import each
 from plgwear_jax.wear.closed_ring import run

@@ -31,7 +31,8 @@ from plgwear_jax.optimise.question import (
     with_variables,
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, by_name, found_by, plan_of, values_and_jacobian
+from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
+from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 

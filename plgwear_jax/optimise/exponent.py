@@ -27,7 +27,9 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, namespace, plan_of, values_and_jacobian
+from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, values_and_jacobian
+from plgwear_jax.optimise.search_plan import plan_of
 
 
 @record

@@ -11,8 +11,9 @@ from coated import RIGID as CONTACT
 from optima import optima
 
 from plgwear_jax import optimise
+from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, tell
 from plgwear_jax.optimise.scenarios import padded
-from plgwear_jax.optimise.search import DONE, begin, conclude, plan_of, tell
+from plgwear_jax.optimise.search_plan import plan_of
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
