@@ -106,7 +106,7 @@ def optimal_exponent(
     dtype = real_dtype("optimal_exponent", given)
     check_bounds(bounds, EXPONENT, dtype)
     digits = check_digits(digits, dtype)
-    values = [jnp.asarray(value, dtype) for value in given]
+    values: Any = [jnp.asarray(value, dtype) for value in given]
     if life is not None and nu is not None:
         check("life", life, POSITIVE)
         check("nu", nu, POISSON_RATIO)
