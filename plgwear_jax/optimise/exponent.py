@@ -106,20 +106,20 @@ def optimal_exponent(
     dtype = real_dtype("optimal_exponent", given)
     check_bounds(bounds, EXPONENT, dtype)
     digits = check_digits(digits, dtype)
-    values: Any = [jnp.asarray(value, dtype) for value in given]
+    values = [jnp.asarray(value, dtype) for value in given]
     if life is not None and nu is not None:
         check("life", life, POSITIVE)
         check("nu", nu, POISSON_RATIO)
         return _in_a_life(*values, digits)
     many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    return (_optimal_exponents if many else _few_optimal_exponents)(*values, digits)
+    return _optimal_exponents(*values, digits) if many else _few_optimal_exponents(values, digits)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
 
 
-def _few_optimal_exponents(phi: Any, lower: Any, upper: Any, digits: int | None) -> OptimalExponent:
-    phi, lower, upper = np.broadcast_arrays(*map(np.asarray, (phi, lower, upper)))
+def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalExponent:
+    phi, lower, upper = np.broadcast_arrays(*map(np.asarray, values))
     found = []
     for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
         at = functools.partial(_wear, phi=amplitude, digits=digits)
