@@ -120,12 +120,12 @@ _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a pro
 
 def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalExponent:
     phi, lower, upper = np.broadcast_arrays(*map(np.asarray, values))
-    found = []
+    plan, found = plan_of(1, 0, phi.dtype, noise=_noise(digits)), []
     for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
         at = functools.partial(_wear, phi=amplitude, digits=digits)
-        found.append(found_by(at, {"k": Interval(*between)}, plan_of(1, 0, phi.dtype, noise=_noise(digits))))
-    joined = jax.tree.map(lambda *each: np.array(each).reshape((*phi.shape, *np.shape(each[0]))), *found)
-    return jax.device_put(_exponent_of(joined, np.ones(phi.shape, bool)))  # unlike `jnp.asarray` it compiles nothing
+        found.append(_exponent_of(found_by(at, {"k": Interval(*between)}, plan), np.True_))
+    joined = jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found)
+    return jax.device_put(joined)  # unlike `jnp.asarray` it compiles nothing
 
 
 @functools.partial(jax.jit, static_argnames="digits")
