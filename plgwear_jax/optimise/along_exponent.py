@@ -15,9 +15,9 @@ from jax import Array
 
 from plgwear_jax import fretting
 from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import solved_at, without_padding
-from plgwear_jax.optimise.search import namespace
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import each
 from plgwear_jax.wear.closed_ring import run
@@ -34,7 +34,7 @@ class RunsAlongExponent(NamedTuple):
     ends: Array  # the highest exponent and the lowest one
     log_volume: Array  # log(V), (amplitudes, exponents)
     log_ratio: Array  # log(theta/(1 + k)), (exponents,)
-    shares: Shares  # (amplitudes, exponents, ...)
+    shares: Any  # `Shares`, (amplitudes, exponents, ...)
 
     def log_worn(self, k: Array, log_n: Array) -> Array:
         """log(V s) of exponents after n = theta exp(log_n) reduced cycles, at each amplitude along a last axis.
@@ -81,27 +81,15 @@ def exponents_of_runs(ends: Array, count: int) -> Array:
     return 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, ends.dtype)
 
 
-class _Nodes(NamedTuple):
-    ends: Array
-    k: Array  # (exponents,)
-    phi: Array  # (amplitudes,)
-    log_volume: Array
-    log_ratio: Array
-
-
 @program()
-def _nodes_needed(question: Question) -> _Nodes:
-    """Where runs are needed, and what closed forms tell there."""
+def _without_shares(question: Question) -> tuple[RunsAlongExponent, Array, Array]:
+    """What closed forms tell of the runs, and the exponents and amplitudes, (n,), at which they are needed."""
     assert question.load is not None
-    phi, count = (
-        solved_at(without_padding(question.phi, question.load.weight))[0],
-        NODES if "k" in question.bounds else 1,
-    )
+    phi, _ = solved_at(without_padding(question.phi, question.load.weight))
     ends = jnp.stack([jnp.asarray(end, phi.dtype) for end in ends_of(question)])
-    k = exponents_of_runs(ends, count)
-    ratio = dataclasses.replace(question.contact.material, k=k).tangential_ratio()
-    log_volume = jnp.log(fretting.wear_volume(k, phi[:, None]))
-    return _Nodes(ends, k, phi, log_volume, jnp.log(ratio) - jnp.log1p(k))
+    k = exponents_of_runs(ends, NODES if "k" in question.bounds else 1)
+    log_ratio = jnp.log(dataclasses.replace(question.contact.material, k=k).tangential_ratio()) - jnp.log1p(k)
+    return RunsAlongExponent(ends, jnp.log(fretting.wear_volume(k, phi[:, None])), log_ratio, None), k, phi
 
 
 @program(level=1)
@@ -113,5 +101,5 @@ def _shares_at_nodes(k: Array, phi: Array) -> Shares:
 
 def runs_of(question: Question) -> RunsAlongExponent:
     """The runs that a question needs."""
-    at = _nodes_needed(question)
-    return RunsAlongExponent(at.ends, at.log_volume, at.log_ratio, _shares_at_nodes(at.k, at.phi))
+    found, *nodes = _without_shares(question)
+    return found._replace(shares=_shares_at_nodes(*nodes))

@@ -8,7 +8,7 @@ over its limit.
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -25,12 +25,14 @@ from plgwear_jax.optimise.question import (
     keeps,
     needs_force,
     read_from_runs,
+    solved_in_turn,
     solved_one_by_one,
     variable_of,
     with_variables,
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.search import Interval, Minimum, SearchPlan, found_by, plan_of, values_and_jacobian
+from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
+from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
@@ -120,17 +122,20 @@ class Candidate:
 
     # --- what is minimised, and the limits ----------------------------------------------------------------------------
 
+    def _read(self, name: str, places: Mapping[str, ArrayLike], at_largest: bool) -> Any:
+        """A quantity in SI units, at each amplitude at which it is solved or at the largest, first of an axis."""
+        if self.question.load is None or name == "modulus_at":
+            return read(self.contact, name, None, places)
+        if is_after_cycles(name):
+            return self._by_then(name, places)
+        return read_from(self.largest if at_largest else self.steady, name, places)
+
     def amounts(self) -> Array:
         """What is minimised at each amplitude of the load, in SI units; its mean is not taken."""
-        question = self.question
-        name, places, load = question.objective, question.places, question.load
-        if load is None:
-            return jnp.atleast_1d(read(self.contact, name, None, places))
-        if question.horizon is not None and (name in BY_THEN or is_after_cycles(name)):
-            found = self._by_then(BY_THEN.get(name, name), places)
-        else:
-            found = read_from(self.steady, name, places)
-        if load.amplitudes is None:
+        name, load = self.question.objective, self.question.load
+        name = name if self.question.horizon is None else BY_THEN.get(name, name)
+        found = self._read(name, self.question.places, False)
+        if load is None or load.amplitudes is None:
             return jnp.atleast_1d(found)
         amplitudes, between = self._amplitudes
         found = jnp.broadcast_to(found, jnp.shape(amplitudes))
@@ -138,13 +143,7 @@ class Candidate:
 
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
-        if is_after_cycles(name):
-            return jnp.ravel(self._by_then(name, places))[0]
-        if name == "modulus_at":
-            return self.contact.material.modulus_at(places["z"])
-        if self.question.load is None:
-            return read(self.contact, name, None, places)
-        return jnp.ravel(read_from(self.largest, name, places))[0]
+        return jnp.ravel(self._read(name, places, True))[0]
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""
@@ -203,20 +202,17 @@ def reference_variables(question: Question) -> dict[str, Any]:
 
 def space(question: Question) -> dict[str, Interval]:
     """The box of the variables: what spans a ratio is searched on a logarithmic scale."""
-    scales: dict[bool, Literal["linear", "logarithmic"]] = {True: "linear", False: "logarithmic"}
-    return {name: Interval(*bounds, scales[is_linear(name)]) for name, bounds in question.bounds.items()}
-
-
-@program()
-def _radius_before_wear(contact: Any) -> Array:  # of closed forms
-    return contact.steady(0.0).contact_radius
+    return {
+        name: Interval(*bounds, "linear" if is_linear(name) else "logarithmic")
+        for name, bounds in question.bounds.items()
+    }
 
 
 def _held_radius(question: Question) -> Array | None:
     if not question.hold:
         return None
     if is_closed(question.contact):
-        return _radius_before_wear(question.contact)
+        return question.contact.steady(0.0).contact_radius
     from plgwear_jax.steady.held_radius import contact_radius_of
 
     return contact_radius_of(question.contact)
@@ -270,7 +266,7 @@ def tells_states(question: Question) -> bool:
 
 
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
-    here, held = dict(zip(names, point, strict=True)), {}
+    here, held = by_name(names, point), {}
     outside = question.hold and not is_closed(question.contact)
     if question.hold:
         held = {"E0": Candidate(question, here, shared).contact.material.E0}
@@ -355,7 +351,7 @@ class Evaluator:
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        in_turn = solved_one_by_one(self.question) and shared.runs is None
+        in_turn = solved_in_turn(self.question)
         found = []
         for first in range(0, len(points), self.lanes):
             some = points[first : first + self.lanes]
@@ -367,7 +363,7 @@ class Evaluator:
 
     def told(self, points: np.ndarray) -> Told:
         """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
-        if not solved_one_by_one(self.question) or self.shared.runs is not None:
+        if not solved_in_turn(self.question):
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
@@ -404,12 +400,11 @@ class Evaluator:
 def plan_for(question: Question) -> SearchPlan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(question.limits))
-    if not solved_one_by_one(question) or read_from_runs(question):
+    if not solved_in_turn(question):
         return plan
-    # Each value takes milliseconds, and wear changes smoothly with a gradient.
-    if question.horizon is None:
-        return plan._replace(samples=plan.samples if plan.variables == 1 else 9, starts=3)
-    plan = plan._replace(samples=17 if plan.variables == 1 else 9, starts=3)
+    # Wear changes smoothly with a gradient.
+    along = plan.samples if question.horizon is None else 17
+    plan = plan._replace(samples=along if plan.variables == 1 else 9, starts=3)
     return plan if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
 
 
@@ -440,8 +435,8 @@ def search(
     evaluator = Evaluator(question, known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        values, slopes = evaluator.rows(evaluator.points(variables))
-        return (values, slopes) if changed is None else changed(values.copy(), slopes.copy())
+        rows = evaluator.rows(evaluator.points(variables))
+        return rows if changed is None else changed(*rows)
 
     return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
 
@@ -458,44 +453,35 @@ class Worst(NamedTuple):
     scenario: np.ndarray  # where a limit is broken the most, (points, m)
 
 
-class OfScenarios(NamedTuple):
-    """Values and slopes of all scenarios, sorted."""
+def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of scenarios, sorted: amounts and excess of limits, each a value and its slopes along a last axis.
 
-    amounts: np.ndarray  # (points, scenarios * amplitudes)
-    by: np.ndarray  # their slopes, (points, scenarios * amplitudes, n)
-    excess: np.ndarray  # (points, scenarios, m)
-    inclined: np.ndarray  # (points, scenarios, m, n)
-
-
-def of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> OfScenarios:
-    """The rows of scenarios, sorted."""
+    The shapes are (points, scenarios * amplitudes, 1 + n) and (points, scenarios, m, 1 + n).
+    """
     assert question.scenarios is not None
-    points, n, count = len(values), slopes.shape[-1], np.size(question.scenarios.weight)
-    values, slopes = values.reshape(points, count, -1), slopes.reshape(points, count, -1, n)
-    first = values.shape[2] - len(question.limits)
-    amounts, by = values[:, :, :first].reshape(points, -1), slopes[:, :, :first].reshape(points, -1, n)
-    return OfScenarios(amounts, by, values[:, :, first:], slopes[:, :, first:])
+    points, count, number = len(values), np.size(question.scenarios.weight), 1 + slopes.shape[-1]
+    rows = np.concatenate([values[..., None], slopes], axis=-1).reshape(points, count, -1, number)
+    first = rows.shape[2] - len(question.limits)
+    return rows[:, :, :first].reshape(points, -1, number), rows[:, :, first:]
 
 
-def _log_of_mean(found: OfScenarios, weights: np.ndarray) -> Rows:
+def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Logarithms of means of all amounts, and their slopes; the weights are (points, ..., scenarios * amplitudes)."""
-    total = np.einsum("l...c,lc->l...", weights, found.amounts)
-    total = np.maximum(total, np.finfo(weights.dtype).tiny)  # a depth can be 0
-    return np.log(total), np.einsum("l...c,lcn->l...n", weights, found.by) / total[..., None]
+    mean = np.einsum("l...c,lcn->l...n", weights, amounts)
+    total = np.maximum(mean[..., :1], np.finfo(weights.dtype).tiny)  # a depth can be 0
+    return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
 
 
 def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
     assert question.scenarios is not None
-    found, weight = of_scenarios(question, values, slopes), 1.0 if question.load is None else question.load.weight
-    probable = np.ravel(np.asarray(question.scenarios.weight)[:, None] * weight)
-    weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in found.amounts])
-    goal, along = _log_of_mean(found, weights)
-    at = found.excess.argmax(1)
-    excess = np.take_along_axis(found.excess, at[:, None], 1)[:, 0]
-    steep = np.take_along_axis(found.inclined, at[:, None, :, None], 1)[:, 0]
-    joined = np.concatenate([goal[:, None], excess], axis=1), np.concatenate([along[:, None], steep], axis=1)
-    return Worst(*joined, weights, at)
+    amounts, excess = _of_scenarios(question, values, slopes)
+    probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
+    weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
+    at = excess[..., 0].argmax(1)
+    worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
+    rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
+    return Worst(rows[..., 0], rows[..., 1:], weights, at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:
@@ -539,14 +525,13 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
 
     at, pairs = worst_at(reference_variables(question))
-    choices = [at.weights[0]]
-    best, multipliers, all_known = None, np.zeros(len(question.limits)), False
+    choices, best = [at.weights[0]], None
+    multipliers, all_known = np.zeros(len(question.limits)), False
     for _ in range(_ROUNDS):
         found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
         best = min(found, key=badness)
-        multipliers = np.zeros(len(question.limits), best.multipliers.dtype)
-        for (_, limit), multiplier in zip(pairs, best.multipliers[len(choices) - 1 :], strict=False):
-            multipliers[limit] += multiplier
+        of_pairs = best.multipliers[len(choices) - 1 :][: len(pairs)]
+        multipliers = np.bincount([limit for _, limit in pairs], of_pairs, len(question.limits)) if pairs else of_pairs
         at, broken = worst_at(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
@@ -580,14 +565,12 @@ def _relaxed(
     scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
 
     def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-        each = of_scenarios(question, values, slopes)
-        found = np.full((len(values), 1 + room), FAR_OFF, values.dtype)
-        by = np.zeros((*found.shape, slopes.shape[-1]), values.dtype)
-        means = _log_of_mean(each, np.broadcast_to(choices, (len(values), *np.shape(choices))))
-        for whole, mean, limited in zip((found, by), means, (each.excess, each.inclined), strict=True):
-            goal = mean[:, which, None]
-            above = np.delete(mean, which, axis=1) - goal
-            whole[:, : 1 + count] = np.concatenate([goal, above, limited[:, scenarios, limits]], axis=1)
-        return found, by
+        amounts, excess = _of_scenarios(question, values, slopes)
+        means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
+        goal = means[:, [which]]
+        rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
+        rows = np.pad(rows, ((0, 0), (0, room - count), (0, 0)))
+        rows[:, 1 + count :, 0] = FAR_OFF
+        return rows[..., 0], rows[..., 1:]
 
     return search(question, changed, known, limits=room)

@@ -10,7 +10,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import (
@@ -26,8 +25,11 @@ from plgwear_jax._core.domains import (
     real_dtype,
 )
 from plgwear_jax._core.record import record
+from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, namespace, plan_of
+from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, values_and_jacobian
+from plgwear_jax.optimise.search_plan import plan_of
 
 
 @record
@@ -100,55 +102,66 @@ def optimal_exponent(
     check("phi", phi, AMPLITUDE)
     if (life is None) != (nu is None):
         raise TypeError("life and nu go together: n/theta depends on Poisson's ratio, the steady state does not")
-    dtype = real_dtype("optimal_exponent", (phi, lower, upper, *(() if life is None or nu is None else (life, nu))))
+    given = phi, lower, upper, *(value for value in (life, nu) if value is not None)
+    dtype = real_dtype("optimal_exponent", given)
     check_bounds(bounds, EXPONENT, dtype)
     digits = check_digits(digits, dtype)
+    values = [jnp.asarray(value, dtype) for value in given]
     if life is not None and nu is not None:
         check("life", life, POSITIVE)
         check("nu", nu, POISSON_RATIO)
-        return _in_a_life(*(jnp.asarray(value, dtype) for value in (phi, lower, upper, life, nu)), digits)
-    values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
-    few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    # Within a program everything is traced, even constants.
-    traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
-    return _optimal_exponents(*values, digits) if traced or not few else _few_optimal_exponents(values, digits)
+        return _in_a_life(*values, digits)
+    many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
+    return _optimal_exponents(*values, digits) if many else _few_optimal_exponents(values, digits)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
 
 
-def _few_optimal_exponents(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
-    phi, lower, upper = np.broadcast_arrays(*(np.asarray(value) for value in values))
-    noise = None if digits is None else 10.0**-digits
-    found = []
+def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalExponent:
+    phi, lower, upper = np.broadcast_arrays(*map(np.asarray, values))
+    plan, found = plan_of(1, 0, phi.dtype, noise=_noise(digits)), []
     for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
         at = functools.partial(_wear, phi=amplitude, digits=digits)
-        found.append(found_by(at, {"k": Interval(*between)}, plan_of(1, 0, phi.dtype, noise=noise)))
-    joined = jax.tree.map(lambda *each: np.array(each).reshape((*phi.shape, *np.shape(each[0]))), *found)
-    return jax.device_put(_exponent_of(joined, np.ones(phi.shape, bool)))  # unlike `jnp.asarray` it compiles nothing
+        found.append(_exponent_of(found_by(at, {"k": Interval(*between)}, plan), np.True_))
+    joined = jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found)
+    return jax.device_put(joined)  # unlike `jnp.asarray` it compiles nothing
 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
     """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
-    k = variables["k"]
-    value, slope = jax.jvp(lambda k: fretting.wear_volume(k, phi, digits=digits), (k,), (jnp.ones_like(k),))
-    return value[:, None], slope[:, None, None]
+    volume = functools.partial(fretting.wear_volume, phi=phi, digits=digits)
+    return jax.vmap(values_and_jacobian(volume))(variables["k"][:, None])
+
+
+def _noise(digits: int | None) -> float | None:
+    return None if digits is None else 10.0**-digits
 
 
 @functools.partial(jax.jit, static_argnums=3)
 def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | None) -> OptimalExponent:
     phi, lower, upper = jnp.broadcast_arrays(phi, lower, upper)
-    valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
-    noise = None if digits is None else 10.0**-digits
 
-    def best(phi: Array, lower: Array, upper: Array) -> Minimum:
-        def wear(variables: dict[str, Array]) -> Array:
-            return fretting.wear_volume(variables["k"], phi, digits=digits)
+    def wear(k: Array, lower: Array, upper: Array, phi: Array) -> Array:
+        return fretting.wear_volume(k, phi, digits=digits)
 
-        return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+    return _least(wear, _noise(digits), AMPLITUDE.contains(phi), lower, upper, phi)
 
-    return _exponent_of(in_chunks(best, phi.shape, phi, lower, upper), valid)
+
+def _least(
+    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, more: Array
+) -> OptimalExponent:
+    """The exponents between bounds at which the wear, of k, the bounds and what more it depends on, is least."""
+
+    def best(lower: Array, upper: Array, more: Array) -> Minimum:
+        def objective(variables: dict[str, Array]) -> Array:
+            return wear(variables["k"], lower, upper, more)
+
+        return minimise(objective, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+
+    valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
+    return _exponent_of(in_chunks(best, lower.shape, lower, upper, more), valid)
 
 
 def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
@@ -177,31 +190,19 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     )
     from plgwear_jax.wear.closed_ring import wear_volume
 
+    def wear(k: Array, lower: Array, upper: Array, heights: Array) -> Array:
+        return jnp.exp(shares_of_nodes(jnp.stack(with_room(upper, lower)), k, NODES) @ heights)
+
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
-    phi, lower, upper, life, nu = (
-        x.reshape((1,) * (len(shape) - x.ndim) + x.shape) for x in (phi, lower, upper, life, nu)
-    )
-    valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
-    valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
-    ends = jnp.stack(with_room(upper, lower))
-    k = jnp.moveaxis(exponents_of_runs(ends, NODES), -1, 0)
-    worn = phi > 0.0
-    amplitude = jnp.where(worn, phi, 0.005)
-    volume = wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits)
-    heights = jnp.moveaxis(jnp.log(jnp.broadcast_to(volume, (NODES, *shape))), 0, -1)
-
-    def best(lower: Array, upper: Array, heights: Array) -> Minimum:
-        ends = jnp.stack(with_room(upper, lower))
-
-        def wear(variables: dict[str, Array]) -> Array:
-            return jnp.exp(shares_of_nodes(ends, variables["k"], NODES) @ heights)
-
-        noise = 10.0 ** -(4 if digits is None else digits)
-        return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
-
-    bounds = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _exponent_of(in_chunks(best, shape, *bounds, heights), valid)
-    worn = jnp.broadcast_to(worn, shape)
+    valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
+    worn = jnp.broadcast_to(phi > 0.0, shape)
+    # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
+    k = exponents_of_runs(jnp.stack(jnp.broadcast_arrays(*with_room(upper, lower))), NODES)
+    phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
+    volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
+    heights = jnp.broadcast_to(jnp.log(volume), (*shape, NODES))
+    lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
+    found = _least(wear, _noise(4 if digits is None else digits), valid, lower, upper, heights)
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
     )
@@ -217,19 +218,16 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
     The leading axes of the values have the shape of the batch.
     """
     size = math.prod(shape)
+    chunks = -(-size // most)
     flat = [value.reshape(size, *value.shape[len(shape) :]) for value in values]
-    if size <= most:
-        found = jax.vmap(function, axis_name=BATCH)(*flat)
+    together = jax.vmap(function, axis_name=BATCH)
+    if chunks <= 1:
+        found = together(*flat)
     else:
-        padding = -size % most
-        chunks = [
-            jnp.pad(value, ((0, padding), *((0, 0) for _ in value.shape[1:])), mode="edge").reshape(
-                -1, most, *value.shape[1:]
-            )
-            for value in flat
-        ]
-        found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), chunks)
-        found = jax.tree.map(lambda leaf: leaf.reshape(-(-size // most) * most, *leaf.shape[2:])[:size], found)
+        # The last chunk is filled up with the first elements.
+        filled = [jnp.resize(value, (chunks, most, *value.shape[1:])) for value in flat]
+        found = jax.lax.map(lambda chunk: together(*chunk), filled)
+        found = jax.tree.map(lambda leaf: leaf.reshape(chunks * most, *leaf.shape[2:])[:size], found)
     return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
 
 
@@ -295,8 +293,8 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 
 
-# For any k, dV/dk is positive at the first amplitude of each pair, negative at the second, and phi_1 or phi_2 between.
-_FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
+# For any k, dV/dk is positive at the first amplitudes, negative at the second, and phi_1, phi_1 and phi_2 between.
+_BRACKETS = (0.05, 0.05, 0.998), (0.4, 0.4, 0.97)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
@@ -339,6 +337,3 @@ def _roots(lower: Array, upper: Array) -> Array:
 
     above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
     return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
-
-
-_BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))

@@ -245,15 +245,22 @@ _SAME_RUNS = {"k", "E0", "z0", "radius"}  # with which F_x/(mu F_N) and theta(k)
 
 def read_from_runs(question: Question) -> bool:
     """Whether runs at a few exponents tell the wear of all designs: see `along_exponent`."""
-    contact, names = question.contact, {one.quantity for one in question.limits}
-    if question.horizon is None or not question.smooth or question.scenarios is not None or not is_closed(contact):
-        return False
-    names |= {BY_THEN.get(question.objective, question.objective)}
+    contact, objective = question.contact, question.objective
+    names = {BY_THEN.get(objective, objective), *(one.quantity for one in question.limits)}
     return (
-        isinstance(contact.material, PowerLawGraded)
+        question.horizon is not None
+        and question.smooth
+        and question.scenarios is None
+        and is_closed(contact)
+        and isinstance(contact.material, PowerLawGraded)
         and question.bounds.keys() <= _SAME_RUNS
         and {name for name in names if is_after_cycles(name)} == {BY_THEN["wear_volume"]}
     )
+
+
+def solved_in_turn(question: Question) -> bool:
+    """Each value takes milliseconds, and is not read from the runs of others."""
+    return solved_one_by_one(question) and not read_from_runs(question)
 
 
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------

@@ -1,924 +1,29 @@
-"""The search for the least value over a box. It asks for values at points and is told them; it calls no objective.
+"""Minima of functions of a few variables over a box: inside a JAX program, or of concrete numbers.
 
-A scan of the box finds the valleys, an optax descent goes down each of them, and Newton's method on the conditions of
-Karush, Kuhn and Tucker finishes. Under limits there are valleys among the points that keep them, and where they are
-broken least; the lowest of all points that keep them is the answer if no descent has ended as low. `begin` makes a
-state, `state.points` are the points at which it asks for values, always the same number, and `tell` makes the next
-state from the values and slopes, until `state.phase` is `DONE`:
-
-    state = begin(plan)
-    while state.phase != DONE:
-        state = tell(plan, state, *evaluate(state.points))
-
-It works on NumPy arrays, where only the solver of optax is compiled, and on JAX arrays, where the loop becomes one
-program. Variables are u in [-1, 1]. Values are those of the objective and
-of the limits g <= 0, shape (lanes, 1 + m), slopes those by u, shape (lanes, 1 + m, n).
+The search itself is `ask_and_tell`. Its variables lie in [-1, 1]; here they have names, bounds and scales.
 """
 
 import functools
-import itertools
 from collections.abc import Callable, Iterable, Mapping
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike, DTypeLike
+from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import Program, traced
+from plgwear_jax.optimise.ask_and_tell import DONE, SearchResult, begin, conclude, tell
+from plgwear_jax.optimise.conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
+from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.special.xla import materialised
 
 if TYPE_CHECKING:
     import optax
-
-
-SCAN, DESCENT, POLISH, DONE = range(4)  # the phases
-
-
-class SearchPlan(NamedTuple):
-    """The parameters of a search; they determine its program.
-
-    Attributes:
-        variables: n, how many variables.
-        limits: m, how many limits.
-        samples: Points of the scan along each variable.
-        starts: How many valleys to descend from.
-        max_steps: Evaluations allowed on each descent.
-        noise: Relative error of the objective, below which differences have no meaning.
-        dtype: The dtype of all numbers.
-        solver: An optax transformation; None for L-BFGS with a backtracking line search.
-        axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
-            is no such axis or it is not known.
-    """
-
-    variables: int
-    limits: int
-    samples: int
-    starts: int
-    max_steps: int
-    noise: float
-    dtype: DTypeLike
-    solver: "optax.GradientTransformation | None" = None
-    axis: str | None = None
-
-    @property
-    def trials(self) -> int:
-        """Points for each start: steps of several lengths in a descent, a stencil in Newton's method."""
-        return 2 * self.variables + 1
-
-    @property
-    def lanes(self) -> int:
-        """The number of points in each evaluation."""
-        return self.starts * self.trials
-
-    @property
-    def passes(self) -> int:
-        """The number of evaluations of the scan; the last one is padded."""
-        return -(-(self.samples**self.variables) // self.lanes)
-
-    @property
-    def eps(self) -> float:
-        """Relative rounding error."""
-        return float(jnp.finfo(self.dtype).eps)
-
-    @property
-    def width(self) -> float:
-        """The width of the stencil, whose differences of slopes stand for second derivatives."""
-        return self.eps ** (1.0 / 3.0)
-
-    def axis_points(self) -> np.ndarray:
-        """Points of the scan along a variable."""
-        return np.linspace(-1.0, 1.0, self.samples).astype(self.dtype)
-
-    def mesh(self) -> np.ndarray:
-        """Points of the scan, (passes, lanes, n)."""
-        axes = np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij")
-        points = np.stack([axis.ravel() for axis in axes], axis=-1)
-        filled = np.pad(points, ((0, self.passes * self.lanes - len(points)), (0, 0)), mode="edge")
-        return filled.reshape(self.passes, self.lanes, self.variables)
-
-
-class Descent(NamedTuple):
-    """The state of each descent: the point, its values, the next trial steps, multipliers and penalty of the limits."""
-
-    u: Any  # (starts, n)
-    values: Any  # (starts, 1 + m)
-    slopes: Any  # (starts, 1 + m, n)
-    free: Any  # (starts, n), variables that are not on a bound
-    direction: Any  # (starts, n)
-    length: Any  # (starts,), of the longest of the next trial steps
-    memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
-    fresh: Any  # (starts,), the memory has to be reset
-    multipliers: Any  # (starts, m)
-    penalty: Any  # (starts,)
-    violation: Any  # (starts,)
-    steps: Any  # (starts,)
-    done: Any  # (starts,)
-
-
-class Point(NamedTuple):
-    """Stationary points and their values, one for each start."""
-
-    u: Any
-    multipliers: Any
-    side: Any
-    values: Any
-    slopes: Any
-    residual: Any
-
-
-class Polish(NamedTuple):
-    """The state of Newton's method, and the points with the least residual of the conditions."""
-
-    u: Any
-    multipliers: Any
-    best: Point
-    count: Any  # (starts,), steps
-
-
-class Kept(NamedTuple):
-    """The lowest point that keeps the limits among all at which there are values; infinite if none does."""
-
-    u: Any  # (n,)
-    values: Any  # (1 + m,)
-    slopes: Any  # (1 + m, n)
-
-
-class SearchState(NamedTuple):
-    """A search under way."""
-
-    phase: Any
-    passes: Any  # evaluations so far
-    points: Any  # whose values the search needs next, (lanes, n)
-    scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
-    kept: Kept | None  # None without limits
-    scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
-    valleys: Any  # the number of valleys that the scan found
-    descent: Descent
-    polish: Polish
-
-
-class SearchResult(NamedTuple):
-    """The best minimum and its rival, and how the search ended."""
-
-    u: Any  # (2, n), the same point twice if there is no rival
-    multipliers: Any  # (2, m), of the functions over their scales
-    values: Any  # (2, 1 + m)
-    slopes: Any  # (2, 1 + m, n)
-    side: Any  # of the best
-    scale: Any  # of the objective and of the limits, (1 + m,)
-    residual: Any
-    converged: Any
-    certified: Any
-    scan_found_nothing_better: Any
-    has_rival: Any
-    steps: Any
-
-
-def tolerance(dtype: DTypeLike) -> float:
-    """The relative slope at which a search has converged: well above rounding errors, well below what users need."""
-    return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
-
-
-def with_row(scanned: Any, row: Any, scanning: Any, new: Any) -> Any:
-    """The scan with one more row, while it goes on."""
-    if isinstance(new, np.ndarray):
-        return np.where((scanning & (np.arange(len(scanned)) == row))[:, None, None], new, scanned)
-    old = jax.lax.dynamic_index_in_dim(scanned, row, keepdims=False)
-    return jax.lax.dynamic_update_index_in_dim(scanned, jnp.where(scanning, new, old), row, 0)
-
-
-def all_done(plan: SearchPlan, done: Any) -> Any:
-    """Whether all starts are done, in all problems of the batch."""
-    everybody = done.all()
-    return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
-
-
-def in_lanes(points: Any) -> Any:
-    """Trials of all starts, (starts, trials, n), as points of one evaluation."""
-    return points.reshape(-1, points.shape[-1])
-
-
-def of_starts(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> tuple[Any, Any]:
-    """The values and slopes for each start and its trials, divided by the scale of each function."""
-    values, slopes = values / state.scale, slopes / state.scale[:, None]
-    return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
-
-
-# --- NumPy or JAX -----------------------------------------------------------------------------------------------------
-
-
-def namespace(*arrays: Any) -> ModuleType:
-    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
-    return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
-
-
-def select(condition: Any, these: Any, those: Any) -> Any:
-    """Leaf by leaf, these where the condition holds, along the first axes of each leaf, and those elsewhere."""
-    xp = namespace(condition)
-
-    def chosen(this: Any, that: Any) -> Any:
-        return xp.where(xp.reshape(condition, condition.shape + (1,) * (this.ndim - condition.ndim)), this, that)
-
-    return jax.tree.map(chosen, these, those)
-
-
-# --- the conditions of a minimum --------------------------------------------------------------------------------------
-# The conditions of Karush, Kuhn and Tucker for a minimum under limits, and derivatives of minima by them.
-#
-# Arrays of the conditions may have further leading axes, and may be of NumPy or of JAX.
-
-
-class Conditions(NamedTuple):
-    """The conditions at a point: what is active, their residual, their Jacobian."""
-
-    side: Any  # bounds that hold a variable: -1, 0, +1
-    active: Any  # limits that count: 0 or 1
-    residual: Any
-    matrix: Any
-
-
-def inclination(slopes: Any, multipliers: Any) -> Any:
-    """Slopes of the Lagrangian, objective plus multipliers times limits, (n,); slopes (1 + m, n), multipliers (m,)."""
-    return slopes[..., 0, :] + (multipliers[..., None] * slopes[..., 1:, :]).sum(-2)
-
-
-def projected(u: Any, gradient: Any) -> Any:
-    """Largest component of the step u -> u - gradient, cut off at the bounds -1 and 1."""
-    xp = namespace(u, gradient)
-    return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
-
-
-def _residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
-    """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
-    xp = namespace(values, u)
-    of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
-    return xp.concatenate([of_variables, xp.where(active > 0.0, values[..., 1:], multipliers)], axis=-1)
-
-
-def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
-    """The conditions at a point u in [-1, 1], (n,), with the multipliers of the limits there, (m,).
-
-    The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
-    """
-    xp = namespace(values, u)
-    downhill = u - inclination(slopes, multipliers)
-    side = xp.where(downhill >= 1.0, 1.0, xp.where(downhill <= -1.0, -1.0, 0.0)).astype(u.dtype)
-    active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
-    free = (side == 0.0).astype(u.dtype)
-    hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    matrix = by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
-    m = multipliers.shape[-1]
-    if m:
-        # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
-        corner = (1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active)[..., None] * np.eye(m, dtype=u.dtype)
-        by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
-        above = xp.concatenate([by_u, by_multipliers], axis=-1)
-        below = xp.concatenate([active[..., None] * slopes[..., 1:, :], corner], axis=-1)
-        matrix = xp.concatenate([above, below], axis=-2)
-    return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
-
-
-def solved_by_elimination(matrix: Any, right: Any) -> Any:
-    """The solution of a small linear system; not finite where it is singular."""
-    xp = namespace(matrix, right)
-    if right.shape[-1] == 1:
-        return right / matrix[..., 0]
-    if right.shape[-1] == 2:  # Cramer's rule, for which XLA needs no library
-        a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
-        x, y = right[..., 0], right[..., 1]
-        return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
-    # Gauss and Jordan's elimination with the largest pivot of each column, linear in the right side. LAPACK would get a
-    # batch of matrices here, with which a program that runs in several threads can deadlock.
-    row, right = np.arange(right.shape[-1]), right[..., None]
-    with np.errstate(all="ignore"):
-        for i in row:
-            largest = xp.argmax(xp.where(row >= i, xp.abs(matrix[..., i]), -1.0), axis=-1)[..., None]
-            order = xp.where(row == i, largest, xp.where(row == largest, i, row))[..., None]
-            matrix, right = (xp.take_along_axis(x, order, axis=-2) for x in (matrix, right))
-            pivot, factors = matrix[..., i, i, None, None], matrix[..., :, i, None]
-            tops = [x[..., i, None, :] / pivot for x in (matrix, right)]
-            pairs = zip((matrix, right), tops, strict=True)
-            matrix, right = (xp.where(row[:, None] == i, top, x - factors * top) for x, top in pairs)
-    return right[..., 0]
-
-
-# --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
-
-
-def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
-    """Values and Jacobian, and what the function tells besides its values if it does."""
-
-    def first(u: Array) -> Any:
-        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
-
-        def twice(u: Array) -> Any:
-            found = function(u)
-            return (found[0], found) if has_more else (found, (found,))
-
-        slopes, (values, *more) = jacobian(twice, has_aux=True)(u)
-        return materialised(values, u[0]), materialised(slopes, u[0]), *more
-
-    return first
-
-
-def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
-    """Values and Jacobians at the best minimum and at its rival."""
-    return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
-    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
-    del function, scale, params
-    return found
-
-
-@tied.defjvp
-def _tied_jvp(function, primals, tangents):
-    scale, _, params = primals
-    dparams = tangents[2]
-    minima = tied(function, *primals)
-
-    def scaled(u: Array, params: Any) -> Array:
-        return function(u, params) / scale
-
-    def known(u: Array, params: Any) -> tuple[Array, Array]:
-        return values_and_jacobian(lambda u: scaled(u, params))(u)
-
-    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
-        slopes, curvatures, values = values_and_jacobian(lambda u: known(u, params)[::-1], True)(u)
-        state = conditions(values, slopes, curvatures, u, multipliers)
-
-        def left(params: Any) -> Array:
-            return _residual(*known(u, params), u, multipliers, state.side, state.active)
-
-        _, by_params = jax.jvp(left, (params,), (dparams,))
-        step = -solved_by_elimination(state.matrix, by_params)
-        return step[: u.size], step[u.size :]
-
-    du, dmultipliers = jax.vmap(change)(*minima[:2])
-    _, along = jax.jvp(functools.partial(slopes_at, function), (minima[0], params), (du, dparams))
-    return minima, (du, dmultipliers, *along)
-
-
-# --- descents and their ends ------------------------------------------------------------------------------------------
-# The descents of a search, which optax drives, and their ends, which Newton's method finds.
-
-
-# The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
-# evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
-
-
-_HEAVIEST = 1e8  # penalty
-_STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
-
-
-def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
-    import optax  # a tenth of a second, which a process that loads its programs does without
-
-    memory = min(10, 2 * plan.variables - 1)
-    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
-    return optax.with_extra_args_support(plan.solver or default)
-
-
-def _empty(plan: SearchPlan) -> tuple[Any, ...]:
-    """The memory of the solver without its structure, which is made of classes of optax."""
-    start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
-    shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
-    return tuple(jnp.zeros(leaf.shape, leaf.dtype) for leaf in jax.tree.leaves(shapes))
-
-
-_kept_empty = Program(_empty, static=1)
-
-
-@functools.lru_cache(maxsize=32)
-def _memory(plan: SearchPlan) -> tuple[np.ndarray, ...]:
-    """The memory of the solver, in the right shape, before its first step."""
-    leaves = jax.eval_shape(lambda: _empty(plan)) if traced(()) else _kept_empty(plan)
-    return tuple(np.zeros(leaf.shape, leaf.dtype) for leaf in leaves)
-
-
-def at_start(plan: SearchPlan, start: Any, unused: Any) -> Descent:
-    """Descents at their starting points; those that are unused are done."""
-    xp, m = namespace(start, unused), plan.limits
-    one = np.ones(plan.starts, plan.dtype)
-    # The first pass evaluates the starting points, which are accepted.
-    values = np.zeros((plan.starts, 1 + m), plan.dtype)
-    values[:, 0] = np.inf
-    descent = Descent(
-        u=start,
-        values=values,
-        slopes=np.zeros((plan.starts, 1 + m, plan.variables), plan.dtype),
-        free=np.ones((plan.starts, plan.variables), bool),
-        direction=np.zeros((plan.starts, plan.variables), plan.dtype),
-        length=one,
-        memory=_memory(plan),
-        fresh=one > 0.0,
-        multipliers=np.zeros((plan.starts, m), plan.dtype),
-        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
-        violation=np.inf * one,
-        steps=np.zeros(plan.starts, np.int32),
-        done=unused,
-    )
-    return jax.tree.map(xp.asarray, descent)
-
-
-def _lengths(plan: SearchPlan) -> np.ndarray:
-    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
-    return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
-
-
-def trial_points(plan: SearchPlan, at: Descent) -> Any:
-    """The points of steps of several lengths."""
-    steps = (at.length[:, None] * _lengths(plan))[..., None] * at.direction[:, None]
-    return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0)
-
-
-def _merit(values: Any, multipliers: Any, penalty: Any) -> Any:
-    pushed = _pushed(values, multipliers, penalty)
-    return values[..., 0] + (pushed**2 - multipliers**2).sum(-1) / (2.0 * penalty)
-
-
-def _pushed(values: Any, multipliers: Any, penalty: Any) -> Any:
-    """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
-    return namespace(values).maximum(multipliers + penalty[..., None] * values[..., 1:], 0.0)
-
-
-def _merit_slope(at: Descent) -> Any:
-    return inclination(at.slopes, _pushed(at.values, at.multipliers, at.penalty))
-
-
-def descended(
-    plan: SearchPlan, state: SearchState, values: Any, slopes: Any, objective: Callable[[Array], Array] | None
-) -> SearchState:
-    """All descents a step further; when the last one is done, their ends are polished."""
-    xp, at = namespace(values), state.descent
-    trials = state.points.reshape(plan.starts, plan.trials, -1)
-    values, slopes = of_starts(plan, state, values, slopes)
-    enough = plan.eps**0.375  # from here on Newton's method is used
-
-    before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
-    after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
-    wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
-    falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
-    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
-    taken = falls.any(1)
-    first = falls & (xp.cumsum(falls, axis=1) == 1)
-    u, found, inclined = (
-        _picked(first, taken, new, old)
-        for new, old in zip((trials, values, slopes), (at.u, at.values, at.slopes), strict=True)
-    )
-    shortest = _lengths(plan)[-1] * at.length
-    stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
-    at = at._replace(
-        u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + (~at.done).astype(np.int32)
-    )
-    settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
-    done = settled
-    if plan.limits > 0:
-        violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1)
-        penalty, before_violation = at.penalty, at.violation
-        heavier = xp.where(violation > 0.25 * at.violation, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
-        at = at._replace(
-            multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
-            penalty=xp.where(settled, heavier, at.penalty),
-            violation=xp.where(settled, violation, at.violation),
-            fresh=at.fresh | settled,
-        )
-        # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
-        broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
-        stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
-        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
-        done = settled & ((violation < enough) | lost)
-
-    def merit(u: Array, multipliers: Array, penalty: Array) -> Array:
-        assert objective is not None
-        return _merit(objective(u) / state.scale, multipliers, penalty)
-
-    at = _turned(plan, at, taken | settled, merit)
-    at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
-
-    finished, polish = all_done(plan, at.done), at_end(at)
-    return state._replace(
-        phase=xp.where(finished, POLISH, DESCENT).astype(np.int32),
-        points=in_lanes(xp.where(finished, _stencil(plan, at.u), trial_points(plan, at))),
-        descent=at,
-        polish=polish,
-    )
-
-
-def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
-    """For each start the trial that was taken, or the old value if none was."""
-    xp = namespace(first)
-    shape = first.shape + (1,) * (these.ndim - 2)
-    picked = xp.where(first.reshape(shape), these, 0.0).sum(1)
-    return select(taken, picked, those)
-
-
-def _turned(plan: SearchPlan, at: Descent, turns: Any, merit: Callable[..., Array]) -> Descent:
-    """The next direction, along the bounds where they are met."""
-    xp, gradient = namespace(at.u), _merit_slope(at)
-    free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
-    # The memory is reset when other variables are on their bounds.
-    fresh = at.fresh | (free != at.free).any(1)
-    gradient = xp.where(free, gradient, 0.0)
-    if plan.solver is None:
-        direction, memory = solver_step(plan, at.u, gradient, at.memory, fresh)
-        if xp is np:
-            direction, memory = jax.device_get((direction, memory))
-        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
-        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
-        direction = direction * xp.minimum(1.0, 0.4 / longest)
-    else:
-        known = at.values, at.multipliers, at.penalty
-        direction, memory = _next_directions(plan, at.u, gradient, at.memory, fresh, merit, known)
-    return at._replace(
-        free=select(turns, free, at.free),
-        direction=select(turns, xp.where(free, direction, 0.0), at.direction),
-        length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
-        memory=select(turns, memory, at.memory),
-        fresh=at.fresh & ~turns,
-    )
-
-
-def _next_directions(
-    plan: SearchPlan,
-    u: Any,
-    gradient: Any,
-    memory: Any,
-    fresh: Any,
-    merit: Callable[..., Array] | None = None,
-    known: tuple[Any, ...] = (),
-) -> tuple[Any, Any]:
-    """The directions and the memory that the solver of optax gives; merits are for its line search, if it has one."""
-    solver = _solver(plan)
-
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array, *known: Array) -> tuple[Array, Any]:
-        at_first, tree = jax.tree.flatten(solver.init(u))
-        memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        more: dict[str, Any] = {}
-
-        def merit_at(u: Array) -> Array:
-            assert merit is not None
-            return merit(u, *known[1:])
-
-        if merit is not None:
-            more = {"value": _merit(*known), "grad": gradient, "value_fn": merit_at}
-        direction, memory = solver.update(gradient, memory, u, **more)
-        return direction, tuple(jax.tree.leaves(memory))
-
-    return jax.vmap(one)(u, gradient, memory, fresh, *known)
-
-
-solver_step = Program(_next_directions, static=1)
-
-
-# --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
-
-
-_ROUNDS, _MORE = 6, 6  # of Newton's method, and those added where it still converges
-_NEAR = 1e-2  # residual below which it does
-
-
-def at_end(at: Descent) -> Polish:
-    """Newton's method at the ends of the descents."""
-    xp = namespace(at.u)
-    infinite = xp.full_like(at.length, np.inf)
-    unknown = Point(at.u, at.multipliers, at.u, xp.zeros_like(at.values), xp.zeros_like(at.slopes), infinite)
-    return Polish(at.u, at.multipliers, unknown, xp.zeros_like(at.steps))
-
-
-def _stencil(plan: SearchPlan, u: Any) -> Any:
-    """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
-    xp, n = namespace(u), plan.variables
-    steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
-    inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
-    centre = xp.where(np.arange(plan.trials)[:, None] > 0, inward[:, None], u[:, None])
-    return (centre + steps).astype(plan.dtype)
-
-
-def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
-    """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
-    xp, at, n = namespace(values), state.polish, plan.variables
-    values, slopes = of_starts(plan, state, values, slopes)
-    curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
-    values, slopes = values[:, 0], slopes[:, 0]
-    here = conditions(values, slopes, curvatures, at.u, at.multipliers)
-    left = projected(at.u, inclination(slopes, at.multipliers))
-    if plan.limits > 0:
-        left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1))
-    side = xp.where(xp.abs(at.u) == 1.0, here.side, 0.0)
-    point = Point(at.u, at.multipliers, side, values, slopes, left)
-    change = -solved_by_elimination(here.matrix, here.residual)
-    usable = xp.isfinite(change).all(1)
-    moved = xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0)
-    raised = xp.maximum(at.multipliers + change[:, n:], 0.0)
-    done = _finished(plan, at)
-    at = Polish(
-        u=select(usable & ~done, moved, at.u),
-        multipliers=select(usable & ~done, raised, at.multipliers),
-        best=select((left < at.best.residual) & ~done, point, at.best),
-        count=at.count + (~done).astype(np.int32),
-    )
-    done = all_done(plan, _finished(plan, at) | (np.arange(plan.starts) >= state.valleys))
-    return state._replace(
-        phase=xp.where(done, DONE, POLISH).astype(np.int32), points=in_lanes(_stencil(plan, at.u)), polish=at
-    )
-
-
-def _finished(plan: SearchPlan, at: Polish) -> Any:
-    left = at.best.residual
-    converging = (left < _NEAR) & (left >= tolerance(plan.dtype))
-    return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
-
-
-# --- from the scan to the answer --------------------------------------------------------------------------------------
-
-
-def begin(plan: SearchPlan) -> SearchState:
-    """The first state of a search, which asks for the first points of its scan."""
-    n, m, mesh = plan.variables, plan.limits, plan.mesh()
-    scanned = np.zeros((plan.passes, plan.lanes, (1 + m) * (2 if n == 1 else 1)), plan.dtype)
-    functions, count = np.ones(1 + m, plan.dtype), np.zeros((), np.int32)
-    kept = Kept(np.zeros(n, plan.dtype), np.inf * functions, np.zeros((1 + m, n), plan.dtype)) if m else None
-    descent = at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
-    return SearchState(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
-
-
-def tell(
-    plan: SearchPlan,
-    state: SearchState,
-    values: Any,
-    slopes: Any,
-    objective: Callable[[Array], Array] | None = None,
-) -> SearchState:
-    """The state after the values and slopes at `state.points` are known.
-
-    Args:
-        plan: How the search is done.
-        state: Where it stands.
-        values: At the points, (lanes, 1 + m).
-        slopes: By u, (lanes, 1 + m, n).
-        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
-    """
-    xp = namespace(values)
-    scanning = state.phase == SCAN
-    new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
-    scanned = with_row(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, new)
-    # The scan is kept out of the branches, which would copy it.
-    state = state._replace(passes=state.passes + np.int32(1), scanned=scanned, kept=_kept(state, values, slopes))
-    rest = state._replace(scanned=None)
-    steps: tuple[Callable[[SearchState], SearchState], ...] = (
-        lambda rest: _scan_on(plan, rest),
-        lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes, objective),
-        lambda rest: polished(plan, rest, values, slopes),
-        lambda rest: rest,
-    )
-    which = xp.where(scanning, (state.passes >= plan.passes).astype(np.int32), state.phase + np.int32(1))
-    with np.errstate(all="ignore"):  # values that are not finite are handled below
-        rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
-    return rest._replace(scanned=scanned)
-
-
-def _kept(state: SearchState, values: Any, slopes: Any) -> Kept | None:
-    """The lowest point that keeps the limits, with those at which the search has asked last."""
-    if state.kept is None:
-        return None
-    xp, old = namespace(values), state.kept
-    keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
-    lowest = xp.where(keeps, values[:, 0], np.inf).argmin()
-    better = keeps[lowest] & (values[lowest, 0] < old.values[0])
-    new = Kept(state.points[lowest], values[lowest], slopes[lowest])
-    return Kept(*(xp.where(better, this, that) for this, that in zip(new, old, strict=True)))
-
-
-# --- the scan: the valleys from which the search descends -------------------------------------------------------------
-
-
-def _scan_on(plan: SearchPlan, state: SearchState) -> SearchState:
-    """The search, asking for the next points of its scan."""
-    xp = namespace(state.points)
-    return state._replace(points=xp.asarray(plan.mesh())[xp.minimum(state.passes, plan.passes - 1)])
-
-
-class _Scan(NamedTuple):
-    """The scan as a whole: the first three arrays have an entry for each point."""
-
-    values: Any  # of the objective
-    excess: Any  # sum of the limits that are broken, each over its scale
-    worst: Any  # the limit that is broken most, or kept least, over its scale
-    known: Any
-    lowest: Any
-    scale: Any  # of the objective and of the limits, (1 + m,)
-
-
-def _overview(plan: SearchPlan, scanned: Any) -> _Scan:
-    """The scan as a whole."""
-    xp, points = namespace(scanned), plan.samples**plan.variables
-    values = scanned.reshape(-1, scanned.shape[-1])[:points, : 1 + plan.limits]
-    known = xp.isfinite(values).all(1)
-    lowest, highest = (
-        end(xp.where(known[:, None], values, far), axis=0) for end, far in ((xp.min, np.inf), (xp.max, -np.inf))
-    )
-    # A limit that changes little over the box decides as much as one that changes by orders of magnitude.
-    change = xp.where(
-        np.arange(1 + plan.limits) == 0,
-        xp.maximum(highest - lowest, 0.01 * xp.abs(lowest)),
-        xp.minimum(highest - lowest, 1.0),
-    )
-    least = np.where(np.arange(1 + plan.limits) == 0, 0.0, plan.eps**0.375)
-    scale = xp.where(xp.isfinite(change) & (change > least), change, 1.0).astype(plan.dtype)
-    excess = xp.maximum(values[:, 1:] / scale[1:], 0.0).sum(1)
-    worst = (values[:, 1:] / scale[1:]).max(1, initial=-np.inf)
-    return _Scan(values[:, 0], excess, worst, known, lowest[0].astype(plan.dtype), scale)
-
-
-def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
-    """The search with its descents begun in the deepest valleys of the scan."""
-    xp, seen = namespace(scanned), _overview(plan, scanned)
-    grid = plan.variables * (plan.samples,)
-    height = (seen.values - seen.lowest) / seen.scale[0]
-    merit = xp.where(seen.known, height + 10.0 * seen.excess, np.inf)
-    keeps, valley = seen.known & (seen.excess <= 0.0), _valleys(merit.reshape(grid))
-    if plan.limits:
-        # First the valleys among points that keep the limits, then those where they are broken least.
-        valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
-        valley = valley | _valleys(xp.where(seen.known, seen.excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
-        merit = xp.where(keeps, height, 2.0 + merit)
-    valleys, count = _lowest_of(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
-    axis = xp.asarray(plan.axis_points())
-    start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
-    if plan.limits and plan.variables == 1:
-        start = _on_limit(seen, axis, valleys, keeps)[:, None]
-    descent = at_start(plan, start, np.arange(plan.starts) >= count)
-    return state._replace(
-        phase=xp.full_like(state.phase, DESCENT),
-        points=in_lanes(trial_points(plan, descent)),
-        scale=seen.scale,
-        valleys=count.astype(state.valleys.dtype),
-        descent=descent,
-    )
-
-
-def _on_limit(seen: _Scan, axis: Any, valleys: Any, keeps: Any) -> Any:
-    """Where descents along one variable begin: in valleys, or where a limit is reached towards a lower neighbour.
-
-    From a valley that keeps the limits a step would go over a hill that is narrower than the scan.
-    """
-    xp = namespace(axis)
-    start = axis[valleys]
-    for step in (-1, 1):
-        other = xp.clip(valleys + step, 0, axis.size - 1)
-        lower = keeps[valleys] & ~keeps[other] & seen.known[other] & (seen.values[other] < seen.values[valleys])
-        slack = xp.where(lower, seen.worst[other] - seen.worst[valleys], 1.0)
-        share = xp.where(lower, -seen.worst[valleys] / slack, 0.0)  # where a straight line reaches the limit
-        start = start + share * (axis[other] - axis[valleys])
-    return start
-
-
-def _valleys(scanned: Any) -> Any:
-    """Whether a point of the scan is finite and undercut by no neighbour."""
-    xp = namespace(scanned)
-    valley = xp.isfinite(scanned)
-    padded = xp.pad(scanned, 1, constant_values=np.inf)
-    for offset in itertools.product((0, 1, 2), repeat=scanned.ndim):
-        if offset == scanned.ndim * (1,):
-            continue
-        neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, scanned.shape, strict=True))]
-        # Of equal neighbours the first one is the valley.
-        valley = valley & (scanned < neighbour if offset < scanned.ndim * (1,) else scanned <= neighbour)
-    return valley
-
-
-def _lowest_of(depths: Any, count: int) -> Any:
-    """The indices of the lowest numbers."""
-    if namespace(depths) is np:
-        return np.argsort(depths, kind="stable")[:count]
-
-    def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
-        deepest = jnp.argmin(depths)
-        return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
-
-    # Finding the minimum a few times is much faster than sorting by XLA.
-    return jax.lax.scan(next_deepest, depths, length=count)[1]
-
-
-# --- what was found -------------------------------------------------------------------------------------------------
-
-
-def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
-    """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, seen, points, scale = namespace(state.scale), _overview(plan, state.scanned), state.polish.best, state.scale
-    used = np.arange(plan.starts) < state.valleys
-    slack = 16.0 * plan.noise * (1.0 + xp.abs(seen.lowest) / scale[0])
-    least = xp.where(seen.known & (seen.excess <= 0.0), seen.values, np.inf).min() / scale[0]
-    if state.kept is not None:
-        # A point that keeps the limits is a design, also where no descent has ended in one as low.
-        kept = _as_point(plan, state.kept, scale)
-        points = Point(*(xp.concatenate([ends, one[None]]) for ends, one in zip(points, kept, strict=True)))
-        least, used = kept.values[0], xp.append(used, xp.isfinite(kept.values[0]))
-    good = used & (points.residual < tolerance(plan.dtype))
-    # An end may be higher by what the rounding of the objective and of its limits is worth.
-    value = points.values[:, 0] - xp.where(good, slack + tolerance(plan.dtype) * points.multipliers.sum(1), 0.0)
-    # The best keeps the limits; if none does, the one that breaks them least.
-    broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
-    broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) >= plan.starts)), 0.0, 1.0 + broken)
-    broken = xp.where(used & xp.isfinite(value), broken, np.inf)
-    best = xp.where(broken == broken.min(), value, np.inf).argmin()
-    distinct = xp.abs(points.u - points.u[best]).max(1) > 1e-3
-    others = xp.where(good & distinct, value, np.inf)
-    rival = others.argmin()
-    has_rival = xp.isfinite(others[rival])
-
-    converged = good[best]
-    certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
-    scan_found_nothing_better = xp.zeros((), bool)
-    if plan.variables == 1:
-        rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
-        u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
-        with np.errstate(all="ignore"):
-            scan_found_nothing_better = certified & _nothing_hides(
-                xp.asarray(plan.axis_points()), rows[:, 0], rows[:, 1], u, values, multipliers, slack
-            )
-    # Without a rival the best is used twice, since NaN would spoil all derivatives.
-    pair = xp.stack([best, xp.where(has_rival, rival, best)])
-    return SearchResult(
-        u=points.u[pair],
-        multipliers=points.multipliers[pair],
-        values=points.values[pair] * scale,
-        slopes=points.slopes[pair] * scale[:, None],
-        side=points.side[best],
-        scale=state.scale,
-        residual=points.residual[best],
-        converged=converged,
-        certified=certified,
-        scan_found_nothing_better=scan_found_nothing_better,
-        has_rival=has_rival,
-        steps=state.descent.steps.max(),
-    )
-
-
-def _as_point(plan: SearchPlan, kept: Kept, scale: Any) -> Point:
-    """The lowest point that keeps the limits, in the form of the end of a descent."""
-    xp, slopes = namespace(scale), kept.slopes / scale[:, None]
-    side = xp.where(xp.abs(kept.u) == 1.0, kept.u, 0.0)
-    none = xp.zeros(plan.limits, plan.dtype)
-    return Point(kept.u, none, side, kept.values / scale, slopes, projected(kept.u, slopes[0]))
-
-
-def _nothing_hides(
-    axis: Any, values: Any, slopes: Any, best: Any, best_values: Any, multipliers: Any, slack: Any
-) -> Any:
-    """Whether no interval of the scan can contain a point that keeps the limits and is lower than the best.
-
-    An interval is excluded if a limit is broken everywhere in it, if a lower bound of the objective, or of the
-    Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
-    bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
-
-    At the points of the scan, (samples,), there are values and slopes of the objective and the limits, (samples,
-    1 + m); at the best point their values, (1 + m,), and the multipliers. A point may be lower by the slack.
-    """
-    xp = namespace(values, best)
-    step = axis[1] - axis[0]
-    # the objective, the limits, and last the Lagrangian
-    weights = xp.concatenate([xp.ones_like(best_values[:1]), multipliers])
-    values, slopes = (xp.concatenate([x, (weights * x).sum(1)[:, None]], axis=1) for x in (values, slopes))
-
-    # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
-    # interval and its neighbours, minus the larger difference between the means of neighbours.
-    mean = (slopes[1:] - slopes[:-1]) / step
-    neighbours = xp.concatenate([mean[:1], mean, mean[-1:]])
-    change = xp.abs(mean[1:] - mean[:-1])
-    change = xp.concatenate([change[:1], change, change[-1:]])
-    lowest = xp.minimum(mean, xp.minimum(neighbours[:-2], neighbours[2:]))
-    least = lowest - xp.maximum(change[:-1], change[1:])
-
-    def bound(value: Any, inward: Any) -> Any:
-        """The least value in each interval, from one of its ends."""
-        lowest_at = xp.clip(-inward / xp.where(least > 0.0, least, 1.0), 0.0, step)
-        ends = xp.minimum(0.0, step * (inward + 0.5 * least * step))
-        return value + xp.where(least > 0.0, lowest_at * (inward + 0.5 * least * lowest_at), ends)
-
-    bounds = xp.maximum(bound(values[:-1], slopes[:-1]), bound(values[1:], -slopes[1:]))
-    above = (bounds[:, 0] >= best_values[0] - slack) | (bounds[:, -1] >= best_values[0] - slack)
-    above = above | xp.any(bounds[:, 1:-1] > 0.0, axis=1)
-    intervals = xp.arange(axis.size - 1)
-    home = xp.clip(xp.sum(axis <= best) - 1, 0, axis.size - 2)
-    bent = least[:, -1] < 0.0
-    before = xp.max(xp.where(bent & (intervals <= home), intervals, -1))
-    behind = xp.min(xp.where(bent & (intervals >= home), intervals, axis.size))
-    return xp.all(above | ((intervals > before) & (intervals < behind)))
-
-
-# --- a minimum --------------------------------------------------------------------------------------------------------
 
 
 Variables = dict[str, Array]
@@ -1022,11 +127,6 @@ def minimise(
         noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
         solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
             to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
-        samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
-            each for two, 17 for three.
-        starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
-        max_steps: Evaluations of the objective and its gradient allowed in each descent.
-        noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
         axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
             then go from the scan to the descents and on together.
 
@@ -1052,9 +152,8 @@ def minimise(
             raise ValueError(f"{name} = {number} is below {least}")
     if not space:
         raise ValueError("space is empty: name at least one variable")
-    names, logarithmic = tuple(space), _logarithmic(space)
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
-    lower, upper = (jnp.stack([jnp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
+    lower, upper, logarithmic = _box_of(space, jnp, dtype)
 
     def everything(variables: Variables) -> Array:
         value = jnp.asarray(objective(variables))[None]
@@ -1062,11 +161,11 @@ def minimise(
 
     # Values that the functions close over become arguments, so that a rule can differentiate with respect to them. It
     # lives longer than traced values: the bounds are arguments as well.
-    converted, closed_over = jax.closure_convert(everything, by_name(names, lower))
+    converted, closed_over = jax.closure_convert(everything, by_name(space, lower))
 
     def function(u: Array, params: Any) -> Array:
         lower, upper, closed_over = params
-        return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
+        return converted(by_name(space, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
@@ -1079,44 +178,21 @@ def minimise(
         return function(u, fixed)
 
     evaluate = jax.vmap(values_and_jacobian(there))
-    first = jax.tree.map(jnp.asarray, begin(plan))
     found = conclude(
         plan,
         jax.lax.while_loop(  # whose program contains the objective once
             lambda state: state.phase != DONE,
             lambda state: tell(plan, state, *evaluate(state.points), objective=there),
-            first,
+            jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    minima = (found.u, found.multipliers, found.values, found.slopes)
-    u, multipliers, values, slopes = tied(function, found.scale, minima, params)
-    found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
-    return _minimum_of(found, names, params[0], upper, logarithmic)
-
-
-def plan_of(
-    n: int,
-    limits: int,
-    dtype: Any = None,
-    samples: int | None = None,
-    starts: int | None = None,
-    max_steps: int = 200,
-    noise: float | None = None,
-) -> SearchPlan:
-    """The plan of the search for so many variables and limits."""
-    dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
-    along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
-    begun = min(along**n, starts or (3 if n == 1 else 24))
-    noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
-    return SearchPlan(n, limits, along, begun, max_steps, noise, dtype)
+    minima = tied(function, (found.u, found.multipliers, found.values, found.slopes), params)
+    found = found._replace(**by_name(("u", "multipliers", "values", "slopes"), minima))
+    return _minimum_of(found, space, params[0], upper, logarithmic)
 
 
 _ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what is said of a minimum
 _BOUNDS = "lower", "upper"
-
-
-def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
-    return np.array([interval.scale == "logarithmic" for interval in space.values()])
 
 
 def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
@@ -1124,29 +200,23 @@ def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
     return dict(zip(names, values, strict=True))
 
 
-def _minimum_of(
-    found: SearchResult, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray
-) -> Minimum:
+def _minimum_of(found: SearchResult, names: Iterable[str], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
     """A solution in terms of the named variables."""
-    values, slopes = found.values, found.slopes
+    xp, named = namespace(found.values), functools.partial(by_name, names)
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
-    # Without limits: JAX 0.10 cannot transpose an index into an empty array.
-    xp = namespace(values)
-    multipliers = (
-        found.multipliers[0] * found.scale[0] / found.scale[1:] if found.multipliers.size else xp.zeros(0, values.dtype)
-    )
+    side = xp.where(xp.abs(found.u[0]) == 1.0, found.u[0], 0.0)
     first, last = _ends(lower, upper, logarithmic)
-    outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
+    outward = inclination(found.slopes[0], found.multipliers[0]) / (0.5 * (last - first))
     return Minimum(
-        variables=by_name(names, at_best),
-        value=values[0, 0],
-        side=by_name(names, found.side.astype(int)),
-        bound_multipliers=by_name(names, xp.where(found.side == 0.0, 0.0, outward)),
-        limits=values[0, 1:],
-        multipliers=multipliers,
+        variables=named(at_best),
+        value=found.values[0, 0],
+        side=named(side.astype(int)),
+        bound_multipliers=named(xp.where(side == 0.0, 0.0, outward)),
+        limits=found.values[0, 1:],
+        multipliers=found.multipliers[0],
         projected_gradient=found.residual,
-        rival=by_name(names, xp.where(found.has_rival, at_rival, np.nan)),
-        rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
+        rival=named(xp.where(found.has_rival, at_rival, np.nan)),
+        rival_value=xp.where(found.has_rival, found.values[1, 0], np.inf),
         **{name: getattr(found, name) for name in _ENDED},
     )
 
@@ -1154,11 +224,17 @@ def _minimum_of(
 # --- on the scale of the search ---------------------------------------------------------------------------------------
 
 
+def _box_of(space: Mapping[str, Interval], xp: ModuleType, dtype: Any) -> tuple[Any, Any, np.ndarray]:
+    """The lowest and highest values of the variables, each (n,), and which have a logarithmic scale."""
+    lower, upper = (xp.stack([xp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
+    return lower, upper, np.array([i.scale == "logarithmic" for i in space.values()])
+
+
 def _ends(lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     """The bounds on the scale of the search, (2, n)."""
     xp = namespace(lower, upper)
     ends = xp.stack([lower, upper])
-    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends) if np.any(logarithmic) else ends
+    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends)
 
 
 def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
@@ -1166,8 +242,7 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     xp = namespace(u, lower, upper)
     first, last = _ends(lower, upper, logarithmic)
     value = 0.5 * (first + last) + 0.5 * (last - first) * u
-    if np.any(logarithmic):
-        value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
+    value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
     exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
     return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
 
@@ -1191,12 +266,59 @@ def found_by(
     Returns:
         The best minimum, of NumPy arrays.
     """
-    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in _BOUNDS)
-    logarithmic = _logarithmic(space)
+    lower, upper, logarithmic = _box_of(space, np, plan.dtype)
     first, last = _ends(lower, upper, logarithmic)
     state = begin(plan)
     while state.phase != DONE:
         at = _decoded(state.points, lower, upper, logarithmic)
         values, slopes = evaluate(by_name(space, at.T))
         state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
-    return _minimum_of(conclude(plan, state), tuple(space), lower, upper, logarithmic)
+    return _minimum_of(conclude(plan, state), space, lower, upper, logarithmic)
+
+
+# --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
+
+
+def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
+    """Values and Jacobian, and what the function tells besides its values if it does."""
+
+    def first(u: Array) -> Any:
+        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
+
+        def twice(u: Array) -> Any:
+            found = function(u)
+            return (found[0], found) if has_more else (found, (found,))
+
+        slopes, (values, *more) = jacobian(twice, has_aux=True)(u)
+        return materialised(values, u[0]), materialised(slopes, u[0]), *more
+
+    return first
+
+
+def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
+    """Values and Jacobians at several points."""
+    return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def tied(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
+    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
+    del function, params
+    return found
+
+
+@tied.defjvp
+def _tied_jvp(function, primals, tangents):
+    minima, params = tied(function, *primals), primals[1]
+    u, multipliers, values, slopes = minima
+    curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
+    here = conditions(values, slopes, curvatures, u, multipliers)
+
+    def left(params: Any) -> Array:
+        return residual_of(*slopes_at(function, u, params), u, multipliers, here.side, here.active)
+
+    _, by_params = jax.jvp(left, (params,), tangents[1:])
+    step = -solved_by_elimination(here.matrix, by_params)
+    du, dmultipliers = step[:, : u.shape[-1]], step[:, u.shape[-1] :]
+    _, along = jax.jvp(functools.partial(slopes_at, function), (u, params), (du, tangents[1]))
+    return minima, (du, dmultipliers, *along)

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from kinds import KINDS
 
-from plgwear_jax.optimise.search import solved_by_elimination
+from plgwear_jax.optimise.conditions import solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 

@@ -11,5 +11,5 @@ LENGTH = 500
 def optima(phi, bounds=(-0.95, 0.95)) -> optimise.OptimalExponent:
     phi = jnp.atleast_1d(jnp.asarray(phi))
     filled = jnp.pad(phi, (0, -phi.size % LENGTH), constant_values=0.5)
-    lower, upper = (jnp.broadcast_to(bound, filled.size).astype(phi.dtype) for bound in bounds)
+    lower, upper = (jnp.resize(jnp.asarray(bound, phi.dtype), filled.size) for bound in bounds)
     return jax.tree.map(lambda leaf: leaf[: phi.size], optimise.optimal_exponent(filled, (lower, upper)))

@@ -21,7 +21,7 @@ from test_kernels import PINNED, Size
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
 from plgwear_jax.optimise import evaluation, exponent
 from plgwear_jax.optimise.question import question_of
-from plgwear_jax.optimise.search import plan_of
+from plgwear_jax.optimise.search_plan import plan_of
 from plgwear_jax.scene import solving
 
 pytestmark = [

@@ -1,0 +1,540 @@
+"""The search for the least value over a box as ask and tell: it asks for values at points and is told them.
+
+A scan of the box finds the valleys, an optax descent goes down each of them, and Newton's method on the conditions of
+Karush, Kuhn and Tucker finishes. Under limits there are valleys among the points that keep them, and where they are
+broken least; the lowest of all points that keep them is the answer if no descent has ended as low. `begin` makes a
+state, `state.points` are the points at which it asks for values, always the same number, and `tell` makes the next
+state from the values and slopes, until `state.phase` is `DONE`:
+
+    state = begin(plan)
+    while state.phase != DONE:
+        state = tell(plan, state, *evaluate(state.points))
+
+It works on NumPy arrays, where only the solver of optax is compiled, and on JAX arrays, where the loop becomes one
+program. Variables are u in [-1, 1]. Values are those of the objective and of the limits g <= 0, shape (lanes, 1 + m),
+slopes those by u, shape (lanes, 1 + m, n).
+"""
+
+import functools
+import itertools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.conditions import (
+    conditions,
+    inclination,
+    namespace,
+    projected,
+    select,
+    solved_by_elimination,
+)
+from plgwear_jax.optimise.search_plan import SearchPlan
+
+if TYPE_CHECKING:
+    import optax
+
+
+SCAN, DESCENT, POLISH, DONE = np.arange(4, dtype=np.int32)  # the phases
+
+
+class Descent(NamedTuple):
+    """The state of each descent: the point, its values, the next trial steps, multipliers and penalty of the limits."""
+
+    u: Any  # (starts, n)
+    values: Any  # (starts, 1 + m)
+    slopes: Any  # (starts, 1 + m, n)
+    free: Any  # (starts, n), variables that are not on a bound; none of them if the memory has to be reset
+    direction: Any  # (starts, n)
+    length: Any  # (starts,), of the longest of the next trial steps
+    memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
+    multipliers: Any  # (starts, m)
+    penalty: Any  # (starts,)
+    violation: Any  # (starts,)
+    steps: Any  # (starts,)
+    done: Any  # (starts,)
+
+
+class Point(NamedTuple):
+    """Points and their values, with a first axis for each start, or a single point without it."""
+
+    u: Any  # (n,)
+    multipliers: Any  # (m,)
+    values: Any  # (1 + m,)
+    slopes: Any  # (1 + m, n)
+    residual: Any  # of the conditions of a minimum
+
+
+class SearchState(NamedTuple):
+    """A search under way."""
+
+    phase: Any
+    passes: Any  # evaluations so far
+    points: Any  # whose values the search needs next, (lanes, n)
+    scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
+    kept: Point  # the lowest that keeps the limits among all at which there are values; infinite if none does
+    scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
+    valleys: Any  # the number of valleys that the scan found
+    descent: Descent
+    best: Point  # with the least residual of the conditions that Newton's method has found from each start
+    count: Any  # (starts,), of its steps
+
+
+class SearchResult(NamedTuple):
+    """The best minimum and its rival, and how the search ended."""
+
+    u: Any  # (2, n), the same point twice if there is no rival
+    multipliers: Any  # (2, m)
+    values: Any  # (2, 1 + m)
+    slopes: Any  # (2, 1 + m, n)
+    residual: Any
+    converged: Any
+    certified: Any
+    scan_found_nothing_better: Any
+    has_rival: Any
+    steps: Any
+
+
+def all_done(plan: SearchPlan, done: Any) -> Any:
+    """Whether all starts are done, in all problems of the batch."""
+    everybody = done.all()
+    return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
+
+
+# --- descents and their ends ------------------------------------------------------------------------------------------
+
+
+# The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
+# evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
+
+
+_HEAVIEST = 1e8  # penalty
+_STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
+
+
+def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
+    import optax  # a tenth of a second, which a process that loads its programs does without
+
+    memory = min(10, 2 * plan.variables - 1)
+    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
+    return optax.with_extra_args_support(plan.solver or default)
+
+
+@program(static=1)
+def _empty_memory(plan: SearchPlan) -> tuple[Array, ...]:
+    """The memory of the solver before its first step, without its structure, which is made of classes of optax."""
+    start = jnp.zeros((plan.starts, plan.variables), plan.dtype)
+    return tuple(jax.tree.leaves(jax.vmap(_solver(plan).init)(start)))
+
+
+def trial_points(plan: SearchPlan, at: Descent) -> Any:
+    """The points of steps of several lengths."""
+    steps = plan.lengths()[:, None, None] * at.length[:, None] * at.direction
+    return namespace(at.u).clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
+
+
+def _merit(at: Descent, values: Any) -> Any:
+    return values[..., 0] + (_pushed(at, values) ** 2 - at.multipliers**2).sum(-1) / (2.0 * at.penalty)
+
+
+def _pushed(at: Descent, values: Any) -> Any:
+    """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
+    return namespace(values).maximum(at.multipliers + at.penalty[..., None] * values[..., 1:], 0.0)
+
+
+def _merit_slope(at: Descent) -> Any:
+    return inclination(at.slopes, _pushed(at, at.values))
+
+
+def descended(
+    plan: SearchPlan, state: SearchState, values: Any, slopes: Any, objective: Callable[[Array], Array] | None
+) -> SearchState:
+    """All descents a step further; when the last one is done, their ends are polished."""
+    xp, at = namespace(values), state.descent
+    trials = state.points.reshape(plan.trials, plan.starts, plan.variables)
+    enough = plan.eps**0.375  # from here on Newton's method is used
+
+    after = _merit(at, values)
+    wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
+    falls = after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)
+    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done
+    taken, longest = falls.any(0), falls.argmax(0)
+    u, found, inclined = (
+        select(taken, new[longest, np.arange(plan.starts)], old)
+        for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
+    )
+    shortest = plan.lengths()[-1] * at.length
+    stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
+    at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
+    settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
+    violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1, initial=0.0)
+    # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
+    stays = violation > 0.25 * at.violation
+    broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
+    stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
+    lost = (at.penalty >= _HEAVIEST) & stays & stationary
+    heavier = xp.where(stays, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
+    at = at._replace(
+        multipliers=select(settled, _pushed(at, at.values), at.multipliers),
+        penalty=xp.where(settled, heavier, at.penalty),
+        violation=xp.where(settled, violation, at.violation),
+        free=at.free & ~settled[:, None],
+        done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
+    )
+    at = _turned(plan, at, taken | settled, objective)
+    finished = all_done(plan, at.done)
+    return state._replace(
+        phase=xp.where(finished, POLISH, DESCENT),
+        points=xp.where(finished, _stencil(plan, at.u), trial_points(plan, at)),
+        descent=at,
+    )
+
+
+def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Array], Array] | None) -> Descent:
+    """The next direction, along the bounds where they are met."""
+    xp, gradient = namespace(at.u), _merit_slope(at)
+    free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
+    # The memory is reset when other variables are on their bounds.
+    fresh = (free != at.free).any(1)
+    gradient = xp.where(free, gradient, 0.0)
+    if plan.solver is None:
+        step = _next_directions(plan, at.u, gradient, at.memory, fresh)
+        direction, *memory = jax.tree.map(xp.asarray, step)
+        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+        direction = direction * xp.minimum(1.0, 0.4 / longest)
+    else:
+        step = _next_directions.function(plan, at.u, gradient, at.memory, fresh, at, objective)
+        direction, *memory = step
+    return at._replace(
+        free=select(turns, free, at.free),
+        direction=select(turns, xp.where(free, direction, 0.0), at.direction),
+        length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
+        memory=select(turns, tuple(memory), at.memory),
+    )
+
+
+@program(static=1)
+def _next_directions(
+    plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any, at: Any = (), objective: Any = None
+) -> tuple[Any, ...]:
+    """The directions and the memory that the solver of optax gives.
+
+    Descents and the objective are for the line search of a solver that has one.
+    """
+    solver = _solver(plan)
+
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array, at: Any) -> tuple[Array, ...]:
+        at_first, tree = jax.tree.flatten(solver.init(u))
+        memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
+        more: dict[str, Any] = {}
+        if at:
+            more = {
+                "value": _merit(at, at.values),
+                "grad": gradient,
+                "value_fn": lambda u: _merit(at, objective(u)),
+            }
+        direction, memory = solver.update(gradient, memory, u, **more)
+        return direction, *jax.tree.leaves(memory)
+
+    return jax.vmap(one)(u, gradient, memory, fresh, at)
+
+
+# --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
+
+
+_ROUNDS, _MORE = 6, 6  # of Newton's method, and those added where it still converges
+_NEAR = 1e-2  # residual below which it does
+
+
+def _stencil(plan: SearchPlan, u: Any) -> Any:
+    """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
+    xp, steps = namespace(u), plan.width * np.eye(plan.variables, dtype=plan.dtype)[:, None]
+    inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
+    return xp.concatenate([u[None], inward + steps, inward - steps]).reshape(plan.lanes, plan.variables)
+
+
+def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
+    """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
+    xp, at, n = namespace(values), state.descent, plan.variables
+    curvatures = xp.moveaxis(slopes[1 : n + 1] - slopes[n + 1 :], 0, -1) / (2.0 * plan.width)
+    values, slopes = values[0], slopes[0]
+    here = conditions(values, slopes, curvatures, at.u, at.multipliers)
+    left = projected(at.u, inclination(slopes, at.multipliers))
+    left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1, initial=0.0))
+    point = Point(at.u, at.multipliers, values, slopes, left)
+    change = -solved_by_elimination(here.matrix, here.residual)
+    goes_on = ~_finished(plan, state)
+    moves = xp.isfinite(change).all(1) & goes_on
+    at = at._replace(
+        u=select(moves, xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0), at.u),
+        multipliers=select(moves, xp.maximum(at.multipliers + change[:, n:], 0.0), at.multipliers),
+    )
+    best = select((left < state.best.residual) & goes_on, point, state.best)
+    state = state._replace(points=_stencil(plan, at.u), descent=at, best=best, count=state.count + goes_on)
+    done = all_done(plan, _finished(plan, state) | (np.arange(plan.starts) >= state.valleys))
+    return state._replace(phase=xp.where(done, DONE, POLISH))
+
+
+def _finished(plan: SearchPlan, at: SearchState) -> Any:
+    left = at.best.residual
+    converging = (left < _NEAR) & (left >= plan.tolerance)
+    return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
+
+
+# --- from the scan to the answer --------------------------------------------------------------------------------------
+
+
+def begin(plan: SearchPlan) -> SearchState:
+    """The first state of a search, which asks for the first points of its scan."""
+    starts, n, functions = plan.starts, plan.variables, 1 + plan.limits
+    zeros, one, steps = functools.partial(np.zeros, dtype=plan.dtype), np.ones(starts, plan.dtype), np.int32(0)
+    u, multipliers, slopes = zeros((starts, n)), zeros((starts, plan.limits)), zeros((starts, functions, n))
+    infinite = np.where(np.arange(functions) > 0, slopes[..., 0], np.inf)  # all that is evaluated lies lower
+    best = Point(u, multipliers, infinite, slopes, np.inf * one)
+    descent = Descent(
+        u=u,
+        values=infinite,
+        slopes=slopes,
+        free=u > 0.0,
+        direction=u,
+        length=one,
+        memory=_empty_memory(plan),
+        multipliers=multipliers,
+        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
+        violation=np.inf * one,
+        steps=np.full(starts, steps),
+        done=one < 0.0,
+    )
+    return SearchState(
+        phase=SCAN,
+        passes=steps,
+        points=plan.mesh()[0],
+        scanned=zeros((plan.passes, plan.lanes, functions * (2 if n == 1 else 1))),
+        kept=jax.tree.map(lambda x: x[0], best),
+        scale=np.ones(functions, plan.dtype),
+        valleys=steps,
+        descent=descent,
+        best=best,
+        count=descent.steps,
+    )
+
+
+def tell(
+    plan: SearchPlan,
+    state: SearchState,
+    values: Any,
+    slopes: Any,
+    objective: Callable[[Array], Array] | None = None,
+) -> SearchState:
+    """The state after the values and slopes at `state.points` are known.
+
+    Args:
+        plan: How the search is done.
+        state: Where it stands.
+        values: At the points, (lanes, 1 + m).
+        slopes: By u, (lanes, 1 + m, n).
+        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
+    """
+    xp = namespace(values)
+    new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
+    # After the scan there is no such row, and nothing changes.
+    if xp is np:
+        scanned = np.where((np.arange(plan.passes) == state.passes)[:, None, None], new, state.scanned)
+    else:
+        scanned = state.scanned.at[state.passes].set(new)
+    # The scan is kept out of the branches, which would copy it.
+    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, values, slopes))
+    values, slopes = (
+        x.reshape(plan.trials, plan.starts, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
+    )
+    scaled = None if objective is None else lambda u: objective(u) / state.scale
+    steps: tuple[Callable[[SearchState], SearchState], ...] = (
+        lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
+        lambda rest: _descents_from_valleys(plan, rest, scanned),
+        lambda rest: descended(plan, rest, values, slopes, scaled),
+        lambda rest: polished(plan, rest, values, slopes),
+        lambda rest: rest,
+    )
+    which = state.phase + (rest.passes >= plan.passes)
+    with np.errstate(all="ignore"):  # values that are not finite are handled below
+        rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
+    return rest._replace(scanned=scanned)
+
+
+def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Point:
+    """The lowest point that keeps the limits, with those at which the search has asked last."""
+    xp, old = namespace(values), state.kept
+    keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
+    # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
+    height = xp.where(keeps & ((state.phase == SCAN) | (plan.limits > 0)), values[:, 0], np.inf)
+    at = height.argmin()
+    new = old._replace(u=state.points[at], values=values[at], slopes=slopes[at])
+    return jax.tree.map(lambda this, that: xp.where(height[at] < old.values[0], this, that), new, old)
+
+
+# --- the scan: the valleys from which the search descends -------------------------------------------------------------
+
+
+def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
+    """The search with its descents begun in the deepest valleys of the scan."""
+    xp, is_limit = namespace(scanned), np.arange(1 + plan.limits) > 0
+    values = scanned.reshape(-1, scanned.shape[-1])[: plan.samples**plan.variables, : 1 + plan.limits]
+    known = xp.isfinite(values).all(1)
+    lowest = xp.where(known[:, None], values, np.inf).min(0)
+    change = xp.where(known[:, None], values, -np.inf).max(0) - lowest
+    # A limit that changes little over the box decides as much as one that changes by orders of magnitude.
+    change = xp.where(is_limit, xp.minimum(change, 1.0), xp.maximum(change, 0.01 * xp.abs(lowest)))
+    counts = xp.isfinite(change) & (change > np.where(is_limit, plan.eps**0.375, 0.0))
+    scale = xp.where(counts, change, 1.0).astype(plan.dtype)
+
+    above = values[:, 1:] / scale[1:]
+    excess, worst = xp.maximum(above, 0.0).sum(1), above.max(1, initial=-np.inf)
+    height, keeps = (values[:, 0] - lowest[0]) / scale[0], known & (worst <= 0.0)
+    merit = xp.where(known, height + 10.0 * excess, np.inf)
+    valley = _valleys(plan, merit)
+    if plan.limits:
+        # First the valleys among points that keep the limits, then those where they are broken least.
+        valley = valley | _valleys(plan, xp.where(keeps, height, np.inf))
+        valley = valley | _valleys(plan, xp.where(known, excess, np.inf)) & ~keeps
+        merit = xp.where(keeps, height, 2.0 + merit)
+    valleys, count = _lowest_of(xp.where(valley, merit, np.inf), plan.starts), valley.sum()
+    points = xp.asarray(plan.mesh().reshape(-1, plan.variables))
+    start = points[valleys]
+    for step in (-1, 1) if plan.limits and plan.variables == 1 else ():
+        # Begun on a limit that is reached towards a lower neighbour: from a valley that keeps the limits a step would
+        # go over a hill that is narrower than the scan.
+        other = xp.clip(valleys + step, 0, plan.samples - 1)
+        lower = keeps[valleys] & ~keeps[other] & known[other] & (height[other] < height[valleys])
+        share = xp.where(lower, worst[valleys] / (worst[valleys] - worst[other]), 0.0)  # along a straight line
+        start = start + share[:, None] * (points[other] - points[valleys])
+    descent = state.descent._replace(u=start, done=np.arange(plan.starts) >= count)
+    return state._replace(
+        phase=xp.asarray(DESCENT),
+        points=trial_points(plan, descent),
+        scale=scale,
+        valleys=count.astype(state.valleys.dtype),
+        descent=descent,
+    )
+
+
+def _valleys(plan: SearchPlan, heights: Any) -> Any:
+    """Whether a point of the scan is finite and undercut by no neighbour."""
+    xp, centre = namespace(heights), plan.variables * (1,)
+    heights = heights.reshape(plan.variables * (plan.samples,))
+    padded, valley = xp.pad(heights, 1, constant_values=np.inf), xp.isfinite(heights)
+    for offset in itertools.product((0, 1, 2), repeat=plan.variables):
+        neighbour = padded[tuple(slice(o, o + plan.samples) for o in offset)]
+        # Of equal neighbours the first one is the valley.
+        valley = valley & (heights < neighbour if offset < centre else heights <= neighbour)
+    return valley.ravel()
+
+
+def _lowest_of(depths: Any, count: int) -> Any:
+    """The indices of the lowest numbers."""
+    if namespace(depths) is np:
+        return np.argsort(depths, kind="stable")[:count]
+
+    def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
+        deepest = jnp.argmin(depths)
+        return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
+
+    # Finding the minimum a few times is much faster than sorting by XLA.
+    return jax.lax.scan(next_deepest, depths, length=count)[1]
+
+
+# --- what was found ---------------------------------------------------------------------------------------------------
+
+
+def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
+    """The best minimum of a finished search, its rival, and whether it is certain."""
+    xp, one, scale = namespace(state.scale), state.kept, state.scale
+    # A point that keeps limits is a design, also where no descent has ended in one as low.
+    one = one._replace(values=one.values / scale, slopes=one.slopes / scale[:, None])
+    one = one._replace(residual=projected(one.u, one.slopes[0]))
+    points = jax.tree.map(lambda ends, x: xp.concatenate([ends, x[None]]), state.best, one)
+    used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
+    good = used & (points.residual < plan.tolerance)
+    # An end may be higher by what the rounding of the objective and of its limits is worth.
+    slack = 16.0 * plan.noise * (1.0 + xp.abs(points.values[:, 0]))
+    value = points.values[:, 0] - xp.where(good, slack + plan.tolerance * points.multipliers.sum(1), 0.0)
+    # The best keeps the limits; if none does, the one that breaks them least.
+    broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
+    broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) == plan.starts)), 0.0, 1.0 + broken)
+    broken = xp.where(used, broken, np.inf)
+    best = xp.where(broken == broken.min(), value, np.inf).argmin()
+    distinct = xp.abs(points.u - points.u[best]).max(1) > 1e-3
+    others = xp.where(good & distinct, value, np.inf)
+    rival = others.argmin()
+    has_rival = xp.isfinite(others[rival])
+
+    converged = good[best]
+    certified = converged & (state.valleys <= plan.starts) & (value[best] <= one.values[0])
+    scan_found_nothing_better = xp.zeros((), bool)
+    if plan.variables == 1:
+        rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
+        with np.errstate(all="ignore"):
+            nothing_hides = _nothing_hides(plan, rows, Point(*(x[best] for x in points)), slack[best])
+        scan_found_nothing_better = certified & nothing_hides
+    # Without a rival the best is used twice, since NaN would spoil all derivatives.
+    pair = xp.stack([best, xp.where(has_rival, rival, best)])
+    return SearchResult(
+        u=points.u[pair],
+        multipliers=points.multipliers[pair] * scale[0] / scale[1:],
+        values=points.values[pair] * scale,
+        slopes=points.slopes[pair] * scale[:, None],
+        residual=points.residual[best],
+        converged=converged,
+        certified=certified,
+        scan_found_nothing_better=scan_found_nothing_better,
+        has_rival=has_rival,
+        steps=state.descent.steps.max(),
+    )
+
+
+def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> Any:
+    """Whether no interval of the scan can contain a point that keeps the limits and is lower than the best.
+
+    An interval is excluded if a limit is broken everywhere in it, if a lower bound of the objective, or of the
+    Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
+    bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
+
+    The scan has values and slopes of the objective and the limits, (samples, 2, 1 + m). A point may be lower by the
+    slack.
+    """
+    xp, axis = namespace(scanned), plan.axis_points()
+    step = axis[1] - axis[0]
+    weights = xp.append(1.0, best.multipliers)
+    # the objective, the limits, and last the Lagrangian
+    values, slopes = xp.moveaxis(xp.concatenate([scanned, (weights * scanned).sum(2, keepdims=True)], axis=2), 1, 0)
+
+    # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
+    # interval and its neighbours, minus the larger difference between the means of neighbours.
+    mean = (slopes[1:] - slopes[:-1]) / step
+    around = xp.pad(mean, ((1, 1), (0, 0)), mode="edge")
+    change = xp.abs(around[1:] - around[:-1])
+    least = xp.minimum(mean, xp.minimum(around[:-2], around[2:])) - xp.maximum(change[:-1], change[1:])
+
+    def bound(value: Any, inward: Any) -> Any:
+        """The least value in each interval, from one of its ends."""
+
+        def rise(distance: Any) -> Any:
+            return distance * (inward + 0.5 * least * distance)
+
+        lowest = xp.clip(-inward / xp.where(least > 0.0, least, 1.0), 0.0, step)
+        return value + xp.where(least > 0.0, rise(lowest), xp.minimum(0.0, rise(step)))
+
+    bounds = xp.maximum(bound(values[:-1], slopes[:-1]), bound(values[1:], -slopes[1:]))
+    above = (bounds[:, [0, -1]] >= best.values[0] - slack).any(1) | (bounds[:, 1:-1] > 0.0).any(1)
+    home = xp.clip((axis <= best.u).sum() - 1, 0, plan.samples - 2)
+    bent = least[:, -1] < 0.0
+    last = xp.cumsum(bent)
+    first = last - bent
+    convex = xp.maximum(last, last[home]) == xp.minimum(first, first[home])  # in all intervals from there to the best
+    return (above | convex).all()
