@@ -213,8 +213,11 @@ def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     # As the stick area shrinks to c, F grows and the contact gives way by dF theta/K(c): the area of the loop is
     # 4 theta times the integral of F' (F - F') over 1/K, where nothing cancels but forces.
-    begin, end = state.punch.log_c, state.unworn.log_c
-    share, _, weight = (jnp.asarray(x, begin.dtype) for x in logistic(effort.nodes, 12.0))
+    begin, end, bends = state.punch.log_c, state.unworn.log_c, state.beside.image.bends
+    # Where the contact grows beyond a kink F has one too: few are ends of pieces, many take more places.
+    few, count = len(bends) < FEW_KINKS, effort.nodes
+    inner = 0.5 * jnp.log1p(bends) / (end - begin) if few else np.zeros(0)
+    parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
         punch = punch_at(state.compliance, log_c, effort, state.outline)
@@ -222,7 +225,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
 
-    total = (end - begin) * (weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * share))
+    total = (end - begin) * (parts.weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * parts.x))
     return clamp_keep_slope(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
 
 
@@ -306,6 +309,22 @@ def share_of(effort: Effort, state: State, rig: Array) -> Array:
     return alone / (alone + rig)
 
 
+def _value(name: str, worn: bool = False) -> Any:
+    """A property that is the function of this name of each state."""
+    return property(lambda steady: _each_state((name, steady._effort), steady._worn if worn else steady._solution))
+
+
+def _field(name: str, worn: bool = False) -> Any:
+    """A method that is the function of this name of each state and of radii in m."""
+
+    def at(self: "NumericSteady", r: ArrayLike) -> Array:
+        self._check(r=r)
+        states = self._worn if worn else self._solution
+        return over_radii_of((name, self._effort), states, guarded("r", r, RADIUS))
+
+    return at
+
+
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
@@ -349,22 +368,6 @@ class NumericSteady(Steady):
             refuse_tension(self._solution, worn=True)
         return results
 
-    def _of_worn(self, name: str) -> Array:
-        return _each_state((name, self._effort), self._worn)
-
-    def _at_worn(self, name: str, r: Array) -> Array:
-        return over_radii_of((name, self._effort), self._worn, r)
-
-    def _of_each(self, name: str, *more: Array) -> Array:
-        return _each_state((name, self._effort), self._solution, *more)
-
-    def _at(self, name: str, r: Array) -> Array:
-        return over_radii_of((name, self._effort), self._solution, r)
-
-    def _radii(self, r: ArrayLike) -> Array:
-        self._check(r=r)
-        return guarded("r", r, RADIUS)
-
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
@@ -387,17 +390,14 @@ class NumericSteady(Steady):
     def wear_volume(self) -> Array:
         return self._worn_results.wear_volume
 
-    @property
-    def deepest_wear(self) -> Array:
-        return self._of_worn("deepest_of")
-
-    @property
-    def edge_intensity(self) -> Array:
-        return self._of_worn("intensity_of")
-
-    @property
-    def peak_initial_pressure(self) -> Array:
-        return self._of_each("peak_of")
+    deepest_wear = _value("deepest_of", worn=True)
+    edge_intensity = _value("intensity_of", worn=True)
+    peak_initial_pressure = _value("peak_of")
+    energy_per_cycle = _value("energy_of")
+    _energy_ratio = _value("energy_ratio_of")
+    _aperture = _value("aperture_of")
+    _onset_energy_ratio = _value("gross_slip_energy_ratio_of")
+    _onset_aperture = _value("gross_slip_aperture_of")
 
     @property
     def _onset(self) -> Array:
@@ -413,32 +413,12 @@ class NumericSteady(Steady):
         return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
 
     @property
-    def energy_per_cycle(self) -> Array:
-        return self._of_each("energy_of")
-
-    @property
-    def _energy_ratio(self) -> Array:
-        return self._of_each("energy_ratio_of")
-
-    @property
-    def _aperture(self) -> Array:
-        return self._of_each("aperture_of")
-
-    @property
-    def _onset_energy_ratio(self) -> Array:
-        return self._of_each("gross_slip_energy_ratio_of")
-
-    @property
-    def _onset_aperture(self) -> Array:
-        return self._of_each("gross_slip_aperture_of")
-
-    @property
     def _share_of_contact(self) -> Array:
-        return self._of_each("share_of", self.load.rig_compliance)
+        return _each_state(("share_of", self._effort), self._solution, self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        return self._of_each("_force", moved, jnp.asarray(self.load.rig_compliance))
+        return _each_state(("_force", self._effort), self._solution, moved, jnp.asarray(self.load.rig_compliance))
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
@@ -473,28 +453,14 @@ class NumericSteady(Steady):
 
     def edge_pressure(self, distance: ArrayLike) -> Array:
         self._check(distance=distance)
-        return self._at_worn("edge_pressure_of", guarded("distance", distance, DISTANCE))
+        distance = guarded("distance", distance, DISTANCE)
+        return over_radii_of(("edge_pressure_of", self._effort), self._worn, distance)
 
-    def initial_displacement(self, r: ArrayLike) -> Array:
-        return self._at("_unworn_displacement", self._radii(r))
-
-    def steady_displacement(self, r: ArrayLike) -> Array:
-        return self._at_worn("_worn_displacement", self._radii(r))
-
-    def profile(self, r: ArrayLike) -> Array:
-        return self._at_worn("_profile", self._radii(r))
-
-    def wear_depth(self, r: ArrayLike) -> Array:
-        return self._at_worn("worn_depth_at", self._radii(r))
-
-    def initial_pressure(self, r: ArrayLike) -> Array:
-        return self._at("unworn_pressure_at", self._radii(r))
-
-    def pressure(self, r: ArrayLike) -> Array:
-        return self._at_worn("worn_pressure_at", self._radii(r))
-
-    def traction(self, r: ArrayLike) -> Array:
-        return self._at_worn("_worn_traction_at", self._radii(r))
-
-    def slip_amplitude(self, r: ArrayLike) -> Array:
-        return self._at("_slip", self._radii(r))
+    initial_displacement = _field("_unworn_displacement")
+    steady_displacement = _field("_worn_displacement", worn=True)
+    profile = _field("_profile", worn=True)
+    wear_depth = _field("worn_depth_at", worn=True)
+    initial_pressure = _field("unworn_pressure_at")
+    pressure = _field("worn_pressure_at", worn=True)
+    traction = _field("_worn_traction_at", worn=True)
+    slip_amplitude = _field("_slip")
