@@ -1,6 +1,7 @@
 """Indenters of any shape: rigid on a power law against an oracle, and what they promise elsewhere."""
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -8,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL
+from refusals import cases, is_told
 from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_with, exact, steady
 
 from plgwear_jax import (
@@ -452,45 +454,44 @@ tangential_force = 1.5
 """
 
 
-def test_input_files_take_them(tmp_path):
-    file, table = tmp_path / "scene.toml", tmp_path / "profile.csv"
+def built(folder, shape, table=""):
+    """The contact of an input file, beside which a table may stand."""
+    (folder / "scene.toml").write_text(SCENE.format(shape=shape))
+    (folder / "profile.csv").write_text(table)
+    return scene.load(folder / "scene.toml").build_contact()
 
-    def built(shape: str) -> Any:
-        file.write_text(SCENE.format(shape=shape))
-        return scene.load(file).build_contact()
 
-    assert built('{ kind = "cone", slope = 0.01 }').shape == Cone(0.01)
-    assert built('{ kind = "power", exponent = 4 }').shape == PowerShape(4.0)
-    assert built('{ kind = "rounded_flat", flat_radius = 1e-5 }').shape == RoundedFlat(1e-5)
-    assert built('{ kind = "truncated_sphere", flat_radius = 1e-5 }').shape == TruncatedSphere(1e-5)
-    table.write_text("r (um),height (nm)\n0,0\n" + "\n".join(f"{x},{0.1 * x * x}" for x in range(10, 200, 10)))
-    found = built('{ table = "profile.csv" }').shape
+@pytest.mark.parametrize(
+    "words, shape",
+    [
+        ("kind = 'cone', slope = 0.01", Cone(0.01)),
+        ("kind = 'power', exponent = 4", PowerShape(4.0)),
+        ("kind = 'rounded_flat', flat_radius = 1e-5", RoundedFlat(1e-5)),
+        ("kind = 'truncated_sphere', flat_radius = 1e-5", TruncatedSphere(1e-5)),
+    ],
+)
+def test_input_files_take_them(words, shape, tmp_path):
+    assert built(tmp_path, f"{{ {words} }}").shape == shape
+
+
+PROFILE = "{ table = 'profile.csv' }"
+
+
+def test_input_files_take_tables(tmp_path):
+    rows = "\n".join(f"{x},{0.1 * x * x}" for x in range(10, 200, 10))
+    found = built(tmp_path, PROFILE, "r (um),height (nm)\n0,0\n" + rows).shape
     np.testing.assert_allclose(found.heights, 0.1e-9 * (1e6 * np.asarray(found.r)) ** 2, rtol=1e-14)
-    for shape, told in (
-        ('{ kind = "cone" }', "must be .*slope = 0.01"),
-        ('{ kind = "pyramid", exponent = 4 }', "must be"),
-        ('{ kind = "power", exponent = 0.5 }', "must be"),
-    ):
-        with pytest.raises(scene.SceneError, match=rf"\[contact\] shape = .*: {told}"):
-            built(shape)
-    for content, told in (
-        ("r,height\n0,0\n", "row 2: is the only one; a profile needs two radii or more"),
-        (
-            "r,height\n0,0\n1e-5,2e-9\n2e-5,1e-9\n",
-            "row 4: height = 1e-09 m after 2e-09 m: radii and heights must increase",
-        ),
-        ("r,height\n1e-6,0\n2e-5,1e-9\n", "row 2: r = 1e-06 m: a profile begins with r = 0, height = 0"),
-        ("r,height\n0,0\n2e-5,0\n", "row 3: height = 0 m: the last one must be > 0"),
-    ):
-        table.write_text(content)
-        with pytest.raises(scene.SceneError, match=rf"profile.csv: {told}"):
-            built('{ table = "profile.csv" }')
+
+
+@cases(Path(__file__).with_name("refused.toml"), "scene")
+def test_input_files_are_refused(case, tmp_path):
+    with pytest.raises(scene.SceneError) as error:
+        built(tmp_path, case.get("shape", PROFILE), case.get("table", ""))
+    assert is_told(str(error.value).replace(f"{tmp_path}/", ""), case)
 
 
 @compiled
 def test_a_profile_that_ends_too_early_is_told_with_its_row(tmp_path):
-    file = tmp_path / "scene.toml"
-    file.write_text(SCENE.format(shape='{ table = "profile.csv" }'))
-    (tmp_path / "profile.csv").write_text("r (um),height (nm)\n0,0\n20,40\n40,160\n")
+    built(tmp_path, PROFILE, "r (um),height (nm)\n0,0\n20,40\n40,160\n")
     with pytest.raises(scene.OtherFileError, match=r"profile.csv: row 4: ends at r = 4e-05 m, inside the worn radius"):
-        scene.load(file).solve()
+        scene.load(tmp_path / "scene.toml").solve()
