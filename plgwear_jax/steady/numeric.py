@@ -165,11 +165,11 @@ def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
 
 
 def _profile(effort: Effort, state: State, r: Array) -> Array:
-    return state.unworn_profile(r) + worn_depth_at(effort, state, r)
+    return state.outline.height(r) + worn_depth_at(effort, state, r)
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    level = state.height(state.punch) * state.depth - state.unworn_profile(r)
+    level = state.height(state.punch) * state.depth - state.outline.height(r)
     return level - _gap(effort, state, state.depth, r)
 
 
@@ -309,6 +309,18 @@ def share_of(effort: Effort, state: State, rig: Array) -> Array:
     return alone / (alone + rig)
 
 
+def _result(name: str, worn: bool = False) -> Any:
+    """A property that is the scalar result of this name."""
+
+    def read(self: "NumericSteady") -> Array:
+        results = self._results
+        if worn and "solved" in vars(self):
+            self._check_worn()
+        return getattr(results, name)
+
+    return property(read)
+
+
 def _value(name: str, worn: bool = False) -> Any:
     """A property that is the function of this name of each state."""
     return property(lambda steady: _each_state((name, steady._effort), steady._worn if worn else steady._solution))
@@ -357,39 +369,16 @@ class NumericSteady(Steady):
     @property
     def _worn(self) -> State:
         """The state, of which what is worn is read."""
-        state = self._solution
-        refuse_tension(state, worn=True)
-        return state
-
-    @property
-    def _worn_results(self) -> Results:
-        results = self._results
-        if "solved" in vars(self):
-            refuse_tension(self._solution, worn=True)
-        return results
+        self._check_worn()
+        return self._solution
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 
-    @property
-    def contact_radius(self) -> Array:
-        return self._results.contact_radius
-
-    @property
-    def stick_radius(self) -> Array:
-        return self._results.stick_radius
-
-    @property
-    def worn_radius(self) -> Array:
-        return self._worn_results.worn_radius
-
-    @property
-    def penetration(self) -> Array:
-        return self._worn_results.penetration
-
-    @property
-    def wear_volume(self) -> Array:
-        return self._worn_results.wear_volume
-
+    contact_radius = _result("contact_radius")
+    stick_radius = _result("stick_radius")
+    worn_radius = _result("worn_radius", worn=True)
+    penetration = _result("penetration", worn=True)
+    wear_volume = _result("wear_volume", worn=True)
     deepest_wear = _value("deepest_of", worn=True)
     edge_intensity = _value("intensity_of", worn=True)
     peak_initial_pressure = _value("peak_of")
@@ -418,7 +407,7 @@ class NumericSteady(Steady):
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        return _each_state(("_force", self._effort), self._solution, moved, jnp.asarray(self.load.rig_compliance))
+        return _each_state(("_force", self._effort), self._solution, moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
