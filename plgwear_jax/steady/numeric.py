@@ -309,23 +309,6 @@ def share_of(effort: Effort, state: State, rig: Array) -> Array:
     return alone / (alone + rig)
 
 
-def _result(name: str, worn: bool = False) -> Any:
-    """A property that is the scalar result of this name."""
-
-    def read(self: "NumericSteady") -> Array:
-        results = self._results
-        if worn and "solved" in vars(self):
-            self._check_worn()
-        return getattr(results, name)
-
-    return property(read)
-
-
-def _value(name: str, worn: bool = False) -> Any:
-    """A property that is the function of this name of each state."""
-    return property(lambda steady: _each_state((name, steady._effort), steady._worn if worn else steady._solution))
-
-
 def _field(name: str, worn: bool = False) -> Any:
     """A method that is the function of this name of each state and of radii in m."""
 
@@ -372,21 +355,72 @@ class NumericSteady(Steady):
         self._check_worn()
         return self._solution
 
+    @property
+    def _worn_results(self) -> Results:
+        results = self._results
+        if "solved" in vars(self):
+            self._check_worn()
+        return results
+
+    def _of_each(self, name: str, *more: Any) -> Array:
+        return _each_state((name, self._effort), self._solution, *more)
+
+    def _of_worn(self, name: str) -> Array:
+        return _each_state((name, self._effort), self._worn)
+
     # --- scalars ----------------------------------------------------------------------------------------------------
 
-    contact_radius = _result("contact_radius")
-    stick_radius = _result("stick_radius")
-    worn_radius = _result("worn_radius", worn=True)
-    penetration = _result("penetration", worn=True)
-    wear_volume = _result("wear_volume", worn=True)
-    deepest_wear = _value("deepest_of", worn=True)
-    edge_intensity = _value("intensity_of", worn=True)
-    peak_initial_pressure = _value("peak_of")
-    energy_per_cycle = _value("energy_of")
-    _energy_ratio = _value("energy_ratio_of")
-    _aperture = _value("aperture_of")
-    _onset_energy_ratio = _value("gross_slip_energy_ratio_of")
-    _onset_aperture = _value("gross_slip_aperture_of")
+    @property
+    def contact_radius(self) -> Array:
+        return self._results.contact_radius
+
+    @property
+    def stick_radius(self) -> Array:
+        return self._results.stick_radius
+
+    @property
+    def worn_radius(self) -> Array:
+        return self._worn_results.worn_radius
+
+    @property
+    def penetration(self) -> Array:
+        return self._worn_results.penetration
+
+    @property
+    def wear_volume(self) -> Array:
+        return self._worn_results.wear_volume
+
+    @property
+    def deepest_wear(self) -> Array:
+        return self._of_worn("deepest_of")
+
+    @property
+    def edge_intensity(self) -> Array:
+        return self._of_worn("intensity_of")
+
+    @property
+    def peak_initial_pressure(self) -> Array:
+        return self._of_each("peak_of")
+
+    @property
+    def energy_per_cycle(self) -> Array:
+        return self._of_each("energy_of")
+
+    @property
+    def _energy_ratio(self) -> Array:
+        return self._of_each("energy_ratio_of")
+
+    @property
+    def _aperture(self) -> Array:
+        return self._of_each("aperture_of")
+
+    @property
+    def _onset_energy_ratio(self) -> Array:
+        return self._of_each("gross_slip_energy_ratio_of")
+
+    @property
+    def _onset_aperture(self) -> Array:
+        return self._of_each("gross_slip_aperture_of")
 
     @property
     def _onset(self) -> Array:
@@ -403,11 +437,11 @@ class NumericSteady(Steady):
 
     @property
     def _share_of_contact(self) -> Array:
-        return _each_state(("share_of", self._effort), self._solution, self.load.rig_compliance)
+        return self._of_each("share_of", self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        return _each_state(("_force", self._effort), self._solution, moved, self.load.rig_compliance)
+        return self._of_each("_force", moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
