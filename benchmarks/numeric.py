@@ -274,10 +274,12 @@ def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
         lambda path, x: SIZES.get(getattr(path[-1], "name", ""), 0.0) + 0.0 * x, (one, force)
     )
     size = size[0], 2.0 + size[1]
-    steps = jnp.asarray(STEPS, a.dtype)
+    # Close to gross slip V is a power of 1 - phi, which a step of F_x has to change by a little only.
+    lack = 1.0 - force / (one.friction * one.normal_force)
+    steps = jnp.asarray(STEPS, a.dtype).at[:4].multiply(lack)
     ways = jax.tree.map(lambda x, y: jnp.stack([x, x, x, x, y]), along, size)
     *near, larger = jax.lax.map(lambda given: volume(*given), (steps, ways))
-    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / 12e-3
+    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / (12e-3 * lack)
     # Integrals over 1 - (r/c)^2 = v^m take the power of the pressure at the edge off.
     nodes, weights = jnp.asarray(NODES, a.dtype), jnp.asarray(WEIGHTS, a.dtype)
     k = getattr(one.material, "k", 0.0)

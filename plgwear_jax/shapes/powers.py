@@ -162,8 +162,7 @@ class PowerShape(_OnePower):
 class Cone(_OnePower):
     """An indenter f(r) = slope r; the radius of the contact is without effect.
 
-    The pressure before any wear is infinite at the tip r = 0 for k <= 0. For a small k > 0 it rises steeply to a finite
-    value there, which is given too small: by 2 % at k = 0.2.
+    The pressure before any wear is infinite at the tip r = 0 for k <= 0. For k > 0 it rises to a finite value there.
 
     Attributes:
         slope: The slope f', positive: the tangent of the angle between the face of the cone and the surface.

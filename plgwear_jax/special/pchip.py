@@ -19,9 +19,8 @@ class Piecewise(NamedTuple):
     def interval(self, x: Array) -> Array:
         """The number of the interval, 0 also for what lies before the first one."""
         inner = self.start[1:]
-        if inner.size > _FEW_POINTS:
-            return jnp.searchsorted(inner, x, side="right")
-        return jnp.sum((x[..., None] >= inner).astype(jnp.int32), -1)
+        method = "scan" if inner.size > _FEW_POINTS else "compare_all"
+        return jnp.searchsorted(inner, x, side="right", method=method)
 
     def at(self, x: Array) -> Array:
         """The value, constant outside."""

@@ -53,6 +53,18 @@ class Pieces(NamedTuple):
         whole = jnp.exp(power * jnp.log(self.last)) / power
         return weight, whole - jnp.sum(weight[-self.places :])
 
+    def up_to_end(self, values: Array, power: Array) -> Array:
+        """The integral of values at x times (1-x)^(power-1), where they may be singular at 1 as a power of 1 - x."""
+        terms = values * self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
+        # In equal steps of log(1-x) what is left out goes on as a geometric series: no difference of large numbers.
+        some = (values[-1] != 0.0) & (values[-2] != 0.0)
+        grown = jnp.where(some, values[-1] / jnp.where(some, values[-2], 1.0), 1.0)
+        decay = power * jnp.log(self.left[-2] / self.left[-1]) - jnp.log(jnp.abs(grown))
+        return jnp.sum(terms) + terms[-1] / jnp.expm1(jnp.maximum(decay, _SLOWEST))
+
+
+_SLOWEST = 1e-6  # a series that does not decay has no sum
+
 
 def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
     """The rule between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""

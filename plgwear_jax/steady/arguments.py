@@ -12,17 +12,6 @@ from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.shape import Shape
 
-__all__ = [
-    "ARGUMENTS",
-    "NUMBER",
-    "amplitude_of",
-    "check_again",
-    "check_arguments",
-    "check_bodies",
-    "check_fields",
-    "check_power_law",
-]
-
 NUMBER = Domain("cycles >= 0 and finite", CYCLES.contains)
 _WORN = Domain(">= 0 and finite", CYCLES.contains)
 

@@ -165,11 +165,11 @@ def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
 
 
 def _profile(effort: Effort, state: State, r: Array) -> Array:
-    return state.unworn_profile(r) + worn_depth_at(effort, state, r)
+    return state.outline.height(r) + worn_depth_at(effort, state, r)
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    level = state.height(state.punch) * state.depth - state.unworn_profile(r)
+    level = state.height(state.punch) * state.depth - state.outline.height(r)
     return level - _gap(effort, state, state.depth, r)
 
 
@@ -213,8 +213,11 @@ def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     # As the stick area shrinks to c, F grows and the contact gives way by dF theta/K(c): the area of the loop is
     # 4 theta times the integral of F' (F - F') over 1/K, where nothing cancels but forces.
-    begin, end = state.punch.log_c, state.unworn.log_c
-    share, _, weight = (jnp.asarray(x, begin.dtype) for x in logistic(effort.nodes, 12.0))
+    begin, end, bends = state.punch.log_c, state.unworn.log_c, state.beside.image.bends
+    # Where the contact grows beyond a kink F has one too: few are ends of pieces, many take more places.
+    few, count = len(bends) < FEW_KINKS, effort.nodes
+    inner = 0.5 * jnp.log1p(bends) / (end - begin) if few else np.zeros(0)
+    parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
         punch = punch_at(state.compliance, log_c, effort, state.outline)
@@ -222,7 +225,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
 
-    total = (end - begin) * (weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * share))
+    total = (end - begin) * (parts.weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * parts.x))
     return clamp_keep_slope(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
 
 
@@ -306,6 +309,17 @@ def share_of(effort: Effort, state: State, rig: Array) -> Array:
     return alone / (alone + rig)
 
 
+def _field(name: str, worn: bool = False) -> Any:
+    """A method that is the function of this name of each state and of radii in m."""
+
+    def at(self: "NumericSteady", r: ArrayLike) -> Array:
+        self._check(r=r)
+        states = self._worn if worn else self._solution
+        return over_radii_of((name, self._effort), states, guarded("r", r, RADIUS))
+
+    return at
+
+
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
@@ -338,32 +352,21 @@ class NumericSteady(Steady):
     @property
     def _worn(self) -> State:
         """The state, of which what is worn is read."""
-        state = self._solution
-        refuse_tension(state, worn=True)
-        return state
+        self._check_worn()
+        return self._solution
 
     @property
     def _worn_results(self) -> Results:
         results = self._results
         if "solved" in vars(self):
-            refuse_tension(self._solution, worn=True)
+            self._check_worn()
         return results
+
+    def _of_each(self, name: str, *more: Any) -> Array:
+        return _each_state((name, self._effort), self._solution, *more)
 
     def _of_worn(self, name: str) -> Array:
         return _each_state((name, self._effort), self._worn)
-
-    def _at_worn(self, name: str, r: Array) -> Array:
-        return over_radii_of((name, self._effort), self._worn, r)
-
-    def _of_each(self, name: str, *more: Array) -> Array:
-        return _each_state((name, self._effort), self._solution, *more)
-
-    def _at(self, name: str, r: Array) -> Array:
-        return over_radii_of((name, self._effort), self._solution, r)
-
-    def _radii(self, r: ArrayLike) -> Array:
-        self._check(r=r)
-        return guarded("r", r, RADIUS)
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 
@@ -400,19 +403,6 @@ class NumericSteady(Steady):
         return self._of_each("peak_of")
 
     @property
-    def _onset(self) -> Array:
-        return _most(self._solution)
-
-    @property
-    def _moved(self) -> Array:
-        return _moved(self._solution)
-
-    @property
-    def _worn_moved(self) -> Array:
-        state = self._worn
-        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
-
-    @property
     def energy_per_cycle(self) -> Array:
         return self._of_each("energy_of")
 
@@ -433,12 +423,25 @@ class NumericSteady(Steady):
         return self._of_each("gross_slip_aperture_of")
 
     @property
+    def _onset(self) -> Array:
+        return _most(self._solution)
+
+    @property
+    def _moved(self) -> Array:
+        return _moved(self._solution)
+
+    @property
+    def _worn_moved(self) -> Array:
+        state = self._worn
+        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
+
+    @property
     def _share_of_contact(self) -> Array:
         return self._of_each("share_of", self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        return self._of_each("_force", moved, jnp.asarray(self.load.rig_compliance))
+        return self._of_each("_force", moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
@@ -473,28 +476,14 @@ class NumericSteady(Steady):
 
     def edge_pressure(self, distance: ArrayLike) -> Array:
         self._check(distance=distance)
-        return self._at_worn("edge_pressure_of", guarded("distance", distance, DISTANCE))
+        distance = guarded("distance", distance, DISTANCE)
+        return over_radii_of(("edge_pressure_of", self._effort), self._worn, distance)
 
-    def initial_displacement(self, r: ArrayLike) -> Array:
-        return self._at("_unworn_displacement", self._radii(r))
-
-    def steady_displacement(self, r: ArrayLike) -> Array:
-        return self._at_worn("_worn_displacement", self._radii(r))
-
-    def profile(self, r: ArrayLike) -> Array:
-        return self._at_worn("_profile", self._radii(r))
-
-    def wear_depth(self, r: ArrayLike) -> Array:
-        return self._at_worn("worn_depth_at", self._radii(r))
-
-    def initial_pressure(self, r: ArrayLike) -> Array:
-        return self._at("unworn_pressure_at", self._radii(r))
-
-    def pressure(self, r: ArrayLike) -> Array:
-        return self._at_worn("worn_pressure_at", self._radii(r))
-
-    def traction(self, r: ArrayLike) -> Array:
-        return self._at_worn("_worn_traction_at", self._radii(r))
-
-    def slip_amplitude(self, r: ArrayLike) -> Array:
-        return self._at("_slip", self._radii(r))
+    initial_displacement = _field("_unworn_displacement")
+    steady_displacement = _field("_worn_displacement", worn=True)
+    profile = _field("_profile", worn=True)
+    wear_depth = _field("worn_depth_at", worn=True)
+    initial_pressure = _field("unworn_pressure_at")
+    pressure = _field("worn_pressure_at", worn=True)
+    traction = _field("_worn_traction_at", worn=True)
+    slip_amplitude = _field("_slip")

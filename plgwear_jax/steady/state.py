@@ -67,10 +67,6 @@ class State(NamedTuple):
         """c^2/R."""
         return jnp.exp(2.0 * punch.log_c) / self.radius
 
-    def unworn_profile(self, r: Array) -> Array:
-        """f_0 in m."""
-        return self.outline.height(r)
-
     @property
     def shape(self) -> tuple[int, ...]:
         """The shape of the contacts, () for one."""

@@ -175,28 +175,30 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
         parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
-        weights, last = parts.singular(s + half)
-        rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
-        return jnp.exp((s + half) * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
+        rates = image.rate((1.0 - z) + z * parts.left)
+        return jnp.exp((s + half) * jnp.log(z)) * parts.up_to_end(rates, s + half)
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jax.lax.map(jax.checkpoint(at), z)
     if rest is None or punch.flat is None:
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
-    y = _at_edge(less) / _at_edge(punch.flat) * punch.flat - less
+    y = _without_edge(punch.depth * punch.flat - less)
     return found + compliance.front / c * pressure_inside(y, s, z, half)
 
 
 def own_pressures(punch: Punch) -> Array:
     """y of the indenter that touches up to c and no further."""
     assert punch.flat is not None and punch.bowl is not None
-    return _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
+    return _without_edge(punch.depth * punch.flat - punch.bowl)
 
 
-def _at_edge(y: Array) -> Array:
-    """The factor of (1 - (r/c)^2)^(s-1) in the pressure at the edge, but for one that all have."""
-    return jnp.tensordot(jnp.asarray((-1.0) ** np.arange(y.shape[0]), y.dtype), y, 1)
+def _without_edge(y: Array) -> Array:
+    """Pressures without what is singular at the edge, taken off the last ones, which leave force and middle alone."""
+    # By a flat punch the roundings at the edge would be in the whole contact.
+    n = np.arange(y.size)
+    sign, share = jnp.asarray((-1.0) ** n, y.dtype), jnp.asarray(n**2 / np.sum(n**2), y.dtype)
+    return y - (y @ sign) * sign * share
 
 
 def pressure_inside(y: Array, s: Array, inside: Array, half: float = 0.0) -> Array:

@@ -21,7 +21,7 @@ from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, on_the_law, pressed, punch_under
+from plgwear_jax.surfaces.punch import Punch, on_the_law, pressed, punch_at, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
@@ -126,8 +126,15 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     y = y[: begin + 1]
     known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
     mean = y * mean * (image.fallen(known) / known)
-    flat = jnp.append(flat[0] / edge[count] * edge[:count], flat)
-    own = jnp.append(own[0] / mean[-1] * mean[:-1], own)
+    size = flat[0] / edge[count]
+    near = own[0] / mean[-1] * mean
+    if law.punches is not None:
+        # The indenter is flat punches of radii up to c: how fast its depth rises with c is its size at c.
+        log_c, one, further = punch.log_c, jnp.ones_like(c), 2.0 * (_nodes()[begin] - _nodes()[begin:])
+        _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
+        near = size * (depth + 0.5 * rise) / image.rate(one[None]) * mean
+        own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
+    flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
     return Beside(a, 1.0 - flat, own - fallen, image, depth)
 
 

@@ -12,9 +12,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.jacobi import jacobi_table, ratios
-from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
-from plgwear_jax.surfaces.punch import own_pressures
+from plgwear_jax.surfaces.compliance import Compliance, OnePower
+from plgwear_jax.surfaces.punch import own_pressures, pressure_inside
 from plgwear_jax.surfaces.ring import Worn
 
 # Pressures are promised to 1e-2 of the mean. What is less negative than twice that changes no result beyond its digits,
@@ -61,24 +60,11 @@ def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
     assert found.punch.flat is not None
     s, own = compliance.s, own_pressures(found.punch)
     worn = own + (found.depth - found.punch.depth) * found.punch.flat
-    y = jnp.stack([own_pressures(found.unworn), own, worn], -1)
-    z, count = 1.0 - _PLACES**2, y.shape[0]
-    if isinstance(compliance, Graded):  # P_2n of the root of z
-        table = np.polynomial.legendre.legvander(np.sqrt(z), 2 * count - 2)[:, ::2]
-        rising = np.cumprod(np.append(1.0, (np.arange(count - 1) + 1.0) / (np.arange(count - 1) + 0.5)))
-        matrix = jnp.asarray(0.5 * z[:, None] ** -0.5 * table * rising, s.dtype)
-    else:
-        x, one = jnp.asarray(2.0 * z - 1.0, s.dtype), jnp.ones_like(s)
-        table = jacobi_table(count, s, one, x).T * ratios(one, one, s, count)
-        matrix = s * jnp.exp((s - 1.0) * jnp.asarray(np.log(z), s.dtype))[:, None] * table
-    pressures = (matrix @ y / y[0]).T
-    edge = jnp.exp(s * jnp.asarray(np.log(z), s.dtype))  # as before any wear pressures vanish there
-    log_c = jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c])
-    return (
-        pressures,
-        jnp.exp(log_c)[:, None] * jnp.asarray(_PLACES, s.dtype),
-        jnp.stack([edge, edge, jnp.ones_like(edge)]),
-    )
+    y, z = jnp.stack([own_pressures(found.unworn), own, worn]), jnp.asarray(1.0 - _PLACES**2, s.dtype)
+    pressures = jax.vmap(lambda y: pressure_inside(y, s, z) / (2.0 * compliance.front * y[0]))(y)
+    edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
+    c = jnp.exp(jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c]))
+    return pressures, c[:, None] * jnp.asarray(_PLACES, s.dtype), jnp.stack([edge, edge, jnp.ones_like(edge)])
 
 
 def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, Array, Array]:

@@ -1,9 +1,9 @@
 """Elastic indenters, layers and any E(z): against the plane-strain equations, similarity and closed forms."""
 
 import dataclasses
-import functools
 import subprocess
 import sys
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 import surface_oracle
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
+from refusals import cases, is_told
 from scipy.interpolate import PchipInterpolator
 
+import plgwear_jax
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
 from plgwear_jax.shapes import TruncatedSphere
 from plgwear_jax.special.pchip import pchip
@@ -275,47 +277,12 @@ def test_derivatives_are_finite_where_there_is_no_gradient():
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 
-E = [1e11, 2e11, 3e11]
-ONE_MORE = "there must be one modulus more"
-
-
-@pytest.mark.parametrize(
-    "make, first, modulus, told",
-    [
-        *(
-            (DepthGraded, *given)
-            for given in (
-                ([0.0, 2e-5, 1e-5], E, "depths must increase"),
-                ([0.0, 1e-5, 1e-5, 1e-5], [*E, 1e11], "not three times"),
-                ([0.0, -1e-5, 1e-5], E, r"depth = -1e-05 at index 1 is outside"),
-                ([0.0, np.nan, 1e-5], E, "depth = nan"),
-                ([0.0, 1e-5, 2e-5], [1e11, -1.0, 1e11], "modulus = -1.0"),
-                ([0.0], [1e11], "two points or more"),
-                ([0.0, 1e-5], E, "two points or more"),
-            )
-        ),
-        *(
-            (Layered, *given)
-            for given in (
-                ([1e-5], [1e11], rf"thickness of shape \(1,\) and modulus of shape \(1,\): {ONE_MORE}"),
-                ([[1e-5]], E, rf"shape \(1, 1\) and modulus of shape \(3,\): {ONE_MORE}"),
-                (1e-5, E[:2], r"thickness of shape \(\) and modulus of shape \(2,\)"),
-                ([], [], r"thickness of shape \(0,\) and modulus of shape \(0,\)"),
-                ([0.0], E[:2], r"thickness = 0.0 at index 0 is outside the allowed range > 0 and finite"),
-                ([1e-5, -1e-6], E, r"thickness = -1e-06 at index 1 is outside"),
-                ([np.inf], E[:2], r"thickness = inf at index 0 is outside"),
-                ([np.nan], E[:2], r"thickness = nan at index 0 is outside"),
-                ([1e-5], [1e11, 0.0], r"modulus = 0.0 at index 1 is outside"),
-                (["a"], E[:2], "thickness takes real numbers"),
-            )
-        ),
-        (functools.partial(Layered, nu=0.6), [1e-5], E[:2], r"nu = 0\.6"),
-    ],
-)
-def test_what_is_refused(make, first, modulus, told):
-    with pytest.raises((TypeError, ValueError), match=told) as error:
-        make(first, modulus, **({} if isinstance(make, functools.partial) else {"nu": 0.3}))
-    assert "\n" not in str(error.value)
+@cases(Path(__file__).with_name("refused.toml"), "record")
+def test_what_is_refused(case):
+    """Half-spaces, and shapes of indenters."""
+    with pytest.raises((TypeError, ValueError)) as error:
+        getattr(plgwear_jax, case["name"])(*case["fields"])
+    assert is_told(str(error.value), case)
 
 
 def test_an_indenter_that_is_none_is_refused():
