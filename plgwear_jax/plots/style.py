@@ -82,8 +82,9 @@ def page(width: float, height: float, layout: Any = "constrained", dpi: int = 30
 
 def letters(panels: Iterable[Axes], names: Iterable[str] = "") -> None:
     """(a), (b) and so on above the panels, with their names if they have any."""
-    for letter, axes, name in zip("abcdefghijkl", panels, names or itertools.repeat(""), strict=False):
-        axes.set_title(f"({letter})   {name}".rstrip(), loc="left")
+    for letter, axes, name in itertools.zip_longest("abcdefghijkl", panels, names):
+        if axes is not None:
+            axes.set_title(f"({letter})   {name or ''}".rstrip(), loc="left")
 
 
 def mark(axes: Axes, place: float, words: str) -> None:

@@ -137,6 +137,10 @@ def test_colours_fit_the_values(shown, units, norm, ends):
         np.testing.assert_allclose([found.norm.vmin, found.norm.vmax], ends)
     assert (found.cmap.name == "RdBu_r") is bool(shown.min() < -1e-6 and shown.max() > 1e-6)
     assert not np.ma.getmaskarray(found.get_array()).any()
+    row = np.sort(shown.ravel())
+    curve = drawn(row, units=units, attrs={"label": "any"}, phi=np.linspace(0.1, 0.9, row.size))
+    assert curve.axes[0].get_yscale() == {Normalize: "linear", LogNorm: "log", AsinhNorm: "asinh"}[norm]
+    np.testing.assert_array_equal(line(curve)[1], row)
 
 
 def test_zero_has_the_lowest_colour_and_infinite_values_those_of_the_ends():
@@ -159,6 +163,7 @@ def test_what_is_no_number_is_grey_and_said_to_be(unfinished, said):
     figure = drawn(shown, unfinished=unfinished)
     np.testing.assert_array_equal(np.ma.getmaskarray(np.ma.masked_invalid(mesh(figure).get_array())), np.isnan(shown))
     assert entries(figure) == [f"grey: {said}"]
+    assert entries(drawn(shown[:3], unfinished=unfinished, k=K[:3], phi=PHI))[3:] == [f"gaps: {said}"]
     drawn(np.full_like(shown, np.nan), unfinished=unfinished)
     assert entries(drawn(PLANE, unfinished=unfinished)) == []
 
@@ -223,26 +228,6 @@ def test_an_axis_of_few_values_makes_curves_that_grey_prints_tell_apart():
     assert len({curve.get_color() for curve in lines}) == z0.size and len(dashes) >= 4
     more = np.append(z0, 1e-3)
     assert mesh(drawn(plane(K, more), k=K, z0=more)).get_array().shape == (more.size, K.size)
-
-
-@pytest.mark.parametrize(
-    "shown, scale",
-    [
-        (10.0 ** np.linspace(0, 3, 20), "log"),
-        (np.linspace(-1, 1, 20), "linear"),
-        (np.sinh(np.linspace(-9, 9, 20)), "asinh"),
-    ],
-)
-def test_a_curve_stands_on_a_fitting_scale(shown, scale):
-    figure = drawn(shown, "wear_volume.dk", "a_0^4/R", phi=np.linspace(0.1, 0.9, 20))
-    assert figure.axes[0].get_yscale() == scale
-    np.testing.assert_array_equal(line(figure)[1], shown)
-
-
-def test_gaps_of_curves_are_said():
-    shown = np.stack([plane(PHI), plane(PHI)])
-    shown[1, 3:5] = np.nan
-    assert entries(drawn(shown, unfinished=1, k=K[:2], phi=PHI))[2:] == ["gaps: not computed yet"]
 
 
 def test_loads_have_their_names():
