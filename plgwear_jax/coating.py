@@ -307,8 +307,7 @@ def where_it_counts(
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.steady(0.0).contact_radius) if contact_radius is None else contact_radius
-    decades = np.linspace(-2.0, 1.0, points)  # log10 of the depths over the contact radius
-    step = decades[1] - decades[0]
+    decades, step = np.linspace(-2.0, 1.0, points, retstep=True)  # log10 of the depths over the contact radius
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes_by_depth(contact, float(tangential_force), radius * 10.0**fine, hats))

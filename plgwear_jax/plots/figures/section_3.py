@@ -239,7 +239,7 @@ def wear_volumes(page: FigureBase) -> None:
     panels = whole, low, high = page.subplots(1, 3)
     phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
     small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
-    for k in (*(-k for k in PAIRS[::-1]), 0.0, *PAIRS):
+    for k in (*-PAIRS[::-1], 0.0, *PAIRS):
         style = {"color": ORANGE if k < 0.0 else BLUE if k else "k", "linestyle": DASHED if k < 0.0 else "-"}
         style["linewidth"] = 0.7 + 1.4 * abs(k)
         whole.plot(phi, fretting.wear_volume(k, phi), label=of_k(k), **style)

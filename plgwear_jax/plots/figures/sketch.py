@@ -11,7 +11,7 @@ COLUMN, PAGE = 8.6, 17.8  # widths in cm
 EXPONENTS = np.array([-0.5, 0.0, 0.5])
 AMPLITUDES = np.array([0.3, 0.6, 0.9])  # the paper shows three and does not say which
 DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, which the paper does not state either
-PAIRS = (0.2, 0.5, 0.8)  # abs(k) in Fig. 9
+PAIRS = np.array([0.2, 0.5, 0.8])  # abs(k) in Fig. 9
 ALMOST = 1.0 - 1e-9
 
 # Orange is k < 0, which is red in the paper, and blue k > 0.

@@ -109,7 +109,7 @@ NUMBERS: Mapping[str, TextNumber] = {
     for name, words, where, printed in (re.split("  +", line.strip()) for line in _TABLE.strip().splitlines())
 }
 # The exponents whose wear volumes are compared; every second pair is drawn, and compared once more, with its rings.
-_PAIRS = (-0.5, 0.5), (-0.99, 0.99), (-0.5, 0.0), (-0.99, 0.0), (0.0, 0.5)
+_COMPARED = (-0.5, 0.5), (-0.99, 0.99), (-0.5, 0.0), (-0.99, 0.0), (0.0, 0.5)
 
 
 @functools.cache
@@ -131,8 +131,8 @@ def numbers() -> Mapping[str, float]:
         *modulus_factor(both, 0.5),
         *(factors * plane / plane[1])[::2],
         root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        *(_equal_at(fretting.wear_volume, *pair, 0.05, 0.5) for pair in _PAIRS),
-        *(_equal_at(fretting.wear_volume, *pair, 0.9, 0.9999) for pair in _PAIRS[::2]),
-        *(_equal_at(fretting.worn_radius, *pair, 0.9, 0.99999) for pair in _PAIRS[::2]),
+        *(_equal_at(fretting.wear_volume, *pair, 0.05, 0.5) for pair in _COMPARED),
+        *(_equal_at(fretting.wear_volume, *pair, 0.9, 0.9999) for pair in _COMPARED[::2]),
+        *(_equal_at(fretting.worn_radius, *pair, 0.9, 0.99999) for pair in _COMPARED[::2]),
     ]
     return dict(zip(NUMBERS, map(float, values), strict=True))
