@@ -85,17 +85,16 @@ def _check_radii() -> list[Claim]:
     n, phi = numbers(), np.concatenate([np.geomspace(1e-6, 0.01, 40), np.linspace(0.02, 0.98, 97)])
     inner, outer = fretting.stick_radius(EXPONENTS[:, None], phi), fretting.worn_radius(EXPONENTS[:, None], phi)
     crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
-    half = int(np.flatnonzero(np.isclose(phi, 0.5))[0])
     return [
         Claim(
             "the larger the exponent the larger the stick radius c",
-            f"at φ = 0.5 and {listed(inner[:, half], '.4f', 'c = ')} a0",
+            f"at φ = 0.5 and {listed(fretting.stick_radius(EXPONENTS, 0.5), '.4f', 'c = ')} a0",
             rising(inner),
         ),
         Claim(
             "the larger the exponent the smaller the outer radius a∞",
-            f"at φ = 0.5 and {listed(outer[:, half], '.4f', 'a∞ = ')} a0; it holds below φ = {min(crossings):.5f}, "
-            f"the opposite above {max(crossings):.5f}, close to gross slip",
+            f"at φ = 0.5 and {listed(fretting.worn_radius(EXPONENTS, 0.5), '.4f', 'a∞ = ')} a0; it holds below "
+            f"φ = {min(crossings):.5f}, the opposite above {max(crossings):.5f}, close to gross slip",
             False,
             rising(-outer),
         ),
