@@ -132,7 +132,8 @@ def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
 
 
 def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path) -> None:
-    (low, high), law = fit.exponent_interval, fit.material
+    law: Any = fit.material
+    low, high = fit.exponent_interval
     section = f"""\
 [material]                          # a power law fitted to {name}
 E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0

@@ -9,6 +9,7 @@ from plgwear_jax.catalogue import entry
 from plgwear_jax.plots.style import BLUE, DOT, GREEN, GUIDE, Style, page, picture, show_units
 from plgwear_jax.steady.solution import Steady
 
+_PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
 _TICKS = slice(10, -10, 10), slice(10, -10, 10)  # of the places, those whose directions are drawn
 _LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
@@ -50,7 +51,7 @@ def stress_picture(steady: Steady) -> Figure:
     told = []
     for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
         place = (float(at) for at in getattr(steady, f"{name}_at"))
-        axes.plot(*place, marker, color=BLUE, label=f"largest {words}", clip_on=False, **DOT | {"zorder": 5})
+        axes.plot(*place, marker, label=f"largest {words}", **_PEAK)
         told.append(f"largest {words} {written(float(getattr(steady, name)), entry(name).unit)}")
     axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):

@@ -52,7 +52,7 @@ def balance_of(k: Any, nu: float | str) -> Any:
     return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / np.asarray(k))
 
 
-def modulus_factor(k: Any, nu: float | str) -> Any:
+def modulus_factor(k: Any, nu: Any) -> Any:
     """E0/(1-nu^2) over E/(1-nu^2) of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
     return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * np.asarray(material.h_N(k, nu)))
 
