@@ -139,22 +139,20 @@ def fit_power_law(
     check("z0", z0, POSITIVE)
     depth, modulus = np.asarray(half_space.depth, float), np.asarray(half_space.modulus, float)
     low, high = FELT[0] * contact_radius, FELT[1] * contact_radius
-    weight, covered = _weights_of_depths(depth, low, high, nu, contact_radius)
+    weight, covered = _weights_of_depths(depth, nu, contact_radius)
     counts = weight > 0.0
     if counts.sum() < 2:
         number = f"only {counts.sum()} of {depth.size} depths {'lies' if counts.sum() == 1 else 'lie'}"
         text = f"within 0.1 to 3 contact radii, {low:.3g} m to {high:.3g} m; a power law needs two"
         raise ValueError(f"depth: {number} {text}")
     x, y, w = np.log(depth[counts] / z0), np.log(modulus[counts]), weight[counts]
-    design = np.stack([x, np.ones_like(x)], axis=1)
-    inverse = np.linalg.inv(design.T @ (w[:, None] * design))
-    best = inverse @ (design.T @ (w * y))
-    k, log_modulus = float(best[0]), float(best[1])
+    best, inverse = np.polyfit(x, y, 1, w=np.sqrt(w), cov="unscaled")
+    k, log_modulus = map(float, best)
     if not -1.0 < k < 1.0:
         raise ValueError(f"k = {k:.3g} fits best; only -1 < k < 1 is possible: this is no power law, but a layer")
-    residual = y - design @ best
+    residual, powers = y - np.polyval(best, x), np.vander(x, 2)
     # The moduli scatter alike at all points, whatever their weights.
-    spread = inverse @ (design.T @ ((w * w)[:, None] * design))
+    spread = inverse @ (powers.T @ ((w * w)[:, None] * powers))
     freedom = counts.sum() - 2
     variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
     covariance = variance * spread @ inverse
@@ -186,19 +184,18 @@ def fit_power_law(
     )
 
 
-def _weights_of_depths(
-    depth: np.ndarray, low: float, high: float, nu: float, radius: float
-) -> tuple[np.ndarray, float]:
-    """(Weights of the depths, with the sum 1 unless all are 0; the share of the range from `low` to `high` covered)."""
-    weight = np.zeros_like(depth)
-    below = np.flatnonzero(depth > 0.0)
+def _weights_of_depths(depth: np.ndarray, nu: float, radius: float) -> tuple[np.ndarray, float]:
+    """(Weights of the depths, with the sum 1 unless all are 0; the share of the range `FELT` that they cover)."""
+
+    def parts(edges: np.ndarray) -> np.ndarray:
+        """What is between the edges, of the range that counts."""
+        return np.diff(np.asarray(felt(np.clip(edges / radius, *FELT), nu)))
+
+    weight, below = np.zeros_like(depth), depth > 0.0
     z = depth[below]
-    edges = np.clip(np.concatenate([z[:1], np.sqrt(z[1:] * z[:-1]), z[-1:]]), low, high)
-    share = np.asarray(felt(edges / radius, nu))
-    weight[below] = np.diff(share)
-    total, (first, last) = weight.sum(), np.asarray(felt(np.array(FELT), nu))
-    begin = np.asarray(felt(np.clip(depth[[0, -1]], low, high) / radius, nu))
-    return (weight / total if total > 0.0 else weight), float((begin[1] - begin[0]) / (last - first))
+    weight[below] = parts(np.concatenate([z[:1], np.sqrt(z[1:] * z[:-1]), z[-1:]]))
+    total, ends = weight.sum(), radius * np.array(FELT)
+    return (weight / total if total > 0.0 else weight), float((parts(depth[[0, -1]]) / parts(ends))[0])
 
 
 # --- what the idealisation does -------------------------------------------------------------------------------------
@@ -310,8 +307,7 @@ def where_it_counts(
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.steady(0.0).contact_radius) if contact_radius is None else contact_radius
-    decades = np.linspace(-2.0, 1.0, points)  # log10 of the depths over the contact radius
-    step = decades[1] - decades[0]
+    decades, step = np.linspace(-2.0, 1.0, points, retstep=True)  # log10 of the depths over the contact radius
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes_by_depth(contact, float(tangential_force), radius * 10.0**fine, hats))

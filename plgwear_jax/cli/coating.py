@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import PowerLawFit
     from plgwear_jax.scene import Scene
 
+# A section ends with its last key: comments further down belong to the next one.
+_MATERIAL = re.compile(
+    r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?:[^\S\n]*(?:#[^\n]*)?\n)*[^\S\n]*[^\s#\[][^\n]*\n?)*", re.MULTILINE
+)
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
 
 
@@ -121,28 +125,24 @@ def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
     if named is not None and out.resolve().parent != scene_file.resolve().parent:
         refuse(f"--out {one_line(str(out))}: must be in the folder of the input file, where {one_line(named)} is")
     text = read_text(scene_file, "an input file is a TOML file", ValueError)
-    found = re.search(
-        r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?![ \t]*\[)[^\n]*\n?)*?(?=[ \t]*\[|\Z)", text, re.MULTILINE
-    )
-    if found is None:
+    if _MATERIAL.search(text) is None:
         refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
-    lines = found.group().splitlines(keepends=True)
-    while len(lines) > 1 and lines[-1].lstrip()[:1] in ("", "#"):  # comments there belong to the next section
-        lines.pop()
-    return text[: found.start()], text[found.start() + len("".join(lines)) :]
+    before, after = _MATERIAL.split(text, 1)
+    return before, after
 
 
 def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path) -> None:
-    (low, high), numbers = fit.exponent_interval, {one: float(x) for one, x in vars(fit.material).items()}
-    remarks = {
-        "E0": "Pa, the modulus at the depth z0",
-        "z0": "m, the contact radius on E(z) as measured",
-        "k": f"{low:.3g} to {high:.3g} with 95 % confidence",
-        "nu": "Poisson's ratio",
-    }
-    lines = [f"[material]                          # a power law fitted to {name}"]
-    lines += [f"{one} = {numbers[one]:.6g}  # {remark}" for one, remark in remarks.items()]
-    whole = text[0] + "\n".join(lines) + "\n\n" + text[1].lstrip("\n")
+    law: Any = fit.material
+    low, high = fit.exponent_interval
+    section = f"""\
+[material]                          # a power law fitted to {name}
+E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
+z0 = {float(law.z0):.6g}  # m, the contact radius on E(z) as measured
+k = {float(law.k):.6g}  # {low:.3g} to {high:.3g} with 95 % confidence
+nu = {float(law.nu):.6g}  # Poisson's ratio
+
+"""
+    whole = text[0] + section + text[1].lstrip("\n")
     _files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
 
 

@@ -1,5 +1,6 @@
 """The command `plgwear figures`: the figures of the paper, drawn by the library and checked."""
 
+import itertools
 from pathlib import Path
 from typing import Annotated
 
@@ -36,31 +37,25 @@ def figures(
         from plgwear_jax import plots
         from plgwear_jax.plots import figures as library
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
-    stems = [figure.stem for figure in chosen] + ["contact-sheet"]
-    pictures = {stem: [out / f"{stem}{suffix}" for suffix in (".pdf", ".png")] for stem in stems}
-    _make(out)
-    for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
-        _files.check_target(path, (path.suffix,))
+    stems, suffixes = [figure.stem for figure in chosen], (".pdf", ".png")
+    try:
+        out.mkdir(exist_ok=True)
+    except FileExistsError:
+        raise _files.TargetError(f"{out}: is a file, not a folder to write to") from None
+    except OSError as error:
+        raise _files.TargetError(f"{out}: cannot be made: {error.strerror}") from None
+    for stem, suffix in [("figures", ".md"), *itertools.product([*stems, "contact-sheet"], suffixes)]:
+        _files.check_target(out / f"{stem}{suffix}", (suffix,))
     for figure in chosen:
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()
-            for path in pictures[figure.stem]:
-                plots.save(drawn, path)
+            for suffix in suffixes:
+                plots.save(drawn, out / f"{figure.stem}{suffix}")
             verdict = library.verdict(figure.check())
         typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
     with working("drawing all of them on one sheet"):
         sheet = library.contact_sheet(chosen)
-        for path in pictures["contact-sheet"]:
-            plots.save(sheet, path)
+        for suffix in suffixes:
+            plots.save(sheet, out / f"contact-sheet{suffix}")
         text = library.report(chosen).encode()
     _files.write(out / "figures.md", lambda path: path.write_bytes(text))
-
-
-def _make(folder: Path) -> None:
-    """Make a folder, if it is not there, in one that is."""
-    try:
-        folder.mkdir(exist_ok=True)
-    except FileExistsError:
-        raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
-    except OSError as error:
-        raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None

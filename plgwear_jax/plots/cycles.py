@@ -57,41 +57,42 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     """
     figure = page(18.0, 8.5)
     panels = figure.subplot_mosaic("abd;acd")
-    states, styles, final = [*shown], [*_SHADES[: len(shown)]], run.final
-    volumes, end = np.asarray(run.volume(shown)), np.inf if final is None else float(final.volume)
+    states, styles, end = [*shown], [], np.inf if run.final is None else float(run.final.volume)
     _draw_volume(panels["a"], run, np.asarray(cycles, float), end, life)
-    for i, (number, volume) in enumerate(zip(shown, volumes, strict=True)):
-        panels["a"].plot(number, volume, "o", color=styles[i]["color"], **DOT)
-        share = "" if final is None else f" ({100.0 * volume / end:.0f} %)"
-        styles[i] = styles[i] | {"label": f"{plain_number(number)} cycles{share}"}
-    if final is not None:
+    for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
+        panels["a"].plot(number, volume, "o", color=shade["color"], **DOT)
+        share = f" ({100.0 * volume / end:.0f} %)" if end < np.inf else ""
+        styles.append(shade | {"label": f"{plain_number(number)} cycles{share}"})
+    if end < np.inf:
         states.append(float(run.lasting_cycles))
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
-    first, last = max(inner - (outer - inner), 0.0), outer + 0.15 * (outer - inner)
+    first, last = max(2.0 * inner - outer, 0.0), outer + 0.15 * (outer - inner)
     # Radii crowd at the stick-slip boundary, where all quantities may have infinite slopes.
     crowded = np.linspace(0.0, 1.0, 121) ** 2
     r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
     shape, before = np.asarray(unworn_of(run.contact)(r)), np.asarray(run.contact.steady(0.0).initial_pressure(r))
     deepest, highest = float(np.max(depths)), (2.5 if inner > 0.0 else 1.1) * before.max()
-    for key, name, words, unworn, rows, limits in (
-        ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths, (None, None)),
-        ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths, (0.0, None)),
-        ("d", "pressure", "pressure", before, pressures, (0.0, highest)),
+    for key, name, words, unworn, rows in (
+        ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths),
+        ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths),
+        ("d", "pressure", "pressure", before, np.minimum(pressures, 9.0 * highest)),  # else infinite in the end
     ):
         axes = panels[key]
         axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
-            axes.plot(r, np.minimum(row, 9.0 * highest), **style)  # infinite at the stick-slip boundary in the end
-        axes.set(xlim=(first, last), ylim=limits)
+            axes.plot(r, row, **style)
+        axes.set_xlim(first, last)
         if key == "c":
             mark_roughness(axes, deepest)
+        elif key == "d":
+            axes.set_ylim(0.0, highest)
         label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
     deep = written(deepest, entry("wear_depth").unit)
-    panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
+    panels["c"].set_title(f"{'steady state' if end < np.inf else 'in the end'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
     legend_above(figure, (panels["a"], panels["c"]), 4)
     return figure
@@ -111,7 +112,7 @@ def _draw_volume(axes: Axes, run: Run, cycles: np.ndarray, end: float, life: flo
         axes.axhline(end, color=ORANGE)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0], 3.0 * (end if end < np.inf else volume.max())))
+    axes.set(xlim=cycles[[0, -1]], ylim=(volume[0], 3.0 * (end if end < np.inf else volume.max())))
     label(axes, "cycles", "volume")
 
 

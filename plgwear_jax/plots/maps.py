@@ -23,6 +23,7 @@ from matplotlib.colors import AsinhNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
+from matplotlib.scale import FuncScale
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from plgwear_jax._core.units import PREFIXED, written
@@ -39,6 +40,7 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
+from plgwear_jax.tables import number_in
 
 __all__ = ["MapError", "map_picture"]
 
@@ -89,18 +91,15 @@ def map_picture(
     """
     if contours < 0:
         raise MapError(f"contours = {contours}: must be >= 0")
-    variable, told = _cut(_asked(ds, quantity), dict(at or {}))
-    across, *others = _arranged(variable)
-    is_map = bool(others) and variable.sizes[others[0]] > _FEW
-    numbers = [dim for dim in variable.dims if _is_number(variable[dim])]
+    variable, told = _cut(_asked(ds, quantity), at or {})
+    is_map = variable.ndim == 2 and len(variable) > _FEW
     most = _SEEN if is_map else _SEEN_OF_CURVE
     seen = {dim: np.linspace(0, n - 1, min(most, n)).round().astype(int) for dim, n in variable.sizes.items()}
-    variable = variable.sortby(numbers).isel(seen).transpose(*others, across).compute()
+    variable = variable.sortby([dim for dim in seen if _is_number(variable[dim])]).isel(seen).compute()
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
-    draw = _draw_map if is_map else _draw_curves
-    handles = draw(axes, variable, across, others[0] if others else "", contours)
-    if np.isnan(variable.astype(float)).any():
+    handles = _draw_map(axes, variable, contours) if is_map else _draw_curves(axes, variable)
+    if variable.isnull().any():
         missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
     equation = str(variable.attrs.get("equation", ""))
@@ -118,11 +117,10 @@ def map_picture(
 
 
 def _asked(ds: xr.Dataset, quantity: str | None) -> xr.DataArray:
-    if not ds.data_vars:
-        raise MapError("the sweep holds no quantity")
     known = {name: one for one in ds.data_vars.values() for name in (_quantity(one), str(one.name))}
-    if quantity is None:
-        return next(iter(known.values()))
+    if not known:
+        raise MapError("the sweep holds no quantity")
+    quantity = next(iter(known)) if quantity is None else quantity
     if quantity not in known:
         raise MapError(f"{one_line(quantity)}: is not in the sweep{near_or_all(quantity, known)}")
     return known[quantity]
@@ -136,29 +134,29 @@ def _quantity(variable: xr.DataArray) -> str:
     return str(variable.attrs.get("quantity", variable.name))
 
 
-def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArray, list[str]]:
-    """The quantity along the axes that are drawn, and in print what all others are."""
+def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.DataArray, list[str]]:
+    """The quantity along the axes that are drawn, the horizontal one last, and in print what all others are."""
     dims, name = [str(dim) for dim in variable.dims], variable.name
     if not dims:
-        raise MapError(f"{name}: is a single number, {variable.to_numpy():g}; there is nothing to draw")
+        raise MapError(f"{name}: is a single number, {float(variable):g}; there is nothing to draw")
     for axis in at:
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
     variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
     variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
-    left = [str(dim) for dim in variable.dims]
-    if not left:
+    if variable.ndim == 0:
         raise MapError(f"{name}: every axis has a single value; there is nothing to draw")
-    if len(left) > 2:
-        spans = "; ".join(_axis_told(variable[dim]) for dim in left)
-        raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
+    if variable.ndim > 2:
+        spans = "; ".join(_axis_told(variable[dim]) for dim in variable.dims)
+        raise MapError(f"{name}: choose a value for {variable.ndim - 2} of its {variable.ndim} axes: {spans}")
     told = []
     for dim, row in variable.coords.items():
         if row.ndim == 0:
-            told.append(_entry(row) if _is_number(row) else f"{_label(row)} = {_entry(row)}")
-            if str(dim) in at and _is_number(row) and not math.isclose(float(at[str(dim)]), row, rel_tol=1e-6):
-                told[-1] += f" (nearest to {_value(row, float(at[str(dim)]))})"
-    return variable, told
+            told.append(_told(row))
+            wanted = at.get(str(dim), row.item())
+            if _is_number(row) and not math.isclose(float(wanted), row, rel_tol=1e-6):
+                told[-1] += f" (nearest to {_value(row, float(wanted))})"
+    return variable.transpose(*_arranged(variable)), told
 
 
 def _nearest(row: xr.DataArray, wanted: float | str) -> int:
@@ -169,14 +167,11 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
         if wanted not in names:
             raise MapError(f"{said} not in the sweep{near_or_all(str(wanted), names)}")
         return names.index(str(wanted))
-    try:
-        number = float(wanted)
-    except ValueError:
-        number = math.nan
+    number = number_in(str(wanted))
     # beyond the ends by at most the spacing of the values there
     ordered = np.sort(values)
-    before, behind = (float(np.ptp(ends)) for ends in (ordered[:2], ordered[-2:]))
-    if not ordered[0] - before <= number <= ordered[-1] + behind:
+    before, behind = np.ptp(ordered[:2]), np.ptp(ordered[-2:])
+    if number is None or not ordered[0] - before <= number <= ordered[-1] + behind:
         raise MapError(f"{said} outside of the sweep: {_axis_told(row)}")
     return int(np.argmin(np.abs(values - number)))
 
@@ -184,18 +179,16 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
 def _axis_told(row: xr.DataArray) -> str:
     if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
-    unit = row.attrs.get("units", "1")
+    unit = _unit(row)
     return f"{row.name} ({float(row.min()):g} to {float(row.max()):g}{'' if unit == '1' else f' {unit}'})"
 
 
-def _arranged(variable: xr.DataArray) -> list[str]:
-    """The horizontal axis, then the vertical one, or that with a curve for each value."""
-    names = [str(dim) for dim in variable.dims]
-    names.sort(key=lambda name: _ACROSS.index(name) if name in _ACROSS else len(_ACROSS))
-    names.sort(key=lambda name: not _is_number(variable[name]))
-    if len(names) == 2 and variable.sizes[names[0]] <= _FEW < variable.sizes[names[1]]:
-        names.reverse()
-    return names
+def _arranged(variable: xr.DataArray) -> list[Any]:
+    """The vertical axis, or that with a curve for each value, then the horizontal one."""
+    order = *_ACROSS, *variable.dims
+    names = sorted(variable.dims, key=lambda name: (_is_number(variable[name]), -order.index(name)))
+    few = [variable.sizes[name] <= _FEW for name in names]
+    return names[::-1] if few == [False, True] else names
 
 
 # --- words and units --------------------------------------------------------------------------------------------------
@@ -206,16 +199,18 @@ def _label(array: xr.DataArray) -> str:
     return str(array.attrs.get("label") or _no_formula(str(array.attrs.get("long_name", array.name))))
 
 
-def _symbol(row: xr.DataArray) -> str:
-    label = _label(row)
-    return label[label.index("$") :] if label.endswith("$") else label
+def _unit(array: xr.DataArray) -> str:
+    return str(array.attrs.get("units", "1"))
+
+
+def _told(row: xr.DataArray) -> str:
+    """The symbol, or else the name, and the value of an axis that has one."""
+    words, formula, symbol = _label(row).partition("$")
+    return f"{formula}{symbol or words} = {_value(row, row.item())}"
 
 
 def _value(row: xr.DataArray, value: Any) -> str:
-    unit = row.attrs.get("units", "1")
-    if isinstance(value, str):
-        return _no_formula(value)
-    return written(value, _printed(unit))
+    return written(value, _printed(row)) if _is_number(row) else _no_formula(value)
 
 
 def _no_formula(text: str) -> str:
@@ -223,8 +218,9 @@ def _no_formula(text: str) -> str:
     return one_line(text).replace("$", r"\$")
 
 
-def _printed(unit: str) -> str:
-    """An SI unit as it is, one of the paper as a formula; nothing for a plain number."""
+def _printed(array: xr.DataArray) -> str:
+    """A unit of SI as it is, one of the paper as a formula."""
+    unit = _unit(array)
     if unit in PREFIXED:
         return unit
     return "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
@@ -232,7 +228,7 @@ def _printed(unit: str) -> str:
 
 def _show(axis: Axis, array: xr.DataArray) -> None:
     """Label an axis on which values of a quantity or of an axis of the sweep stand."""
-    show_units(axis, words=_label(array), unit=_printed(str(array.attrs.get("units", "1"))))
+    show_units(axis, words=_label(array), unit=_printed(array))
 
 
 # --- axes and scales --------------------------------------------------------------------------------------------------
@@ -241,21 +237,18 @@ def _show(axis: Axis, array: xr.DataArray) -> None:
 def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     """Stretch an axis as the sweep has spaced its values; these values in the unit of the axis."""
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
+    axis.set_label_text(_label(row))
     if not _is_number(row):
-        axis.set_ticks(np.arange(values.size), [_no_formula(str(value)) for value in values])
-        axes.set(**{f"{side}label": _label(row)})
+        axis.set_ticks(np.arange(values.size), [_no_formula(value) for value in values])
         return np.arange(values.size)
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
-    axes.set(**{f"{side}lim": values[[0, -1]]})
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
-    scale: Style = {"functions": (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh)}
-    getattr(axes, f"set_{side}scale")("function" if bounded else spacing, **(scale if bounded else {}))
-    if spacing != "logit":
-        _show(axis, row)
-        return values
-    axis.set_label_text(_label(row))
+    atanh = FuncScale(axis, (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh))
+    axes.set(**{f"{side}lim": values[[0, -1]], f"{side}scale": atanh if bounded else spacing})
     if bounded:
         axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, 0.0, 0.9, 0.99, 0.999]))
+    if spacing != "logit":
+        _show(axis, row)
     return values
 
 
@@ -268,19 +261,19 @@ def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
 
 def _norm(variable: xr.DataArray) -> Normalize:
     """The scale of values: logarithmic beyond two decades, centred on zero for both signs, without infinite ones."""
-    values, share = variable.to_numpy().astype(float), variable.attrs.get("units", "1") == "1"
+    values = variable.to_numpy().astype(float)
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return Normalize(0.0, 1.0)
-    lower, upper, size = float(finite.min()), float(finite.max()), float(np.abs(finite).max())
-    if np.any(np.isinf(values)):
-        size = float(np.quantile(np.abs(finite), 0.99))
+    lower, upper, size = finite.min(), finite.max(), np.abs(finite).max()
+    if np.isinf(values).any():
+        size = np.quantile(np.abs(finite), 0.99)
         lower, upper = max(lower, -size), min(upper, size)
     if lower < -1e-6 * size and upper > 1e-6 * size:  # smaller values are rounding errors
-        usual = float(np.median(np.abs(finite)))
+        usual = np.median(np.abs(finite))
         return AsinhNorm(usual, -size, size) if size > 30.0 * usual > 0.0 else Normalize(-size, size)
-    least = float(np.min(finite, where=finite > 0.0, initial=math.inf))
-    if lower >= 0.0 and upper > 100.0 * least and not (share and upper <= 1.0):
+    least, share = finite[finite > 0.0].min(initial=np.inf), _unit(variable) == "1" and upper <= 1.0
+    if lower >= 0.0 and upper > 100.0 * least and not share:
         return LogNorm(least, upper)
     return Normalize(lower, upper) if lower < upper else Normalize(lower - 0.5, upper + 0.5)
 
@@ -288,16 +281,16 @@ def _norm(variable: xr.DataArray) -> Normalize:
 # --- curves and maps --------------------------------------------------------------------------------------------------
 
 
-def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, contours: int) -> list[Any]:
+def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
     """Draw one curve, or one for each value of the other axis; the entries of the legend."""
-    x, values = _stretch(axes, "x", variable[across]), np.atleast_2d(variable.to_numpy().astype(float))
-    norm = _norm(variable)
-    style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
-    if not _is_number(variable[across]):
+    *other, across = (variable[dim] for dim in variable.dims)
+    x, norm = _stretch(axes, "x", across), _norm(variable)
+    labels = [_told(one) if _is_number(one) else _value(one, one.item()) for row in other for one in row]
+    style: Style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
+    if not _is_number(across):
         style["linestyle"] = ""
     axes.set_prop_cycle(**_CURVES)
-    for place, row in enumerate(values):
-        axes.plot(x, row, label=_entry(variable[other][place]) if other else None, **style)
+    lines = axes.plot(x, variable.astype(float).T, label=labels or None, **style)
     if isinstance(norm, LogNorm):
         axes.set_yscale("log")
     elif isinstance(norm, AsinhNorm):
@@ -305,35 +298,29 @@ def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, co
     _show(axes.yaxis, variable)
     if variable.dtype.kind == "b":
         axes.set_yticks([0.0, 1.0], ["no", "yes"])
-    return axes.get_legend_handles_labels()[0]
+    return lines if other else []
 
 
-def _entry(row: xr.DataArray) -> str:
-    value = row.item()
-    return _no_formula(value) if isinstance(value, str) else f"{_symbol(row)} = {_value(row, value)}"
-
-
-def _relative(variable: xr.DataArray, other: str) -> xr.DataArray:
+def _relative(variable: xr.DataArray) -> xr.DataArray:
     """A map of the wear volume over that of k = 0, if it has that, wherever there is any wear."""
     if _quantity(variable) != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
         return variable
     base = variable.sel(k=0.0, method="nearest", drop=True)
-    wears = np.flatnonzero(base != 0.0)
-    ratio = (variable / base).isel({other: wears}).transpose(*variable.dims)
+    ratio = (variable / base).where(base != 0.0, drop=True)
     return ratio.assign_attrs(variable.attrs, units="1", label=r"wear volume $\Delta V/\Delta V(k=0)$")
 
 
-def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, contours: int) -> list[Any]:
+def _draw_map(axes: Axes, given: xr.DataArray, contours: int) -> list[Any]:
     """Draw colours, contour lines and the optimum; the entries of the legend."""
-    given, variable = variable, _relative(variable, upwards if across == "k" else across)
-    norm = _norm(variable) if variable is given else LogNorm(1.0 / _MOST, _MOST)
-    x, y, values = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards]), variable.to_numpy()
-    values, yes_or_no = values.astype(float), variable.dtype.kind == "b"
-    signed = variable is not given or norm.vmin == -(norm.vmax or 0.0)
+    variable, yes_or_no = _relative(given), given.dtype.kind == "b"
+    relative, (upwards, across) = variable is not given, variable.dims
+    norm = LogNorm(1.0 / _MOST, _MOST) if relative else _norm(variable)
+    x, y = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards])
+    values, most = variable.to_numpy().astype(float), np.abs(norm.vmax or 1.0)
+    signed = relative or norm.vmin == -most
     # matplotlib leaves out infinite values; here they get the colours of those beyond the scale, and zero the lowest
-    most = 10.0 * np.abs(norm.vmax or 1.0)
-    shown = np.clip(values, norm.vmin if isinstance(norm, LogNorm) else -most, most)
-    beyond = "both" if variable is not given or np.isinf(values).any() else "neither"
+    shown = np.clip(values, norm.vmin if isinstance(norm, LogNorm) else -10.0 * most, 10.0 * most)
+    beyond = "both" if relative or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
     edges = _cell_edges(axes.xaxis, x), _cell_edges(axes.yaxis, y)
@@ -344,11 +331,12 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     _show(bar.ax.yaxis, variable)
     if yes_or_no:
         bar.set_ticks([0.25, 0.75], labels=["no", "yes"])
+        return []
     seen = values[np.isfinite(values)]
     levels = [level for level in bar.ax.get_yticks() if seen.size and seen.min() < level < seen.max()]
-    if contours and levels and not yes_or_no:
+    if contours and levels:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
-        lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=ink, linewidths=0.5)
+        lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5)
         axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())
     return _draw_least(axes, variable, x, y) if _quantity(variable) in _WEARS else []
 
@@ -359,9 +347,9 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
     They are those of the values on the map: the lowest one, and between rows the vertex of the parabola through it and
     its neighbours.
     """
-    (upwards, across), values = variable.dims, np.nan_to_num(variable.to_numpy().astype(float), nan=np.inf)
+    (upwards, across), values = variable.dims, variable.fillna(np.inf).to_numpy().astype(float)
     if upwards == "k" and across in ("phi", "tangential_force"):
-        least, row = np.min(values, axis=0), np.argmin(values, axis=0)
+        least, row = values.min(axis=0), values.argmin(axis=0)
         middle = np.clip(row, 1, y.size - 2)
         before, at, behind = (values[middle + step, np.arange(x.size)] for step in (-1, 0, 1))
         with np.errstate(all="ignore"):
@@ -372,8 +360,8 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
         best[np.isinf(least) | (least == values.max(axis=0))] = np.nan
         best[1:][np.abs(np.diff(row)) > 0.25 * y.size] = np.nan  # no step across where the other end wears less
         handles = axes.plot(x, best, label="least wear, $k^*$", clip_on=False, **_LEAST)
-    elif {across, upwards} <= {"k", "E0", "z0"} and np.min(values) < np.max(values):
-        least, (row, column) = np.min(values), np.unravel_index(np.argmin(values), values.shape)
+    elif {across, upwards} <= {"k", "E0", "z0"} and values.min() < values.max():
+        least, (row, column) = values.min(), np.unravel_index(values.argmin(), values.shape)
         handles = axes.plot(x[column], y[row], "*", label="least wear", **_STAR)
     else:
         return []

@@ -49,7 +49,7 @@ def regimes_picture(
     words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness is not None else " $u_x$")
     x, y, force = found.displacement_amplitude, found.normal_force, float(cut.normal_force[0])
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
-    left.fill_betweenx(y, x[0], np.clip(onset, x[0], x[-1]), color="#E6F4FB", linewidth=0.0, zorder=-1)
+    left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1)
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6), fontsize=6.5)
     criterion_at = found.displacement_where("energy_ratio", criterion)
@@ -75,8 +75,7 @@ def regimes_picture(
         right.plot(cut.displacement_where(name, level), level, "o", **DOT | colour)
         right.text(0.015, level, f"{level:g}", transform=right.get_yaxis_transform(), va="bottom", **colour)
     mark(right, cut.gross_slip_displacement[0], "transition")
-    within = own[own <= moves[-1]]
-    right.plot(within, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
+    right.plot(own, np.interp(own, moves, cut.energy_ratio[0]), **_OWN)  # those beyond the panel are cut off
     right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, sliding ratio")
     right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
     show_units(left.yaxis, "normal_force")

@@ -92,10 +92,8 @@ def test_characteristic_depth_is_drawn_where_it_alone_varies():
     assert wear.get_ylabel().startswith("change of mean wear volume (%)")
     z0, change = curve(wear)
     np.testing.assert_allclose([z0[0], z0[-1]], [1e-5, 1e-3])
-    one, other = (
-        sum(dataclasses.replace(reference, material=PowerLawGraded(110e9, z, 0.3, 0.3)).steady(F).wear_volume
-            for F in (0.2, FORCE)) for z in (1e-5, 1e-4)
-    )  # fmt: skip
+    volumes = FrettingContact(PowerLawGraded(110e9, np.array([[1e-5], [1e-4]]), 0.3, 0.3), 0.005, 10.0, 0.4)
+    one, other = np.sum(volumes.steady(np.array([0.2, FORCE])).wear_volume, axis=1)
     assert change[0] == pytest.approx(100.0 * float(one / other - 1.0), rel=1e-6)
 
 
@@ -117,11 +115,8 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     limits = {"contact_radius": {"above": 7e-5}}
     wear = plots.design_picture(optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5)}, limits=limits)).axes[1]
     (k, _), (_, kept) = curve(wear), curve(wear, 1)
-    radius = [
-        float(dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).steady(0.0).contact_radius)
-        for x in k
-    ]
-    assert np.array_equal(np.isfinite(kept), np.array(radius) >= 7e-5 * (1.0 - 1e-6))
+    radius = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(0.0).contact_radius
+    assert np.array_equal(np.isfinite(kept), np.asarray(radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
     assert legend(wear.figure)[-1] == "breaks a limit"
     saved, limits, contact, symbols = wear.figure.get_supxlabel().splitlines()
@@ -184,24 +179,19 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     )
     figure = plots.front_picture(front)
     assert figure.get_supxlabel() == "pressure 1 µm inside the stick-slip boundary (MPa)"
-    assert [axes.get_ylabel() for axes in figure.axes] == [
-        r"wear volume $\Delta V$ (µm³)",
-        "modulus $E_0$ (GPa)",
-        "exponent $k$",
+    assert labels(figure) == [
+        ("", words) for words in (r"wear volume $\Delta V$ (µm³)", "modulus $E_0$ (GPa)", "exponent $k$")
     ]
     along, reference = (np.asarray(line.get_xydata()) for line in figure.axes[0].lines)
     np.testing.assert_allclose(along, [[1e8, 5e-18], [2e8, 3e-18], [4e8, 2e-18]])
     np.testing.assert_allclose(reference, [[3e8, 4e-18]])
     (dots,) = figure.axes[0].collections
     np.testing.assert_allclose(dots.get_offsets(), along)
-    assert [np.all(inside == 1.0) for inside in dots.get_facecolors()] == [
-        False,
-        True,
-        False,
-    ]
-    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert legend == ["least wear volume for this edge pressure", "reference"]
-    assert [text.get_text() for text in figure.axes[0].texts] == [
+    assert np.all(dots.get_facecolors() == 1.0, axis=1).tolist() == [False, True, False]
+    told = figure.axes[0].get_legend().get_texts() + figure.axes[0].texts
+    assert [text.get_text() for text in told] == [
+        "least wear volume for this edge pressure",
+        "reference",
         "E0 at its upper bound\nk at its upper bound",
         "lowest contact radius allowed",
     ]
@@ -212,16 +202,13 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     "size, unit, expected",
     [
         (6.8e-5, "m", (1e-6, "µm")),
-        (1e-3, "m", (1e-3, "mm")),
         (-3e-9, "m", (1e-9, "nm")),
         (1e-20, "m", (1e-12, "pm")),
         (0.0, "m", (1.0, "m")),
         (3e-18, "m^3", (1e-18, "µm³")),
         (2e-10, "m^3", (1e-9, "mm³")),
-        (2e11, "Pa", (1e9, "GPa")),
         (0.32, "N", (1e-3, "mN")),
         (0.32, "1", (1.0, "")),
-        (-0.5, "1", (1.0, "")),
     ],
 )
 def test_readable_units(size, unit, expected):
@@ -268,14 +255,7 @@ def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write
     assert os.listdir() == ["folder.png"]
 
 
-def test_check_leaves_an_old_picture_alone(tmp_path):
-    file = tmp_path / "a.png"
-    file.write_bytes(b"old")
-    plots.check_target(file)
-    assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a.png"]
-
-
-def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkeypatch):
+def test_checks_and_failed_writes_keep_the_old_picture_and_no_parts(small, tmp_path, monkeypatch):
     file = tmp_path / "a.png"
     file.write_bytes(b"old")
 
@@ -283,6 +263,7 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
         Path(target).write_bytes(b"half")
         raise OSError(28, "No space left on device")
 
+    plots.check_target(file)
     monkeypatch.setattr(small, "savefig", fills_the_disk)
     with pytest.raises(plots.PictureError, match=r"a\.png: cannot be written: No space left on device$"):
         plots.save(small, file)

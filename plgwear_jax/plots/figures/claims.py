@@ -55,6 +55,7 @@ class PaperFigure(NamedTuple):
 
 
 FIGURES: dict[str, PaperFigure] = {}
+_Drawing = Callable[[FigureBase], None]
 
 
 def rising(values: np.ndarray, axis: int = 0) -> bool:
@@ -69,10 +70,10 @@ def verdict(claims: Sequence[Claim]) -> str:
 
 def of_paper(
     key: str, label: str, title: str, size: tuple[float, float], check: Callable[[], list[Claim]]
-) -> Callable[[Callable[[FigureBase], None]], Callable[[FigureBase], None]]:
+) -> Callable[[_Drawing], _Drawing]:
     """A decorator that enters a drawing function into `FIGURES`."""
 
-    def enter(draw_on: Callable[[FigureBase], None]) -> Callable[[FigureBase], None]:
+    def enter(draw_on: _Drawing) -> _Drawing:
         FIGURES[key] = PaperFigure(key, label, title, size, functools.cache(check), draw_on)
         return draw_on
 

@@ -1,6 +1,6 @@
 """The report on all figures, and the contact sheet that shows them on one page."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def report(figures: Sequence[PaperFigure]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _in_a_row(values: Sequence[float]) -> str:
+def _in_a_row(values: Iterable[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 

@@ -28,8 +28,7 @@ _OVER_K: Style = {"xlim": (-1.0, 1.0), "xlabel": "exponent $k$", "xticks": (-1.0
 
 
 def _check_flat() -> list[Claim]:
-    r, k = np.linspace(0.0, 0.999, 200), np.array(EXPONENTS)[:, None]
-    pressure = gross_slip.initial_pressure(r, k)
+    pressure = gross_slip.initial_pressure(np.linspace(0.0, 0.999, 200), EXPONENTS[:, None])
     edge = pressure[:, -1]
     return [
         Claim(
@@ -47,21 +46,17 @@ def gross_slip_set_up(page: FigureBase) -> None:
     Beside it the pressure before and after wear, Eqs. (2), (9), for k = −0.5, 0, 0.5.
     """
     axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
-    x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
+    r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
     for k, style in OF_EXPONENT.items():
-        pressures.plot([*x, 1.0], [*gross_slip.initial_pressure(x, k), 99.0], label=f"initial, {of_k(k)}", **style)
+        pressures.plot(r, gross_slip.initial_pressure(r, k), label=f"initial, {of_k(k)}", **style)
     for k, words, dashes in ((0.5, r"$k = \pm 0.5$", "-"), (0.0, "$k = 0$", DASHED)):
-        ratio = gross_slip.force_ratio(k)
-        pressures.plot(
-            [0.0, 1.0], [ratio, ratio], color="0.6", linewidth=1.0, linestyle=dashes, label=f"steady, {words}"
-        )
+        steady: Style = {"color": "0.6", "linewidth": 1.0, "linestyle": dashes, "label": f"steady, {words}"}
+        pressures.hlines(gross_slip.force_ratio(k), 0.0, 1.0, **steady)
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 2.5), xlabel="$r/a$", ylabel=r"pressure $p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
-    depth, sides = 0.42, 2.5
-    r = np.unique([*np.linspace(0.0, sides, 401), 1.0])
-    punch = [(-1.0, depth), (1.0, depth), (1.0, -0.75), (-1.0, -0.75)]
-    surface = depth * gross_slip.initial_displacement(r, 0.3)
-    sketch(axes, r, surface, punch, depth, (sides, -1.4, 1.55))
+    depth, r = 0.42, np.linspace(0.0, 2.5, 401)
+    surface = r, depth * gross_slip.initial_displacement(r, 0.3)
+    sketch(axes, surface, ([1.0, 1.0], [depth, -0.75]), depth, -1.4, 1.55)
     arrow(axes, (0.0, -1.35), (0.0, -0.75), "$F_{N0}$", (0.3, -1.15))
     arrow(axes, (0.0, depth - 0.12), (1.0, depth - 0.12), "$a$", (0.5, depth - 0.24), "<->")
     arrow(axes, (-0.62, 0.0), (-0.62, depth), "$d$", (-0.48, 0.5 * depth), "<->")
@@ -99,15 +94,13 @@ def _check_punch(k: float) -> list[Claim]:
 
 def _draw_punch(page: FigureBase, k: float) -> None:
     axes, top = page.subplots(), -0.32
-    inside, outside = np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3 * 1.05
-    worn = gross_slip.steady_displacement(inside, k)
-    axes.fill_between(inside, top, worn, facecolor="0.93", zorder=0)
-    axes.fill_between(inside, worn, 1.0, **WORN | {"zorder": 1, "label": r"worn, $\Delta V$"})
+    r = np.append(np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3)
+    steady, inside = gross_slip.steady_displacement(r, k), r <= 1.0
+    axes.fill_between(r, top, steady, inside, facecolor="0.93", zorder=0)
+    axes.fill_between(r, steady, 1.0, inside, **WORN | {"zorder": 1, "label": r"worn, $\Delta V$"})
     axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8)
-    r = [*inside, *outside]
-    initial = [*np.ones(inside.size), *gross_slip.initial_displacement(outside, k)]
-    axes.plot(r, initial, label="initial", color="k")
-    axes.plot(r, [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **REFERENCE)
+    axes.plot(r, gross_slip.initial_displacement(r, k), label="initial", color="k")
+    axes.plot(r, steady, label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
     legend_above(page, axes, 3)

@@ -26,7 +26,7 @@ from plgwear_jax.plots.figures.text_numbers import OfNumbers, listed, modulus_fa
 from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, Style, legend_above, letters
 
 fretting = OfNumbers(laws)
-_K, _PHI = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
+_PHI = AMPLITUDES[:, None]
 _THIN: Style = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
 _AMPLITUDE = r"amplitude $F_x/(\mu F_N)$"
 
@@ -39,12 +39,12 @@ def _by_amplitude(values: np.ndarray, form: str) -> str:
 
 
 def _radii() -> tuple[np.ndarray, np.ndarray]:
-    return fretting.stick_radius(_K, _PHI), fretting.worn_radius(_K, _PHI)
+    return fretting.stick_radius(EXPONENTS, _PHI), fretting.worn_radius(EXPONENTS, _PHI)
 
 
 def _check_paraboloid() -> list[Claim]:
     stick, edge = _radii()
-    inside = fretting.wear_depth(np.linspace(0.0, 1.0, 50)[:, None, None] * stick, _K, _PHI)
+    inside = fretting.wear_depth(np.linspace(0.0, 1.0, 50)[:, None, None] * stick, EXPONENTS, _PHI)
     return [
         Claim(
             "in the stick area the final profile coincides with the initial one; around it is a worn ring",
@@ -58,19 +58,14 @@ def _check_paraboloid() -> list[Claim]:
 def fretting_set_up(page: FigureBase) -> None:
     """Fig. 6: a parabolic indenter in the initial and in the steady state; drawn for k = 0.3, φ = 0.7."""
     panels = page.subplots(1, 2)
-    k, height, sides = 0.3, 0.62, 2.35
-    r = np.linspace(0.0, 1.0, 301) ** 2 * sides
+    k, height, r = 0.3, 0.62, np.linspace(0.0, 1.0, 301) ** 2 * 2.35
     stick, edge, deep = fretting.stick_radius(k, 0.7), 1.0, 0.0
-    for axes, phi, surface, index in zip(
-        panels, (0.0, 0.7), (fretting.initial_displacement(r, k), fretting.steady_displacement(r, k, 0.7)),
-        ("0", r"\infty"), strict=True,
-    ):  # fmt: skip
+    for axes, phi, index in zip(panels, (0.0, 0.7), ("0", r"\infty"), strict=True):
         deep, edge = height * fretting.penetration(k, phi), fretting.worn_radius(k, phi)
-        profile = deep - height * fretting.profile(r, k, phi)
-        right = [*zip(r[profile > -0.55], profile[profile > -0.55], strict=True)]
-        right.append((right[-1][0], -0.62))
-        body = [*right, *((-x, z) for x, z in reversed(right))]
-        sketch(axes, r, height * surface, body, deep, (sides, -1.15, 1.3))
+        z = deep - height * fretting.profile(r, k, phi)
+        seen = z > -0.55
+        body = [*r[seen], r[seen][-1]], [*z[seen], -0.62]
+        sketch(axes, (r, height * fretting.steady_displacement(r, k, phi)), body, deep, -1.15, 1.3)
         arrow(axes, (0.0, -1.1), (0.0, -0.62), "$F_N$", (0.25, -0.95))
         arrow(axes, (-0.55, -0.42), (0.55, -0.42), "$F_x$", (0.75, -0.42), "<|-|>")
         for level, radius, words in ((deep + 0.14, stick, "$c$"), (deep + 0.42, edge, f"$a_{index}$")):
@@ -88,19 +83,18 @@ def fretting_set_up(page: FigureBase) -> None:
 
 def _check_radii() -> list[Claim]:
     n, phi = numbers(), np.concatenate([np.geomspace(1e-6, 0.01, 40), np.linspace(0.02, 0.98, 97)])
-    inner, outer = fretting.stick_radius(_K[:, None], phi), fretting.worn_radius(_K[:, None], phi)
+    inner, outer = fretting.stick_radius(EXPONENTS[:, None], phi), fretting.worn_radius(EXPONENTS[:, None], phi)
     crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
-    half = int(np.flatnonzero(np.isclose(phi, 0.5))[0])
     return [
         Claim(
             "the larger the exponent the larger the stick radius c",
-            f"at φ = 0.5 and {listed(inner[:, half], '.4f', 'c = ')} a0",
+            f"at φ = 0.5 and {listed(fretting.stick_radius(EXPONENTS, 0.5), '.4f', 'c = ')} a0",
             rising(inner),
         ),
         Claim(
             "the larger the exponent the smaller the outer radius a∞",
-            f"at φ = 0.5 and {listed(outer[:, half], '.4f', 'a∞ = ')} a0; it holds below φ = {min(crossings):.5f}, "
-            f"the opposite above {max(crossings):.5f}, close to gross slip",
+            f"at φ = 0.5 and {listed(fretting.worn_radius(EXPONENTS, 0.5), '.4f', 'a∞ = ')} a0; it holds below "
+            f"φ = {min(crossings):.5f}, the opposite above {max(crossings):.5f}, close to gross slip",
             False,
             rising(-outer),
         ),
@@ -149,8 +143,8 @@ def gradients_of_equal_contact(page: FigureBase) -> None:
 
 def _check_profiles() -> list[Claim]:
     (inner, outer), n = _radii(), numbers()
-    area, deepest = outer**2 - inner**2, fretting.deepest_wear(_K, _PHI)
-    bend, volume = 8.0 * deepest / (outer - inner) ** 2, fretting.wear_volume(_K, _PHI)
+    area, deepest = outer**2 - inner**2, fretting.deepest_wear(EXPONENTS, _PHI)
+    bend, volume = 8.0 * deepest / (outer - inner) ** 2, fretting.wear_volume(EXPONENTS, _PHI)
     ends = max(n["turn_stiff"], n["turn_compliant"]), min(n["return_stiff"], n["return_compliant"])
     told = f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}"
     rows = (
@@ -209,7 +203,7 @@ def limiting_profiles(page: FigureBase) -> None:
 def _check_volumes() -> list[Claim]:
     n = numbers()
     pair = n["turn_widest"], n["turn_pair"], n["turn"]
-    large = fretting.wear_volume(_K[:, None], np.linspace(0.3, 0.99, 139))
+    large = fretting.wear_volume(EXPONENTS[:, None], np.linspace(0.3, 0.99, 139))
     again = n["return_pair"], n["return_compliant"]
     return [
         Claim(
@@ -244,7 +238,7 @@ def wear_volumes(page: FigureBase) -> None:
     panels = whole, low, high = page.subplots(1, 3)
     phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
     small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
-    for k in (*(-k for k in PAIRS[::-1]), 0.0, *PAIRS):
+    for k in (*-PAIRS[::-1], 0.0, *PAIRS):
         style = {"color": ORANGE if k < 0.0 else BLUE if k else "k", "linestyle": DASHED if k < 0.0 else "-"}
         style["linewidth"] = 0.7 + 1.4 * abs(k)
         whole.plot(phi, fretting.wear_volume(k, phi), label=of_k(k), **style)
@@ -265,10 +259,10 @@ def wear_volumes(page: FigureBase) -> None:
 def _check_pressures() -> list[Claim]:
     stick = _radii()[0]
     near, phi = np.array([1e-10, 1e-11])[:, None] * stick[1], AMPLITUDES[1]
-    fields = fretting.edge_pressure(near, _K, phi), fretting.steady_traction(stick[1] - near, _K, phi)
+    fields = fretting.edge_pressure(near, EXPONENTS, phi), fretting.steady_traction(stick[1] - near, EXPONENTS, phi)
     orders = [np.diff(np.log10(field), axis=0)[0] for field in fields]
     told = ["; ".join(f"{x:.3f}" for x in order) for order in orders]
-    mild = [rising(-x) and np.allclose(x, 0.5 * (1.0 - _K), atol=1e-3) for x in orders]
+    mild = [rising(-x) and np.allclose(x, 0.5 * (1.0 - EXPONENTS), atol=1e-3) for x in orders]
     return [
         Claim(
             "the stick radius grows with the exponent, which means a lower mean pressure",

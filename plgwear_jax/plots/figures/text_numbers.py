@@ -2,7 +2,7 @@
 
 import functools
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -26,8 +26,7 @@ class OfNumbers:
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
     """The root of a function between two places, to rounding."""
-    found: Any = optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)
-    return float(found)
+    return optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)  # pyright: ignore
 
 
 def _equal_at(quantity: Callable[..., Any], one: float, other: float, lower: float, upper: float) -> float:
@@ -53,10 +52,9 @@ def balance_of(k: Any, nu: float | str) -> Any:
     return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / np.asarray(k))
 
 
-def modulus_factor(k: float, nu: float | str) -> float:
+def modulus_factor(k: Any, nu: Any) -> Any:
     """E0/(1-nu^2) over E/(1-nu^2) of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
-    h_N = float(material.h_N(k, nu))  # pyright: ignore[reportArgumentType]
-    return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * h_N)
+    return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * np.asarray(material.h_N(k, nu)))
 
 
 def listed(values: Any, form: str, name: str = "") -> str:
@@ -71,28 +69,6 @@ class TextNumber(NamedTuple):
     where: str
     printed: str
     """As the paper prints it; empty if it does not."""
-
-
-# The exponents whose wear volumes or rings are compared; those that are drawn compare twice.
-_CROSSINGS = {
-    **{"pair": (-0.5, 0.5), "widest": (-0.99, 0.99), "stiff": (-0.5, 0.0), "stiffest": (-0.99, 0.0)},
-    "compliant": (0.0, 0.5),
-}
-_DRAWN = "pair", "stiff", "compliant"
-
-
-def _rows_of_table() -> Iterator[tuple[str, TextNumber]]:
-    for line in _TABLE.strip().splitlines():
-        name, words, where, printed = re.split("  +", line.strip())
-        yield name, TextNumber(words, where, printed.strip("-"))
-    for stem, what, how, where, printed, names in (
-        ("turn", "those", "cross", "Fig. 9", "about 20 %", [*_CROSSINGS]),
-        ("return", "those", "cross again", "Fig. 9", "not mentioned", _DRAWN),
-        ("rings", "a∞", "are the same", "Fig. 7", "not mentioned", _DRAWN),
-    ):
-        for name in names:
-            one, other = (f"{k:g}".replace("-", "−") for k in _CROSSINGS[name])
-            yield f"{stem}_{name}", TextNumber(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
 
 
 # Names, what they are, where the paper has them, and what it prints; columns are set off by two spaces.
@@ -116,35 +92,47 @@ _TABLE = """
     modulus_stiff  factor of E0 itself, k = −0.5, Holl's ratio in both  Eq. (27)  -
     modulus_compliant  factor of E0 itself, k = 0.5, Holl's ratio in both  Eq. (27)  -
     turn  φ at which the wear volumes of −k and k cross, k → 0  Fig. 9  about 20 %
+    turn_pair  φ at which those of k = −0.5 and 0.5 cross  Fig. 9  about 20 %
+    turn_widest  φ at which those of k = −0.99 and 0.99 cross  Fig. 9  about 20 %
+    turn_stiff  φ at which those of k = −0.5 and 0 cross  Fig. 9  about 20 %
+    turn_stiffest  φ at which those of k = −0.99 and 0 cross  Fig. 9  about 20 %
+    turn_compliant  φ at which those of k = 0 and 0.5 cross  Fig. 9  about 20 %
+    return_pair  φ at which those of k = −0.5 and 0.5 cross again  Fig. 9  not mentioned
+    return_stiff  φ at which those of k = −0.5 and 0 cross again  Fig. 9  not mentioned
+    return_compliant  φ at which those of k = 0 and 0.5 cross again  Fig. 9  not mentioned
+    rings_pair  φ at which a∞ of k = −0.5 and 0.5 are the same  Fig. 7  not mentioned
+    rings_stiff  φ at which a∞ of k = −0.5 and 0 are the same  Fig. 7  not mentioned
+    rings_compliant  φ at which a∞ of k = 0 and 0.5 are the same  Fig. 7  not mentioned
 """
-NUMBERS: Mapping[str, TextNumber] = dict(_rows_of_table())
+NUMBERS: Mapping[str, TextNumber] = {
+    name: TextNumber(words, where, printed.strip("-"))
+    for name, words, where, printed in (re.split("  +", line.strip()) for line in _TABLE.strip().splitlines())
+}
+# The exponents whose wear volumes are compared; every second pair is drawn, and compared once more, with its rings.
+_COMPARED = (-0.5, 0.5), (-0.99, 0.99), (-0.5, 0.0), (-0.99, 0.0), (0.0, 0.5)
 
 
 @functools.cache
 def numbers() -> Mapping[str, float]:
     """The values of `NUMBERS` as computed by the library, by name."""
     slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
-    stiff, _, compliant = EXPONENTS
-    best, both = root(slope, -0.5, 0.9), np.array([stiff, compliant])
-    plane = [1.0 - _poisson(k, "holl") ** 2 for k in EXPONENTS]
-    factors = [modulus_factor(k, "holl") for k in both]
+    best, both, factors = root(slope, -0.5, 0.9), EXPONENTS[::2], modulus_factor(EXPONENTS, "holl")
+    plane = 1.0 - _poisson(EXPONENTS, "holl") ** 2
     values = [
         best,
         gross_slip.volume_change(best),
         *gross_slip.volume_change(both),
         *gross_slip.steady_displacement(1.0, both),
-        *gross_slip.force_ratio(np.array([0.0, compliant])),
-        stiffness_of(ALMOST, 0.5),
-        stiffness_of(ALMOST, 0.3),
-        balance_of(stiff, 0.5),
-        balance_of(compliant, "holl"),
-        *factors,
-        *(modulus_factor(k, 0.5) for k in both),
-        factors[0] * plane[0] / plane[1],
-        factors[1] * plane[2] / plane[1],
+        *gross_slip.force_ratio(EXPONENTS[1:]),
+        *(stiffness_of(ALMOST, nu) for nu in (0.5, 0.3)),
+        balance_of(EXPONENTS[0], 0.5),
+        balance_of(EXPONENTS[2], "holl"),
+        *factors[::2],
+        *modulus_factor(both, 0.5),
+        *(factors * plane / plane[1])[::2],
         root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        *(_equal_at(fretting.wear_volume, *_CROSSINGS[name], 0.05, 0.5) for name in _CROSSINGS),
-        *(_equal_at(fretting.wear_volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN),
-        *(_equal_at(fretting.worn_radius, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN),
+        *(_equal_at(fretting.wear_volume, *pair, 0.05, 0.5) for pair in _COMPARED),
+        *(_equal_at(fretting.wear_volume, *pair, 0.9, 0.9999) for pair in _COMPARED[::2]),
+        *(_equal_at(fretting.worn_radius, *pair, 0.9, 0.99999) for pair in _COMPARED[::2]),
     ]
     return dict(zip(NUMBERS, map(float, values), strict=True))
