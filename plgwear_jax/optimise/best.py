@@ -76,6 +76,12 @@ class LimitState:
         return keeps(-excess if self.lowest else excess)
 
 
+def parted(name: str) -> tuple[str, str]:
+    """The stem of the name of a limit, and its side, "lowest" or "highest"; empty if the name has none."""
+    stem, _, end = name.rpartition("_")
+    return (stem, end) if end in ("lowest", "highest") else (name, "")
+
+
 @record
 class Design:
     """The best gradient for a contact and its load. A pytree, as all that belongs to it.

@@ -1,6 +1,5 @@
 """What limits cost: the trade-off between two quantities, such as wear and edge pressure, and limits in conflict."""
 
-import functools
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Unpack
 
@@ -13,19 +12,14 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.best import ACTIVE, Design
-from plgwear_jax.optimise.evaluation import (
-    FAR_OFF,
-    Rows,
-    evaluate,
-    reference_variables,
-    search,
-)
+from plgwear_jax.optimise.best import ACTIVE, Design, parted
+from plgwear_jax.optimise.evaluation import FAR_OFF, Known, Rows, evaluate, reference_variables, search
 from plgwear_jax.optimise.question import (
     Bounds,
     Keywords,
     LoadGiven,
     Objective,
+    Question,
     checked_kind_of,
     keeps,
     limits_of,
@@ -97,10 +91,10 @@ class Front:
             for name, side in self.at_bound.items()
             if side[end]
         ]
-        for name in (name for name, active in self.active.items() if active[end]):
-            name = name.removeprefix("transient.")
-            stem, _, which = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "highest")
-            said.append(f"{which} {stem.replace('_', ' ')} allowed")
+        for name, active in self.active.items():
+            if active[end]:
+                stem, side = parted(name.removeprefix("transient."))
+                said.append(f"{side or 'highest'} {stem.replace('_', ' ')} allowed")
         return ", ".join(said)
 
 
@@ -174,44 +168,29 @@ def front(
     keywords["limits"] = {**(limits or {}), name: {"above" if "x" in larger else "below": 1.0, **places}}
     keywords["minimise"] = keywords.get("minimise") if y is None else y
     question = question_of(contact, load, vary, **keywords)
-    row = next(i for i, one in enumerate(question.limits) if one.quantity == name)
-    others = [other for other in range(len(question.limits)) if other != row]
-    known: dict[Any, Any] = {}
-
-    def best(x_weight: float, y_weight: float, most: float | None = None) -> Minimum:
-        """The least mean of x and y, of those within a limit of log(x) if there is one."""
-
-        def asked(values: np.ndarray, slopes: np.ndarray) -> Rows:
-            for part in (values, slopes):
-                part[:, 0] *= -1.0 if "y" in larger else 1.0
-                part[:, 0] = x_weight * part[:, 1 + row] + y_weight * part[:, 0]
-            if most is None:
-                return _instead(None, others, values, slopes)
-            values[:, 1 + row] -= most
-            return values, slopes
-
-        return search(question, asked, known)
-
-    of_x, of_y = best(1.0, _TIE), best(_TIE, 1.0)
+    row = next(1 + i for i, one in enumerate(question.limits) if one.quantity == name)
+    others = {1 + i: 0.0 for i in range(len(question.limits)) if 1 + i != row}
+    x_side, y_side = (-1.0 if one in larger else 1.0 for one in "xy")
+    known: Known = {}
+    of_x = _least(question, known, {row: 1.0, 0: _TIE * y_side}, others)
+    of_y = _least(question, known, {row: _TIE, 0: y_side}, others)
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
-    first, last = ends.values[:, 1 + row]
-    allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
+    allowed = np.linspace(*ends.values[:, row], points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
-    inner = [best(0.0, 1.0, one) for one in allowed[1:-1]]
+    inner = [_least(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
-    value, side = at.objective, -1.0 if "x" in larger else 1.0
     return Front(
-        x=np.exp(side * allowed),
-        y=value[:-1],
+        x=np.exp(x_side * allowed),
+        y=at.objective[:-1],
         variables=variables,
         at_bound=designs.side,
-        active={question.limits[i].name: designs.multipliers[:, i] > ACTIVE for i in others},
+        active={question.limits[i - 1].name: designs.multipliers[:, i - 1] > ACTIVE for i in others},
         converged=designs.converged,
         certified=designs.certified,
-        reference_x=np.exp(side * at.values[-1, 1 + row]),
-        reference_y=value[-1],
+        reference_x=np.exp(x_side * at.values[-1, row]),
+        reference_y=at.objective[-1],
         x_places=places,
         y_places=question.places,
         x_name=name,
@@ -227,13 +206,19 @@ def _joined(designs: list[Minimum]) -> Minimum:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *designs)
 
 
-def _instead(goal: int | None, kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """log(value/limit) of one limit in place of the objective, if one is named, and only some of the limits."""
-    if goal is not None:
-        values[:, 0], slopes[:, 0] = values[:, 1 + goal], slopes[:, 1 + goal]
-    left_out = [1 + row for row in range(values.shape[1] - 1) if row not in kept]
-    values[:, left_out], slopes[:, left_out] = FAR_OFF, 0.0
-    return values, slopes
+def _least(question: Question, known: Known, goal: Mapping[int, float], allowed: Mapping[int, float]) -> Minimum:
+    """The least sum of rows with these weights, where the rows named last, of limits, are no more than is allowed."""
+    kept, most = [*allowed], [*allowed.values()]
+
+    def asked(*rows: np.ndarray) -> Rows:
+        values, slopes = np.full_like(rows[0], FAR_OFF), np.zeros_like(rows[1])
+        for new, old in zip((values, slopes), rows, strict=True):
+            new[:, 0] = sum(weight * old[:, row] for row, weight in goal.items())
+            new[:, kept] = old[:, kept]
+        values[:, kept] -= most
+        return values, slopes
+
+    return search(question, asked, known)
 
 
 # --- limits that cannot be kept together ------------------------------------------------------------------------------
@@ -279,25 +264,24 @@ def conflict(found: Design) -> Conflict | None:
     References:
         `docs/how-to/designs.md`.
     """
-    limits = {one.name: one for one in found.question.limits}
+    limits, known = {one.name: one for one in found.question.limits}, {}
     if found.keeps_limits or not limits or found.question.scenarios is not None:
         return None
-    names, known = list(limits), {}
+    rows = {name: 1 + i for i, name in enumerate(limits)}
 
     def nearest(name: str, others: Sequence[str]) -> Minimum:
         """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
-        kept = [names.index(other) for other in others]
-        return search(found.question, functools.partial(_instead, names.index(name), kept), known)
+        return _least(found.question, known, {rows[name]: 1.0}, {rows[other]: 0.0 for other in others})
 
     def can_be_kept(together: Sequence[str]) -> bool:
         first, *others = together
         at = nearest(first, others)
         return keeps(np.append(at.limits, at.value))
 
-    if can_be_kept(names):
+    if can_be_kept([*limits]):
         return None
-    guilty = names
-    for name in names:
+    guilty = [*limits]
+    for name in limits:
         others = [other for other in guilty if other != name]
         if others and not can_be_kept(others):
             guilty = others
