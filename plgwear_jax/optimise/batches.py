@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
 import jax
@@ -14,11 +14,9 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.loads import Force
 from plgwear_jax.optimise.best import answered
 from plgwear_jax.optimise.evaluation import (
     Candidate,
-    Shared,
     plan_for,
     shared_of,
     space,
@@ -34,7 +32,7 @@ from plgwear_jax.optimise.question import (
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
-from plgwear_jax.optimise.search import Minimum, minimise
+from plgwear_jax.optimise.search import minimise
 from plgwear_jax.steady.arguments import amplitude_of
 
 
@@ -102,91 +100,91 @@ def designs(
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: designs takes none; ask design for each of them")
     question, given = parts_of(contact, load, vary, **keywords)
-    level, weight = jnp.asarray(keywords.get("level", 0.0)), keywords.get("weight")
+    level, weight = keywords.get("level", 0.0), keywords.get("weight")
     if given is None:
         return _designs_in_a_batch(question, level)
     if weight is not None:
         check("weight", weight, WEIGHT)
-    question = dataclasses.replace(question, load=WeightedLoad(given, weight))
+    if given.amplitude is not None:
+        force = jnp.asarray(given.amplitude)
+        pairs = (force[..., None], jnp.ones(1)) if weight is None else (force, jnp.asarray(weight))
+        force, weight = jnp.broadcast_arrays(*pairs)
+        given = given.with_amplitude(lambda _: force)
+    weighted = WeightedLoad(given, weight)
+    question = dataclasses.replace(question, load=weighted)
     if solved_one_by_one(question) and not traced((question, level)):
-        return _designs_in_turn(question, keywords.get("level", 0.0))
-    if not question.by_force:
-        alone = given.with_amplitude(lambda x: jnp.asarray(x)[..., None]) if given.lasts else given
-        return _designs_in_a_batch(dataclasses.replace(question, load=WeightedLoad(alone, jnp.ones(1))), level)
-    force = jnp.asarray(given.amplitude)
-    check_real("load", force)
-    force = force[..., None] if weight is None else force
-    pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
-    phi = amplitude_of(dataclasses.replace(question.contact, **pressed), force)
-    force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
-    weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
-    force, weights = jnp.broadcast_arrays(force, weights)
-    return _designs_in_a_batch(dataclasses.replace(question, load=WeightedLoad(Force(force), weights)), level)
+        return _designs_in_turn(question, level)
+    if question.by_force:
+        check_real("load", weighted.amplitudes)
+        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
+        phi = amplitude_of(dataclasses.replace(question.contact, **pressed), weighted.amplitudes)
+        # NaN where traced numbers are outside their ranges
+        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(weighted.amplitudes + 0.0 * phi, weight))
+    elif weight is None:
+        weighted = WeightedLoad(given, jnp.ones(1))
+    return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)
 
 
-class _Batch:
-    """The numbers of a batch of questions, each with the axes of the batch first."""
+def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:
+    """The shape of a batch of questions, their numbers with the axes of the batch first, and what makes one of them."""
+    leaves, rebuild = jax.tree.flatten((question.contact, question.horizon, question.load))
+    own, load = own_axes(question.contact, len(leaves)), question.load
+    if load is not None and load.amplitudes is not None:  # they and their weights have an axis of their own
+        own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
+    elif load is not None and load.weight is not None:
+        own[-1] = 1
+    leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
+    shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
 
-    def __init__(self, question: Question, own_last: bool, xp: Any) -> None:
-        parts = question.contact, question.horizon, question.load
-        leaves, self._rebuild = jax.tree.flatten(parts)
-        own = own_axes(question.contact, len(leaves))
-        if question.load is not None:  # amplitudes, and their weights if there are any, have an axis of their own
-            weighted = question.load.weight is not None
-            own[len(leaves) - len(jax.tree.leaves(question.load))] = int(own_last)
-            own[-1] = max(own[-1], int(weighted))
-        leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
-        self.shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
-        self.numbers = [
-            xp.broadcast_to(x, (*self.shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)
-        ]
-        self._question = question
+    def one(*numbers: Any) -> Question:
+        contact, horizon, load = jax.tree.unflatten(rebuild, numbers)
+        return dataclasses.replace(question, contact=contact, horizon=horizon, load=load)
 
-    def one(self, numbers: Sequence[Any]) -> Question:
-        """A question of the batch."""
-        contact, horizon, load = jax.tree.unflatten(self._rebuild, numbers)
-        return dataclasses.replace(self._question, contact=contact, horizon=horizon, load=load)
+    return shape, [xp.broadcast_to(x, (*shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)], one
 
 
 def _designs_in_turn(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
-    assert question.load is not None
-    given = question.load
-    batch = _Batch(question, given.weight is not None, np)
-    rows = [x.reshape(-1, *x.shape[len(batch.shape) :]) for x in batch.numbers]
-    nothing: Any = (dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False)
-    found = [nothing]
-    for i in range(math.prod(batch.shape)):
-        one = batch.one([row[i] for row in rows])
-        contact, load = one.contact, one.load
+    shape, numbers, one_of = _batch_of(question, np)
+    count = math.prod(shape)
+    found, certain = np.full((count, len(question.bounds) + 2), np.nan), np.zeros((count, 3), bool)
+    for i, given in enumerate(zip(*(x.reshape(count, *x.shape[len(shape) :]) for x in numbers), strict=True)):
+        one = one_of(*given)
+        load = one.load
         assert load is not None
-        if question.by_force and not np.any(
-            np.atleast_1d(load.amplitudes) * (1.0 if load.weight is None else load.weight)
-        ):
-            found.append(nothing)
-            continue
-        weighted = weighted_load(contact, load.load, load.weight, level, one.horizon is None)
-        best = answered(dataclasses.replace(one, load=weighted))
-        known = best.converged, best.certified, best.scan_found_nothing_better
-        found.append((best.variables, float(best.value), best.saving, *known))
-    # The first one says of which kind the entries are, also of no design at all.
-    of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(batch.shape)), *found)
-    return Designs(*of_all)
+        if not question.by_force or np.any(load.amplitudes * load.weight):
+            weighted = weighted_load(one.contact, load.load, load.weight, level, one.horizon is None)
+            best = answered(dataclasses.replace(one, load=weighted))
+            found[i] = *best.variables.values(), best.value, best.saving
+            certain[i] = best.converged, best.certified, best.scan_found_nothing_better
+    columns = (jnp.asarray(column.reshape(shape)) for column in (*found.T, *certain.T))
+    return Designs(dict(zip(question.bounds, columns, strict=False)), *columns)
 
 
 @jax.jit
 def _designs_in_a_batch(question: Question, level: Array) -> Designs:
     """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
-    batch = _Batch(question, question.load is not None and question.load.amplitudes is not None, jnp)
+    shape, numbers, one_of = _batch_of(question, jnp)
+    plan = plan_for(question)
 
     def best(*numbers: Array) -> Designs:
-        one = batch.one(numbers)
-        if one.load is not None and one.by_force:
-            one = dataclasses.replace(
-                one, load=one.load.with_amplitudes(*falling(one.load.amplitudes, one.load.weight, level))
-            )
+        one = one_of(*numbers)
+        load = one.load
+        if load is not None and load.amplitudes is not None:
+            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)))
         shared = shared_of(one)
-        found = minimum_of(one, shared)
+
+        def limits(variables: dict[str, Array]) -> Array:
+            return jnp.stack([jnp.asarray(x) for x in Candidate(one, variables, shared).excess()])
+
+        found = minimise(
+            lambda variables: Candidate(one, variables, shared).objective(),
+            space(one),
+            limits=limits if question.limits else None,
+            samples=plan.samples,
+            starts=plan.starts,
+            axis_name=BATCH,
+        )
         worn = shared.scale > 0.0
         defined = jnp.where(worn, 1.0, jnp.nan)
         return Designs(
@@ -199,8 +197,8 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
         )
 
     if not solved_one_by_one(question) or read_from_runs(question):
-        return in_chunks(best, batch.shape, *batch.numbers)
-    return in_chunks(best, batch.shape, *map(_without_slopes, batch.numbers), most=1)
+        return in_chunks(best, shape, *numbers)
+    return in_chunks(best, shape, *map(_without_slopes, numbers), most=1)
 
 
 @jax.custom_jvp
@@ -212,20 +210,3 @@ def _without_slopes(x: Array) -> Array:
 def _refuse_slopes(primals: Any, tangents: Any) -> Any:
     text = "has no derivatives by the numbers of a contact without closed forms, nor for a life of several runs"
     raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")
-
-
-def minimum_of(question: Question, shared: Shared) -> Minimum:
-    """The minimum of the logarithm of the objective over that of the reference, within a compiled program."""
-
-    def limits(variables: dict[str, Array]) -> Array:
-        return jnp.stack([jnp.asarray(x) for x in Candidate(question, variables, shared).excess()])
-
-    plan = plan_for(question)
-    return minimise(
-        lambda variables: Candidate(question, variables, shared).objective(),
-        space(question),
-        limits=limits if question.limits else None,
-        samples=plan.samples,
-        starts=plan.starts,
-        axis_name=BATCH,
-    )
