@@ -2,7 +2,7 @@
 
 import dataclasses
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -30,7 +30,6 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.rules import free_complaint
 
-#
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
 # starts, since there are several minima: an optimum mostly lies on bounds, and what there is to choose is the order
 # and the thickness of stiff and compliant depths.
@@ -66,9 +65,8 @@ class ModulusProfile:
     def __post_init__(self) -> None:
         given = self.at, self.lower, self.upper
         refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
-        for name in ("at", "lower", "upper"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), float))
-        at, lower, upper = (np.asarray(x) for x in (self.at, self.lower, self.upper))
+        at, lower, upper = (np.asarray(x, float) for x in given)
+        vars(self).update(at=at, lower=lower, upper=upper)
         if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:
             raise ValueError(f"at, lower and upper of shapes {at.shape}, {lower.shape}, {upper.shape}: 3 to 8 depths")
         from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
@@ -161,9 +159,8 @@ class FreeDesign:
     @property
     def at_bound(self) -> tuple[str | None, ...]:
         """For each depth the bound on which the modulus lies, "lower" or "upper", or None."""
-        lower, upper = np.asarray(self.profile.lower), np.asarray(self.profile.upper)
-        side = np.where(self.modulus <= lower * 1.0001, "lower", np.where(self.modulus >= upper / 1.0001, "upper", ""))
-        return tuple(str(word) or None for word in side)
+        rows = zip(self.modulus, np.asarray(self.profile.lower), np.asarray(self.profile.upper), strict=True)
+        return tuple("lower" if x <= 1.0001 * low else "upper" if 1.0001 * x >= high else None for x, low, high in rows)
 
     @property
     def certified(self) -> bool:
@@ -200,8 +197,17 @@ class FreeDesign:
         return printed("FreeDesign", lines)
 
 
+class _End(NamedTuple):
+    """Where so many descents ended."""
+
+    x: np.ndarray  # log(E), scaled to 0 at the lower and 1 at the upper bound
+    least: float  # the logarithm of the objective; infinite where a limit is broken
+    radius: float  # the contact radius over that of the reference
+    starts: int
+
+
 class _FreeModuli:
-    """The question for SLSQP: log(E) scaled to 0 at the lower and 1 at the upper bound; no point is solved twice.
+    """The question for SLSQP; no point is solved twice.
 
     The last limit of the question is that of the contact radius by that of the reference, which holds it or not.
     """
@@ -223,10 +229,6 @@ class _FreeModuli:
         """The moduli in Pa."""
         return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
 
-    def contact_radius(self, x: np.ndarray) -> float:
-        """The contact radius over that of the reference."""
-        return float(np.exp(self.evaluator.rows(self.moduli(x)[None])[0][0, -1]))
-
     def rows(self, x: np.ndarray) -> Rows:
         """The logarithm of the objective, what has to be 0, what has to be >= 0, and their slopes."""
         (values,), (slopes,) = self.evaluator.rows(self.moduli(x)[None])
@@ -236,21 +238,27 @@ class _FreeModuli:
         )
         return rows, by
 
-    def log_value(self, x: np.ndarray) -> float:
-        """The logarithm of the objective; infinite where a limit is broken."""
-        rows, _ = self.rows(x)
-        broken = np.minimum(rows[1:], 0.0)
-        broken[: self.held] = rows[1 : 1 + self.held]
-        return float(rows[0]) if np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT) else np.inf
+    def end(self, x: np.ndarray, starts: int = 1) -> _End:
+        """A point as the end of so many descents."""
+        (rows, _), (values, _) = self.rows(x), self.evaluator.rows(self.moduli(x)[None])
+        broken = np.append(rows[1 : 1 + self.held], np.minimum(rows[1 + self.held :], 0.0))
+        kept = np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT)
+        return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(values[0, -1])), starts)
 
-    def value(self, x: np.ndarray) -> float:
+    def minima(self, begun: list[_End], change: float, others: Sequence[_End] = ()) -> list[_End]:
+        """Where descents end, and others have, the best one first; those that break limits come last."""
+        box, found = np.array([[0.0, 1.0]] * self.low.size), list[_End]()
+        ends = [self.end(_slsqp(one.x, self.rows, self.held, box, change), one.starts) for one in begun]
+        for one in sorted([*ends, *others], key=lambda end: end.least):
+            if found and not one.least - found[-1].least >= _ONE_MINIMUM:
+                found[-1] = found[-1]._replace(starts=found[-1].starts + one.starts)
+            else:
+                found.append(one)
+        return [one for one in found if np.isfinite(one.least)] or found
+
+    def value(self, end: _End) -> float:
         """The objective in SI units; NaN where a limit is broken."""
-        least = self.log_value(x)
-        return float(np.exp(least) * self.evaluator.shared.scale) if np.isfinite(least) else np.nan
-
-    def descended(self, start: np.ndarray, change: float) -> np.ndarray:
-        """Where a descent ends."""
-        return _slsqp(start, self.rows, self.held, np.array([[0.0, 1.0]] * start.size), change)
+        return float(np.exp(end.least) * self.evaluator.shared.scale) if np.isfinite(end.least) else np.nan
 
 
 @concrete_only("the methods of contacts on a DepthGraded work there")
@@ -305,27 +313,25 @@ def free_design(
 
     power_law, exponent = _best_power_law(problem)
     random = np.random.default_rng(0)
-    begun = [power_law] + [0.05 + 0.9 * random.integers(0, 2, problem.depth.size) for _ in range(starts - 1)]
-    minima = _distinct(problem, [(problem.descended(x, _COARSE), 1) for x in begun])
-    refined = [(problem.descended(x, _FINE), n) for x, n in minima[:_REFINED]]
-    minima = _distinct(problem, refined + minima[_REFINED:])  # again: two of them may have ended in one
-    x = minima[0][0]
-    local = tuple(LocalMinimum(problem.value(x), problem.moduli(x), n) for x, n in minima)
+    corners = [problem.end(0.05 + 0.9 * random.integers(0, 2, problem.depth.size)) for _ in range(starts - 1)]
+    minima = problem.minima([power_law, *corners], _COARSE)
+    minima = problem.minima(minima[:_REFINED], _FINE, minima[_REFINED:])  # two of them may end in one
+    best, local = minima[0], tuple(LocalMinimum(problem.value(x), problem.moduli(x.x), x.starts) for x in minima)
     return FreeDesign(
         contact=on(local[0].modulus),
-        power_law=on(problem.moduli(power_law)),
+        power_law=on(problem.moduli(power_law.x)),
         exponent=exponent,
         reference=contact,
         value=local[0].value,
         power_law_value=problem.value(power_law),
         reference_value=reference_value,
-        contact_radii=(radius * problem.contact_radius(x), radius * problem.contact_radius(power_law), radius),
+        contact_radii=(radius * best.radius, radius * power_law.radius, radius),
         question=question,
         profile=modulus,
         minima=local,
         starts=starts,
         evaluations=sum(isinstance(key, tuple) for key in problem.known),
-        converged=np.isfinite(problem.log_value(x)) and _downhill(problem, x) < _FLAT,
+        converged=np.isfinite(best.least) and _downhill(problem, best.x) < _FLAT,
     )
 
 
@@ -356,19 +362,7 @@ def _slsqp(
     return np.clip(found.x, *bounds.T)
 
 
-def _distinct(problem: _FreeModuli, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
-    """The minima at which so many descents ended, the best one first; those that break limits come last."""
-    found: list[tuple[np.ndarray, int]] = []
-    for x, number in sorted(ends, key=lambda end: problem.log_value(end[0])):
-        if found and not problem.log_value(x) - problem.log_value(found[-1][0]) >= _ONE_MINIMUM:
-            found[-1] = (found[-1][0], found[-1][1] + number)
-        else:
-            found.append((x, number))
-    kept = [one for one in found if np.isfinite(problem.log_value(one[0]))]
-    return kept or found
-
-
-def _best_power_law(problem: _FreeModuli) -> tuple[np.ndarray, float]:
+def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
     """The best power law clipped to the bounds: where it lies between them, and its exponent."""
     low, width = problem.low, problem.width
     z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
@@ -388,8 +382,7 @@ def _best_power_law(problem: _FreeModuli) -> tuple[np.ndarray, float]:
 
     bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
     ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]
-    best = min(ends, key=lambda p: problem.log_value(clipped(p)[0]))
-    return clipped(best)[0], float(best[0])
+    return min(((problem.end(clipped(p)[0]), float(p[0])) for p in ends), key=lambda end: end[0].least)
 
 
 def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
