@@ -1,6 +1,7 @@
 """What else is asked about a design: along a variable, under another load, and in the steady state after a life."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,13 +13,8 @@ from plgwear_jax._core.record import record
 from plgwear_jax.catalogue import read
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, states_of
-from plgwear_jax.optimise.evaluation import (
-    Known,
-    evaluate,
-)
-from plgwear_jax.optimise.question import (
-    keeps,
-)
+from plgwear_jax.optimise.evaluation import Evaluation, Known, evaluate
+from plgwear_jax.optimise.question import Question, keeps
 from plgwear_jax.rules import BY_THEN, one_of
 
 
@@ -53,11 +49,17 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
     values = np.asarray(values)
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
-    lowest, highest = found.bounds[name]
-    bounds = {name: (np.min(values, initial=lowest), np.max(values, initial=highest))}
-    question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
-    at = evaluate(question, points)
+    at = evaluated(found.question, points)
     return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
+
+
+def evaluated(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
+    """The objective and the limits at choices of the variables, (points,), which may lie beyond the bounds."""
+    reached = {
+        name: (np.min(variables[name], initial=lowest), np.max(variables[name], initial=highest))
+        for name, (lowest, highest) in question.bounds.items()
+    }
+    return evaluate(dataclasses.replace(question, bounds=reached), variables)
 
 
 # --- another load -----------------------------------------------------------------------------------------------------

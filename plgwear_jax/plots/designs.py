@@ -1,6 +1,5 @@
 """Pictures of designs beside their references, of trade-offs, of measured coatings and of free gradients."""
 
-import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, leaf, placed
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.afterwards import evaluated
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
     BEST,
@@ -81,7 +80,8 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     words = r"worn off the face, $d - w_\infty$" if design.load is None else None
     _draw_depths(panels[2], worn, (BEST, REFERENCE), end, words)
     saved = f"{best}: {_less(design.saving)} {entry(design.objective).name} than the reference"
-    breaks = ", which breaks a limit" if _reference_breaks(design) else ""
+    kept = keeps(evaluated(design.question, design.reference_variables).values[0, 1:])
+    breaks = "" if kept else ", which breaks a limit"
     return _explained(figure, panels, f"{saved}{breaks}{_limits_told(design)}\n{_conditions(design)}\n{symbols}")
 
 
@@ -123,13 +123,6 @@ def _conditions(design: Design) -> str:
     indenter = getattr(contact, "indenter", None)
     body = "rigid indenter" if indenter is None else f"indenter of {_measured('indenter.E', indenter.E)}"
     return ", ".join([told, *words, body])
-
-
-def _reference_breaks(design: Design) -> bool:
-    """Whether the reference breaks a limit; it may be outside of the bounds."""
-    there, question = design.reference_variables, design.question
-    bounds = {name: tuple(sorted((*ends, there[name]))[::2]) for name, ends in design.bounds.items()}
-    return not keeps(evaluate(dataclasses.replace(question, bounds=bounds), there).values[0, 1:])
 
 
 def _three_panels(
