@@ -134,17 +134,17 @@ class Design:
         for one in self.question.limits:
             if one.quantity == "modulus_at":
                 found.setdefault(as_float(one.places["z"]), [math.nan, math.nan])[not one.lowest] = as_float(one.value)
-        return [(depth, lowest, highest) for depth, (lowest, highest) in sorted(found.items())]
+        return [(depth, *ends) for depth, ends in sorted(found.items())]  # pyright: ignore[reportReturnType]
 
     @property
     def variables(self) -> dict[str, float]:
         """The values of what was varied, by name."""
-        return {name: as_float(value) for name, value in self.minimum.variables.items()}
+        return _floats(self.minimum.variables)
 
     @property
     def reference_variables(self) -> dict[str, float]:
         """The values of the reference for what was varied, by name."""
-        return {name: as_float(value) for name, value in reference_variables(self.question).items()}
+        return _floats(reference_variables(self.question))
 
     @property
     def saving(self) -> float:
@@ -154,8 +154,7 @@ class Design:
     @property
     def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
         """For each variable the bound it lies on, or None."""
-        named: dict[int, Literal["lower", "upper"] | None] = {-1: "lower", 0: None, 1: "upper"}
-        return {name: named[int(side)] for name, side in self.minimum.side.items()}
+        return {name: (None, "upper", "lower")[int(side)] for name, side in self.minimum.side.items()}
 
     @property
     def keeps_limits(self) -> bool:
@@ -180,9 +179,7 @@ class Design:
     @property
     def rival(self) -> dict[str, float] | None:
         """The next best minimum, or None."""
-        if not math.isfinite(self.minimum.rival_value):
-            return None
-        return {name: as_float(value) for name, value in self.minimum.rival.items()}
+        return _floats(self.minimum.rival) if math.isfinite(self.minimum.rival_value) else None
 
     @property
     def rival_value(self) -> float:
@@ -194,6 +191,10 @@ class Design:
             return _in_words(self)
         except (TypeError, ValueError, jax.errors.JAXTypeError):  # traced, or many of them
             return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
+
+
+def _floats(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: as_float(value) for name, value in values.items()}
 
 
 def as_float(value: Any) -> Any:

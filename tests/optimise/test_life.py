@@ -7,7 +7,7 @@ from coated import RIGID as CONTACT
 from reduced import Reduced
 
 from plgwear_jax import material, optimise, sweep
-from plgwear_jax.optimise import answers
+from plgwear_jax.optimise.afterwards import overtaken_at
 
 FORCE = 2.0
 ASKED = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius", "law": COEFFICIENT}
@@ -110,7 +110,7 @@ def test_refusal_of_a_life(given, said):
 def test_a_saving_ends_where_it_last_changes_its_sign():
     lives = np.geomspace(1.0, 1e4, 9)
     more = 0.01 * np.log(lives / 3e2)
-    assert answers.overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
     more[1] = 0.02  # once before
-    assert answers.overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
-    assert answers.overtaken_at(lives, -more) is None and answers.overtaken_at(lives, abs(more)) is None
+    assert overtaken_at(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert overtaken_at(lives, -more) is None and overtaken_at(lives, abs(more)) is None

@@ -20,7 +20,7 @@ from mpmath import mp
 from optima import optima
 
 from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
-from plgwear_jax.optimise import Interval, answers, exponent, minimise, search
+from plgwear_jax.optimise import Interval, exponent, minimise, search, sensitivity
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
 
@@ -531,11 +531,12 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         return question_of(contact, force, vary, hold=hold, limits=limits)
 
     question = asked(inputs)
-    known = {one.name: one for one in answers.inputs(question)}
+    known = sensitivity.inputs(question)
     assert known.keys() == inputs.keys()
-    for name, value in inputs.items():
+    for name in (name for name in inputs if not name.startswith(("lowest", "highest"))):  # bounds are told without it
+        value = inputs[name]
         anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
-        changed, expected = answers.changed(question, known[name], 0.1), asked(inputs | {name: anew})
+        changed, expected = sensitivity.changed(question, *known[name], 0.1), asked(inputs | {name: anew})
         assert jax.tree.structure(changed) == jax.tree.structure(expected)
         for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
