@@ -48,13 +48,13 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
             {"cycles": 1e5, "minimise": "deepest_wear"},
             "cycles: the deepest_wear is minimised in the steady state; after cycles",
         ),
+        ({}, "cycles and law go together"),
+        ({"control": "displacement"}, "a design takes no control"),
     ],
 )
 def test_refusal(changes, said):
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises((TypeError, ValueError), match=said):
         optimise.design(CONTACT, FORCE, **ASKED | changes)
-    with pytest.raises(TypeError, match="cycles and law go together"):
-        optimise.design(CONTACT, FORCE, **ASKED)
 
 
 @pytest.mark.compiled

@@ -201,17 +201,6 @@ def test_a_free_gradient_for_a_life():
 @pytest.mark.parametrize(
     "changes, said",
     [
-        ({"control": "displacement"}, "a design takes no control"),
-    ],
-)
-def test_what_no_life_has(changes, said):
-    with pytest.raises((TypeError, ValueError), match=said):
-        optimise.design(STEEL, FORCE, RANGE, **changes)
-
-
-@pytest.mark.parametrize(
-    "changes, said",
-    [
         ({}, "cycles: wear under a displacement, which is held, ends in no steady state"),
         ({**LIFE, "limits": {"penetration": {"below": 1e-6}}}, "limits.penetration: is a limit of the steady state"),
         ({**LIFE, "weight": [1.0, 2.0]}, r"amplitudes of shape \(1,\) and weights of shape \(2,\)"),
