@@ -220,10 +220,9 @@ class _FreeModuli:
         # What the steepness wants to be >= 0: a constant and its slopes.
         self.room, self.by_room = np.zeros(0), np.zeros((0, self.low.size))
         if profile.steepness is not None:
-            apart = np.diff(np.log(self.depth))
-            first, step = np.diff(self.low) / apart, np.diff(np.diag(self.width), axis=0) / apart[:, None]
-            self.room = np.concatenate([profile.steepness - first, profile.steepness + first])
-            self.by_room = np.concatenate([-step, step])
+            slope = np.diff(np.eye(self.low.size), axis=0) / np.diff(np.log(self.depth))[:, None]
+            slope = np.concatenate([-slope, slope])
+            self.room, self.by_room = profile.steepness + slope @ self.low, slope * self.width
 
     def moduli(self, x: np.ndarray) -> np.ndarray:
         """The moduli in Pa."""
@@ -366,19 +365,18 @@ def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
     """The best power law clipped to the bounds: where it lies between them, and its exponent."""
     low, width = problem.low, problem.width
     z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
-    z = z - z.mean()
     middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
+    by = np.stack([z - z.mean(), np.full(z.size, scale)], axis=1) / width[:, None]
 
     def clipped(p: np.ndarray) -> Rows:
         """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
-        x = (middle + scale * p[1] + p[0] * z - low) / width
-        inside = ((x > 0.0) & (x < 1.0)) / width
-        return np.clip(x, 0.0, 1.0), np.stack([z * inside, scale * inside], axis=1)
+        x = (middle - low) / width + by @ p
+        return np.clip(x, 0.0, 1.0), by * ((x > 0.0) & (x < 1.0))[:, None]
 
     def rows(p: np.ndarray) -> Rows:
         x, slopes = clipped(p)
-        values, by = problem.rows(x)
-        return values, by @ slopes
+        values, by_x = problem.rows(x)
+        return values, by_x @ slopes
 
     bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
     ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]

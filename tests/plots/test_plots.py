@@ -268,16 +268,10 @@ def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write
     assert os.listdir() == ["folder.png"]
 
 
-def test_check_leaves_an_old_picture_alone(tmp_path):
+def test_checks_and_failed_writes_keep_the_old_picture_and_leave_no_parts(small, tmp_path, monkeypatch):
     file = tmp_path / "a.png"
     file.write_bytes(b"old")
     plots.check_target(file)
-    assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a.png"]
-
-
-def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkeypatch):
-    file = tmp_path / "a.png"
-    file.write_bytes(b"old")
 
     def fills_the_disk(target, **_):
         Path(target).write_bytes(b"half")
