@@ -44,7 +44,12 @@ class Comparison:
 
 
 def side_by_side(question: Question, contact: Any, variables: dict[str, Any]) -> Comparison:
-    """A contact with these variables beside the reference of the question, but for what is minimised."""
+    """A contact with these variables beside the reference of the question, but for what is minimised.
+
+    Raises:
+        ValueError: Both have different bodies.
+    """
+    jax.tree.map(lambda *_: None, contact, question.contact)  # raises a ValueError for different bodies
     pair, evaluator, load = (concrete(contact), concrete(question.contact)), Evaluator(question), question.load
     distance, found = concrete(np.nan if question.distance is None else question.distance), []
     for one, values in zip(reversed(pair), (reference_variables(question), variables), strict=True):
