@@ -14,7 +14,6 @@ from plgwear_jax import (
     Layered,
     loads,
     optimise,
-    sweep,
     wear_laws,
 )
 from plgwear_jax.optimise.question import question_of
@@ -168,17 +167,6 @@ def test_designs_within_a_program(contact, life):
     np.testing.assert_allclose(found.value, [float(single.value)], rtol=1e-6)
     for name, value in single.variables.items():
         np.testing.assert_allclose(found.variables[name], [value], rtol=1e-4, atol=1e-5)
-
-
-@pytest.mark.long  # to compile
-def test_sweeps_have_designs_under_elastic_indenters_and_for_lives():
-    force = np.array([1.0, 2.0])
-    for contact, life in ((STEEL, {}), (RIGID, LIFE)):
-        asked = {"vary": RANGE, "hold": HOLD, **life}
-        swept = sweep.sweep(["design.k", "design.saving"], contact=contact, tangential_force=force, design=asked)
-        each = [optimise.design(contact, one, **asked) for one in force]
-        np.testing.assert_allclose(swept.design_k, [one.variables["k"] for one in each], atol=1e-5)
-        np.testing.assert_allclose(swept.design_saving, [one.saving for one in each], rtol=1e-4)
 
 
 @pytest.mark.long
