@@ -191,11 +191,8 @@ def in_steady_state(found: Design) -> InSteadyState:
 
 def overtaken_at(lives: np.ndarray, more: np.ndarray) -> float | None:
     """Where the share by which the one wears more than the other becomes positive for good."""
-    if not more[-1] > _SAME:
+    below = np.flatnonzero(more < 0.0)
+    if not (below.size and more[-1] > _SAME):
         return None
-    (below,) = np.nonzero(more < 0.0)
-    if not below.size:
-        return None
-    i = below[-1]
-    part = more[i] / (more[i] - more[i + 1])
-    return float(lives[i] * (lives[i + 1] / lives[i]) ** part)
+    near = slice(below[-1], below[-1] + 2)
+    return float(np.exp(np.interp(0.0, more[near], np.log(lives[near]))))
