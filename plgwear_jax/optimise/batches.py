@@ -155,7 +155,7 @@ def _designs_in_turn(question: Question, level: float) -> Designs:
         if not question.by_force or np.any(load.amplitudes * load.weight):
             weighted = weighted_load(one.contact, load.load, load.weight, level, one.horizon is None)
             best = answered(dataclasses.replace(one, load=weighted))
-            found[i] = *best.variables.values(), best.value, best.saving
+            found[i] = *(best.variables[name] for name in question.bounds), best.value, best.saving
             certain[i] = best.converged, best.certified, best.scan_found_nothing_better
     columns = (jnp.asarray(column.reshape(shape)) for column in (*found.T, *certain.T))
     return Designs(dict(zip(question.bounds, columns, strict=False)), *columns)
