@@ -345,9 +345,12 @@ def _row_of(name: str, values: Any) -> str:
 
 def headline(found: Any) -> str:
     """The objective of a design, and what it saves."""
-    share = 100.0 * found.saving
-    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
-    return f"{found.objective} = {measured(found.objective, found.value)}, {much}"
+    return f"{found.objective} = {measured(found.objective, found.value)}, {less(found.saving)} than the reference"
+
+
+def less(saving: float) -> str:
+    """How much less there is of something."""
+    return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 
 def placed_between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
@@ -363,5 +366,6 @@ def certainty(found: Any, *names: str) -> str:
 
 
 def measured(name: str, value: Any) -> str:
-    """A value of a quantity or a variable with its unit."""
-    return written(float(np.asarray(value)), entry(name).unit)
+    """A value of a quantity or a variable with its unit; of several the range."""
+    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
+    return " to ".join(ends)
