@@ -53,12 +53,12 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
 
 
-def evaluated(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
+def evaluated(question: Question, variables: Mapping[str, Any]) -> Evaluation:
     """The objective and the limits at choices of the variables, (points,), which may lie beyond the bounds."""
-    reached = {
-        name: (np.min(variables[name], initial=lowest), np.max(variables[name], initial=highest))
-        for name, (lowest, highest) in question.bounds.items()
-    }
+    reached = {}
+    for name, ends in question.bounds.items():
+        values = np.append(variables[name], ends)
+        reached[name] = values.min(), values.max()
     return evaluate(dataclasses.replace(question, bounds=reached), variables)
 
 

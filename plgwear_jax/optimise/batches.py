@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 import jax
 import jax.numpy as jnp
@@ -100,7 +100,7 @@ def designs(
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: designs takes none; ask design for each of them")
     question, given = parts_of(contact, load, vary, **keywords)
-    level, weight = keywords.get("level", 0.0), keywords.get("weight")
+    level, weight = keywords.get("level", 0.0), cast(Any, keywords.get("weight"))
     if given is None:
         return _designs_in_a_batch(question, level)
     if weight is not None:

@@ -154,7 +154,8 @@ class Design:
     @property
     def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
         """For each variable the bound it lies on, or None."""
-        return {name: (None, "upper", "lower")[int(side)] for name, side in self.minimum.side.items()}
+        named: Any = None, "upper", "lower"
+        return {name: named[int(side)] for name, side in self.minimum.side.items()}
 
     @property
     def keeps_limits(self) -> bool:
@@ -353,7 +354,7 @@ def less(saving: float) -> str:
     return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 
-def placed_between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
+def placed_between(called: str, name: str, value: Any, bounds: Iterable[Any], side: str | None) -> str:
     """The value of what varies, with its bounds and the one on which it lies."""
     lowest, highest = (measured(name, end) for end in bounds)
     place = f", at the {side} bound" if side else ""

@@ -69,7 +69,7 @@ def side_by_side(question: Question, contact: Any, variables: dict[str, Any]) ->
     ends = min([0.01 * edge[1], *(0.5 * z for z in marked)]), max([10.0 * edge[1], *(2.0 * z for z in marked)])
     depths = concrete(np.geomspace(*ends, 2 if isinstance(contact.material, PowerLawGraded) else _SAMPLES))
     moduli = [_moduli(one.material, np.append(at, depths)) for one, at in zip(pair, edge, strict=True)]
-    modulus = np.stack(moduli)
+    modulus: Any = np.stack(moduli)
     quantities["modulus_at_radius"] = modulus[:, 0]
     return Comparison(quantities, np.asarray(distance), radii, depth, depths, modulus[:, 1:])
 

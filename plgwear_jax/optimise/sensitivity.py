@@ -62,7 +62,7 @@ def sensitivities(found: Design) -> Sensitivities:
     here = _at(question, at[None], runs)
     curvatures = _curvatures(question, at, runs)
     state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
-    share, room = float(found.value / found.reference_value), {}
+    share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room = dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi)))
     for name, (path, value) in inputs(question).items():

@@ -175,7 +175,8 @@ def front(
     of_x = _least(question, known, {row: 1.0, 0: _TIE * y_side}, others)
     of_y = _least(question, known, {row: _TIE, 0: y_side}, others)
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
-    allowed = np.linspace(*ends.values[:, row], points)  # log(x), negative where larger is better
+    first, last = ends.values[:, row]
+    allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [_least(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
