@@ -57,7 +57,7 @@ def evaluated(question: Question, variables: Mapping[str, Any]) -> Evaluation:
     """The objective and the limits at choices of the variables, (points,), which may lie beyond the bounds."""
     reached = {}
     for name, ends in question.bounds.items():
-        values = np.append(variables[name], ends)
+        values = np.append(variables[name], [*map(np.asarray, ends)])
         reached[name] = values.min(), values.max()
     return evaluate(dataclasses.replace(question, bounds=reached), variables)
 

@@ -119,7 +119,7 @@ def designs(
         pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
         phi = amplitude_of(dataclasses.replace(question.contact, **pressed), weighted.amplitudes)
         # NaN where traced numbers are outside their ranges
-        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(weighted.amplitudes + 0.0 * phi, weight))
+        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(weighted.amplitudes + 0.0 * phi, weighted.weight))
     elif weight is None:
         weighted = WeightedLoad(given, jnp.ones(1))
     return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)

@@ -64,7 +64,7 @@ def sensitivities(found: Design) -> Sensitivities:
     state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
-        room = dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi)))
+        room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
     for name, (path, value) in inputs(question).items():
         # By its change the values and slopes change; a bound moves only a variable that lies on it.
         moved, values, slopes = np.zeros(at.size), *(np.zeros(part.shape[1:]) for part in here)

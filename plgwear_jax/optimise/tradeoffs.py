@@ -143,7 +143,7 @@ def front(
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> curve = optimise.front(contact, 1.0, {"k": (-0.5, 0.5)}, "penetration", "deepest_wear", points=5)
         >>> print(curve.certified.all(), curve.ends[0])
-        True least penetration
+        True least indentation depth
 
     References:
         `docs/how-to/designs.md`, "The trade-off curve".
