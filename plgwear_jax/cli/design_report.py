@@ -10,7 +10,7 @@ from plgwear_jax.catalogue import DESIGNED, STRESSES, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.optimise.answers import doubtful
+from plgwear_jax.optimise.best import doubtful
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 

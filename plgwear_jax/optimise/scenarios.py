@@ -102,8 +102,7 @@ def weighted_load(
         if weight is not None:
             raise ValueError("weight: belongs to several amplitudes, not to blocks")
         return WeightedLoad(load, np.ones(1))
-    given = WeightedLoad(load, weight)
-    amplitudes = np.atleast_1d(np.asarray(given.amplitudes))
+    amplitudes = np.atleast_1d(np.asarray(load.amplitude))
     weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
     if load.holds_force:
         check_real("load", amplitudes)
@@ -114,7 +113,8 @@ def weighted_load(
         name = "tangential_force" if load.holds_force else "displacement_amplitude"
         raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
     both = amplitudes[counting > 0.0], counting[counting > 0.0]
-    return given.with_amplitudes(*(padded(*both) if steady else both))  # padding would be worn over cycles as well
+    both = padded(*both) if steady else both  # padding would be worn over cycles as well
+    return WeightedLoad(load, None).with_amplitudes(*both)
 
 
 def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
@@ -131,12 +131,10 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
 
 def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
-    if force.size <= 1024:
-        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= force.size)
-    else:  # by a quarter at most, since the time grows with the size
-        step = 2 ** (math.ceil(math.log2(force.size)) - 3)
-        size = step * math.ceil(force.size / step)
-    more = (0, size - force.size)
+    bits = (force.size - 1).bit_length()
+    # Above 1024 by a quarter at most, since the time grows with the size.
+    step = 4 ** math.ceil(0.5 * bits) if bits <= 10 else 2 ** (bits - 3)
+    more = (0, -force.size % step)
     return np.pad(force, more), np.pad(weight, more)
 
 
@@ -249,16 +247,16 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     own_law = None if given.law is None else law_of(given.law)
     if own_law is not None and jax.tree.structure(own_law) != jax.tree.structure(law):
         raise ValueError("scenarios: law takes the kind of law of the design, for a number of cycles")
+    force, weight = given.tangential_force, 1.0 if given.weight is None else given.weight
+    check("scenarios: weight", weight, WEIGHT)
+    if force is not None:
+        check("scenarios: tangential_force", force, FORCE)
     names = [*paths_of(given.contact), *(f"law {name}" for name in paths_of(own_law))]
-    leaves, rebuild = jax.tree.flatten((given.contact, own_law))
+    names += ["weight"] if force is None else ["tangential_force", "weight"]
+    leaves, rebuild = jax.tree.flatten((given.contact, own_law, force, weight))
     leaves = [np.asarray(leaf, float) for leaf in leaves]
     own = own_axes(contact, len(leaves))
     shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
-    others = {"tangential_force": FORCE, "weight": WEIGHT}
-    for name, domain in others.items():
-        if getattr(given, name) is not None:
-            check(f"scenarios: {name}", getattr(given, name), domain)
-            shapes[name] = np.shape(getattr(given, name))
     try:
         (count,) = np.broadcast_shapes((1,), *shapes.values())
         alike = all(shape in ((), (count,)) for shape in shapes.values())
@@ -267,11 +265,8 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     if not alike:
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")
-    force, weight = given.tangential_force, 1.0 if given.weight is None else given.weight
-    force = None if force is None else np.broadcast_to(np.asarray(force, float), (count,))
-    weight = np.broadcast_to(np.asarray(weight, float), (count,))
+    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
+    batch, laws, force, weight = jax.tree.unflatten(rebuild, each)
     if not np.any(weight > 0.0):
         raise ValueError("scenarios: weight: all weights are zero")
-    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
-    batch, laws = jax.tree.unflatten(rebuild, each)
     return ScenarioBatch(batch, laws, shares(weight), force, level)

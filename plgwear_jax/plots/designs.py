@@ -1,6 +1,5 @@
 """Pictures of designs beside their references, of trade-offs, of measured coatings and of free gradients."""
 
-import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -8,10 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, leaf, placed
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.afterwards import evaluated
+from plgwear_jax.optimise.best import less, measured
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
     BEST,
@@ -80,56 +79,40 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         end, symbols = "$a$", f"{_SYMBOLS}; $a$: contact radius when worn, dotted"
     words = r"worn off the face, $d - w_\infty$" if design.load is None else None
     _draw_depths(panels[2], worn, (BEST, REFERENCE), end, words)
-    saved = f"{best}: {_less(design.saving)} {entry(design.objective).name} than the reference"
-    breaks = ", which breaks a limit" if _reference_breaks(design) else ""
+    saved = f"{best}: {less(design.saving)} {entry(design.objective).name} than the reference"
+    kept = keeps(evaluated(design.question, design.reference_variables).values[0, 1:])
+    breaks = "" if kept else ", which breaks a limit"
     return _explained(figure, panels, f"{saved}{breaks}{_limits_told(design)}\n{_conditions(design)}\n{symbols}")
-
-
-def _less(saving: float) -> str:
-    return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 
 def _limits_told(design: Design) -> str:
     """The limits with their values, but for those of the modulus, which are drawn as bars."""
     told = [
-        f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {_measured(one.quantity, one.allowed)}"
+        f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {measured(one.quantity, one.allowed)}"
         for one in design.limits.values()
         if one.quantity not in ("modulus_at", design.hold)
     ]
     return f"\nlimits: {', '.join(told)}" if told else ""
 
 
-def _measured(name: str, value: Any) -> str:
-    """A number with its unit; of several the range."""
-    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
-    return " to ".join(ends)
-
-
 def _conditions(design: Design) -> str:
     """The load and the contact, which both designs have in common, in words."""
     contact, load = design.reference, design.load
     if load is None:
-        radius, depth = (_measured(name, getattr(contact, name)) for name in ("radius", "depth"))
+        radius, depth = (measured(name, getattr(contact, name)) for name in ("radius", "depth"))
         return f"flat punch of radius {radius}, pressed {depth} deep"
     told = "blocks of amplitudes"
     if load.amplitudes is not None:
         name = "tangential_force" if load.load.holds_force else "displacement"
         several = "up to " if np.count_nonzero(load.weight) > 1 else ""
-        told = f"amplitude ${entry(name).symbol}$ = {several}{_measured(name, np.max(load.amplitudes))}"
+        told = f"amplitude ${entry(name).symbol}$ = {several}{measured(name, np.max(load.amplitudes))}"
         if load.load.holds_force:
             told += rf" ({100.0 * float(np.max(design.question.phi)):.2g} % of $\mu F_N$)"
     given = {name: getattr(contact, name) for name in ("normal_force", "friction", "radius")}
-    words = [f"${entry(name).symbol}$ = {_measured(name, value)}" for name, value in given.items()]
+    words = [f"${entry(name).symbol}$ = {measured(name, value)}" for name, value in given.items()]
     indenter = getattr(contact, "indenter", None)
-    body = "rigid indenter" if indenter is None else f"indenter of {_measured('indenter.E', indenter.E)}"
+    body = "rigid indenter" if indenter is None else f"indenter of {measured('indenter.E', indenter.E)}"
     return ", ".join([told, *words, body])
-
-
-def _reference_breaks(design: Design) -> bool:
-    """Whether the reference breaks a limit; it may be outside of the bounds."""
-    there, question = design.reference_variables, design.question
-    bounds = {name: tuple(sorted((*ends, there[name]))[::2]) for name, ends in design.bounds.items()}
-    return not keeps(evaluate(dataclasses.replace(question, bounds=bounds), there).values[0, 1:])
 
 
 def _three_panels(
@@ -197,7 +180,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.plot(there, 0.0, "s", color=REFERENCE["color"], **DOT)
     axes.plot(here, change, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
-    axes.set_title(_less(design.saving), loc="right")
+    axes.set_title(less(design.saving), loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
     seen = [*curve[kept & np.isfinite(curve)], 0.0, change]  # some contacts may have no answer, as where they open
     low, high = _widened(seen, 0.2 * np.ptp(seen))
@@ -301,9 +284,9 @@ def coating_picture(
     panels[1].axvspan(*fit.felt, **_FELT)
     edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
     _draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, strict=True)], (BEST, REFERENCE))
-    told = " and ".join(_measured("contact_radius", radius) for radius in radii)
-    measured = "" if measured_radius is None else f"; measured: {_measured('contact_radius', measured_radius)}"
-    words = f"contact radius on $E(z)$ and on the power law: {told}{measured}"
+    told = " and ".join(measured("contact_radius", radius) for radius in radii)
+    beside = "" if measured_radius is None else f"; measured: {measured('contact_radius', measured_radius)}"
+    words = f"contact radius on $E(z)$ and on the power law: {told}{beside}"
     return _explained(figure, panels, f"{words}\n{_RING}")
 
 
@@ -344,5 +327,5 @@ def free_picture(
     _draw_influence(panels, counts, radius)
     _draw_depths(panels[2], worn, (BEST, OTHER, REFERENCE))
     name = entry(found.objective).name
-    told = f"{_less(found.saving)} {name} than the reference, {_less(found.freedom)} than the best power law"
+    told = f"{less(found.saving)} {name} than the reference, {less(found.freedom)} than the best power law"
     return _explained(figure, panels, f"best free gradient: {told}\n{_RING}")

@@ -141,7 +141,7 @@ def test_pages_run_from_top_to_bottom(name):
 
 
 # Examples of searches and of a march over cycles, each of which is compiled.
-SLOW = {f"plgwear_jax.optimise.{name}" for name in ("answers", "search", "scenarios")}
+SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "batches", "tradeoffs", "search", "scenarios")}
 SLOW |= {f"plgwear_jax.{name}" for name in ("loads", "fitting", "shapes.splines", "contact.regimes", "wear_laws")}
 
 

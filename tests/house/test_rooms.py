@@ -79,7 +79,7 @@ def test_there_is_no_circle():
     graphlib.TopologicalSorter(within).prepare()
 
 
-SUBJECTS = {"plgwear_jax.optimise.answers", "plgwear_jax.optimise.evaluation", "plgwear_jax.optimise.search"}
+SUBJECTS = {"plgwear_jax.optimise.evaluation", "plgwear_jax.optimise.search"}
 
 
 def test_files_have_one_subject():

@@ -3,11 +3,9 @@
 import dataclasses
 import json
 
-import jax
 import numpy as np
 import pytest
 from coated import RIGID as CONTACT
-from scipy import optimize
 from typer.testing import CliRunner
 
 from plgwear_jax import Elastic, GrossSlipContact, PowerLawGraded, cli, optimise
@@ -94,42 +92,6 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
         assert state.active == (value == pytest.approx(state.allowed, rel=1e-8)), name
         assert value >= state.allowed * (1.0 - 1e-6) if one.lowest else value <= state.allowed * (1.0 + 1e-6), name
     assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick-slip boundary
-
-
-@pytest.mark.compiled
-def test_a_design_of_friction_and_exponent_is_that_of_scipy():
-    def contact(x):
-        return with_variables(CONTACT, {"k": x[0], "friction": x[1]})
-
-    goal = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).deepest_wear))
-    kept = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).edge_pressure(1e-6) / 7e8))
-    enough = jax.jit(lambda x: jax.numpy.log(3e-9 / contact(x).steady(1.0).energy_per_cycle))
-    bounds = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}
-    limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "energy_per_cycle": {"above": 3e-9}}
-    found = optimise.design(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=limits)
-    assert found.certified and found.keeps_limits
-    theirs = [
-        optimize.minimize(
-            lambda x: float(goal(x)),
-            start,
-            jac=jax.grad(goal),
-            bounds=list(bounds.values()),
-            constraints=[
-                {"type": "ineq", "fun": lambda x, f=f: -float(f(x)), "jac": lambda x, f=f: -jax.grad(f)(x)}
-                for f in (kept, enough)
-            ],
-            method="SLSQP",
-            options={"ftol": 1e-12},
-        )
-        for start in ([0.0, 0.5], [0.4, 0.7], [-0.3, 0.4])
-    ]
-    best = min(one.fun for one in theirs if one.success and kept(one.x) < 1e-9 and enough(one.x) < 1e-9)
-    np.testing.assert_allclose(np.log(found.value), best, atol=1e-8)
-    assert found.contact.friction == found.variables["friction"]
-    np.testing.assert_allclose(found.contact.steady(1.0).deepest_wear, found.value, rtol=1e-12)
-    np.testing.assert_allclose(
-        found.contact.steady(1.0).energy_per_cycle, found.limits["energy_per_cycle_lowest"].value
-    )
 
 
 @pytest.mark.compiled

@@ -30,6 +30,25 @@ def is_the_envelope(curve: optimise.Front, x: np.ndarray, y: np.ndarray, within:
     assert logs[1].min() - within < fronts[1][-1] < logs[1].min() + rounding
 
 
+def test_the_front_lies_between_least_wear_and_least_pressure():
+    force, weight = np.array([0.5, 1.0]), np.array([0.75, 0.25])
+    limits = {"penetration": {"below": 8.5e-7}}  # which is reached where the wear is least
+    asked = {"hold": HOLD, "weight": weight, "distance": 1e-6, "limits": limits}
+    curve = optimise.front(RIGID, force, {"k": (-0.9, 0.9)}, points=9, **asked)
+    assert curve.ends == ("k at its upper bound", "highest penetration allowed")
+
+    def both(contacts):
+        wear = weight @ np.stack([contacts.steady(one).wear_volume for one in force])
+        return np.asarray(contacts.steady(1.0).edge_pressure(1e-6)), wear
+
+    grid = held(np.linspace(-0.9, 0.9, 401))
+    kept = np.asarray(grid.steady(1.0).penetration) <= 8.5e-7
+    assert not np.all(kept)
+    is_the_envelope(curve, *(values[kept] for values in both(grid)), within=0.01)
+    np.testing.assert_allclose([curve.x, curve.y], both(held(curve.variables["k"])), rtol=1e-9)
+    np.testing.assert_allclose([curve.reference_x, curve.reference_y], both(RIGID), rtol=1e-9)
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     "x, y, larger",

@@ -28,6 +28,7 @@ RANDOM = np.random.default_rng(5)
 MU, PRESSED = 0.4 * np.exp(0.2 * RANDOM.standard_normal(12)), 10.0 * np.exp(0.1 * RANDOM.standard_normal(12))
 WEIGHT = RANDOM.uniform(0.5, 1.5, 12)
 UNCERTAIN = dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED)
+SCENARIOS = Scenarios(UNCERTAIN, WEIGHT)
 
 
 def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:
@@ -53,9 +54,7 @@ K = np.linspace(-0.6, 0.6, 601)
 
 @pytest.mark.parametrize("level", [*(pytest.param(x, marks=pytest.mark.compiled) for x in (0.0, 0.7)), 1.0])
 def test_the_best_over_uncertain_friction_and_force(level):
-    found = optimise.design(
-        RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, level=level, scenarios=Scenarios(UNCERTAIN, WEIGHT)
-    )
+    found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, level=level, scenarios=SCENARIOS)
     volumes = np.asarray(scenarios_with(K, E0=held(K).material.E0).steady(FORCE).wear_volume)
     is_least(found, over(volumes, WEIGHT, level), within=1e-4)
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
@@ -86,29 +85,23 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
 def test_limits_hold_in_every_scenario():
     limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "penetration": {"below": 1.6e-6}}
     bounds = {"k": (-0.6, 0.6), "E0": (60e9, 240e9)}
-    asked: dict[str, Any] = {"limits": limits, "level": 0.7}
-    found = optimise.design(RIGID, FORCE, bounds, scenarios=Scenarios(UNCERTAIN, WEIGHT), **asked)
+    asked: dict[str, Any] = {"vary": bounds, "level": 0.7, "scenarios": SCENARIOS}
+    found = optimise.design(RIGID, FORCE, **asked, limits=limits)
     k, modulus = np.meshgrid(np.linspace(-0.6, 0.6, 121), np.geomspace(60e9, 240e9, 121), indexing="ij")
     steady = scenarios_with(k, E0=modulus).steady(FORCE)
     pressure, depth = np.asarray(steady.edge_pressure(1e-6)).max(0), np.asarray(steady.penetration).max(0)
     worn = over(np.asarray(steady.wear_volume), WEIGHT, 0.7)
     is_least(found, np.where((pressure <= 7e8) & (depth <= 1.6e-6), worn, np.nan), within=0.02)
     assert any(state.active for state in found.limits.values())
-    there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
-    np.testing.assert_allclose(
-        found.limits["edge_pressure"].value, there.steady(FORCE).edge_pressure(1e-6).max(), rtol=1e-9
-    )
-    np.testing.assert_allclose(found.limits["penetration"].value, there.steady(FORCE).penetration.max(), rtol=1e-9)
+    there = dataclasses.replace(UNCERTAIN, material=found.contact.material).steady(FORCE)
+    expected = there.edge_pressure(1e-6).max(), there.penetration.max()
+    np.testing.assert_allclose([found.limits[name].value for name in limits], expected, rtol=1e-9)
     # The multiplier of a limit is that of all scenarios together.
     name, state = next((name, state) for name, state in found.limits.items() if state.active)
-    step = 1e-4
-    values = []
-    for side in (-1.0, 1.0):
-        looser = {**limits, name: {**limits[name], "below": limits[name]["below"] * np.exp(side * step)}}
-        again = optimise.design(
-            RIGID, FORCE, bounds, scenarios=Scenarios(UNCERTAIN, WEIGHT), **asked | {"limits": looser}
-        )
-        values.append(np.log(float(again.value)))
+    step, values = 1e-4, []
+    for factor in np.exp([-step, step]):
+        looser = limits | {name: limits[name] | {"below": factor * limits[name]["below"]}}
+        values.append(np.log(float(optimise.design(RIGID, FORCE, **asked, limits=looser).value)))
     np.testing.assert_allclose(state.multiplier, (values[0] - values[1]) / (2.0 * step), rtol=1e-3)
 
 
@@ -133,16 +126,13 @@ def test_one_scenario_is_the_plain_design(contact, asked):
 @pytest.mark.compiled
 def test_scenarios_and_amplitudes_count_together():
     force, share = np.array([0.5, 1.0]), np.array([0.7, 0.3])
-    found = optimise.design(
-        RIGID, force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
-    )
+    asked: dict[str, Any] = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
+    found = optimise.design(RIGID, force, **asked)
     volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
     is_least(found, over(volumes, weight, 0.8), within=1e-4)
     harder = optimise.under_other_load(found, 1.05)
-    again = optimise.design(
-        RIGID, 1.05 * force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
-    )
+    again = optimise.design(RIGID, 1.05 * force, **asked)
     np.testing.assert_allclose(harder.best.value, again.value, rtol=1e-9)
 
 

@@ -255,7 +255,7 @@ def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write
     assert os.listdir() == ["folder.png"]
 
 
-def test_checks_and_failed_writes_keep_the_old_picture_and_no_parts(small, tmp_path, monkeypatch):
+def test_checks_and_failed_writes_keep_the_old_picture_and_leave_no_parts(small, tmp_path, monkeypatch):
     file = tmp_path / "a.png"
     file.write_bytes(b"old")
 

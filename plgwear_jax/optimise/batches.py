@@ -1,0 +1,212 @@
+"""The best gradients for many contacts in one call."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Unpack, cast
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.record import record
+from plgwear_jax._startup.programs import traced
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.best import answered
+from plgwear_jax.optimise.evaluation import (
+    Candidate,
+    plan_for,
+    shared_of,
+    space,
+)
+from plgwear_jax.optimise.exponent import BATCH, in_chunks
+from plgwear_jax.optimise.question import (
+    Bounds,
+    Keywords,
+    LoadGiven,
+    Question,
+    parts_of,
+    read_from_runs,
+    solved_one_by_one,
+)
+from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
+from plgwear_jax.optimise.search import minimise
+from plgwear_jax.steady.arguments import amplitude_of
+
+
+@record
+class Designs:
+    """The best gradients for many contacts; every array has the shape of the batch.
+
+    Attributes:
+        variables: The best values of what was varied, by name.
+        value: The objective of the best contacts, in SI units.
+        saving: The share by which it is less than that of the reference.
+        converged: The search ended at a minimum.
+        certified: Converged, within the limits, and nothing better was found; see `Design`.
+        scan_found_nothing_better: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
+    """
+
+    variables: dict[str, Array]
+    value: Array
+    saving: Array
+    converged: Array
+    certified: Array
+    scan_found_nothing_better: Array
+
+
+def designs(
+    contact: FrettingContact | GrossSlipContact,
+    load: LoadGiven,
+    vary: Mapping[str, Bounds],
+    **keywords: Unpack[Keywords],
+) -> Designs:
+    """Find the best material for each of many contacts or loads, in one compiled call.
+
+    Works under `jit`. Designs of contacts with closed forms can be differentiated with respect to the contact and the
+    load: those for the steady state, and those for the volume worn in a life if k, E0, z0 or the radius vary alone. All
+    others are looked for one after the other, and have no derivatives: the search of one design needs the first
+    derivatives already, and `sensitivities` takes differences of them.
+
+    Args:
+        contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
+        load: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
+            or with `weight` several per design, along a last axis.
+        vary: See `design`. Its bounds are numbers, not traced values.
+        **keywords: See `Keywords`, without scenarios. The weights have a shape that broadcasts with that of the
+            amplitudes, zero for padding; cycles, law and limits may be arrays, whose shapes broadcast to that of the
+            batch.
+
+    Returns:
+        The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
+
+    Raises:
+        ValueError: See `design`. Under `jit` values outside their range give NaN.
+
+    Examples:
+        >>> import jax.numpy as jnp
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius")
+        >>> print(best.variables["k"])
+        [-0.5  0.5]
+
+    References:
+        As `design`.
+    """
+    if keywords.get("scenarios") is not None:
+        raise ValueError("scenarios: designs takes none; ask design for each of them")
+    question, given = parts_of(contact, load, vary, **keywords)
+    level, weight = keywords.get("level", 0.0), cast(Any, keywords.get("weight"))
+    if given is None:
+        return _designs_in_a_batch(question, level)
+    if weight is not None:
+        check("weight", weight, WEIGHT)
+    if given.amplitude is not None:
+        force = jnp.asarray(given.amplitude)
+        pairs = (force[..., None], jnp.ones(1)) if weight is None else (force, jnp.asarray(weight))
+        force, weight = jnp.broadcast_arrays(*pairs)
+        given = given.with_amplitude(lambda _: force)
+    weighted = WeightedLoad(given, weight)
+    question = dataclasses.replace(question, load=weighted)
+    if solved_one_by_one(question) and not traced((question, level)):
+        return _designs_in_turn(question, level)
+    if question.by_force:
+        check_real("load", weighted.amplitudes)
+        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
+        phi = amplitude_of(dataclasses.replace(question.contact, **pressed), weighted.amplitudes)
+        # NaN where traced numbers are outside their ranges
+        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(weighted.amplitudes + 0.0 * phi, weighted.weight))
+    elif weight is None:
+        weighted = WeightedLoad(given, jnp.ones(1))
+    return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)
+
+
+def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:
+    """The shape of a batch of questions, their numbers with the axes of the batch first, and what makes one of them."""
+    leaves, rebuild = jax.tree.flatten((question.contact, question.horizon, question.load))
+    own, load = own_axes(question.contact, len(leaves)), question.load
+    if load is not None and load.amplitudes is not None:  # they and their weights have an axis of their own
+        own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
+    elif load is not None and load.weight is not None:
+        own[-1] = 1
+    leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
+    shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
+
+    def one(*numbers: Any) -> Question:
+        contact, horizon, load = jax.tree.unflatten(rebuild, numbers)
+        return dataclasses.replace(question, contact=contact, horizon=horizon, load=load)
+
+    return shape, [xp.broadcast_to(x, (*shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)], one
+
+
+def _designs_in_turn(question: Question, level: float) -> Designs:
+    """The designs of known numbers, by the program of a single one."""
+    shape, numbers, one_of = _batch_of(question, np)
+    count = math.prod(shape)
+    found, certain = np.full((count, len(question.bounds) + 2), np.nan), np.zeros((count, 3), bool)
+    for i, given in enumerate(zip(*(x.reshape(count, *x.shape[len(shape) :]) for x in numbers), strict=True)):
+        one = one_of(*given)
+        load = one.load
+        assert load is not None
+        if not question.by_force or np.any(load.amplitudes * load.weight):
+            weighted = weighted_load(one.contact, load.load, load.weight, level, one.horizon is None)
+            best = answered(dataclasses.replace(one, load=weighted))
+            found[i] = *(best.variables[name] for name in question.bounds), best.value, best.saving
+            certain[i] = best.converged, best.certified, best.scan_found_nothing_better
+    columns = (jnp.asarray(column.reshape(shape)) for column in (*found.T, *certain.T))
+    return Designs(dict(zip(question.bounds, columns, strict=False)), *columns)
+
+
+@jax.jit
+def _designs_in_a_batch(question: Question, level: Array) -> Designs:
+    """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
+    shape, numbers, one_of = _batch_of(question, jnp)
+    plan = plan_for(question)
+
+    def best(*numbers: Array) -> Designs:
+        one = one_of(*numbers)
+        load = one.load
+        if load is not None and load.amplitudes is not None:
+            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)))
+        shared = shared_of(one)
+
+        def limits(variables: dict[str, Array]) -> Array:
+            return jnp.stack([jnp.asarray(x) for x in Candidate(one, variables, shared).excess()])
+
+        found = minimise(
+            lambda variables: Candidate(one, variables, shared).objective(),
+            space(one),
+            limits=limits if question.limits else None,
+            samples=plan.samples,
+            starts=plan.starts,
+            axis_name=BATCH,
+        )
+        worn = shared.scale > 0.0
+        defined = jnp.where(worn, 1.0, jnp.nan)
+        return Designs(
+            variables={name: defined * variable for name, variable in found.variables.items()},
+            value=defined * jnp.exp(found.value) * shared.scale,
+            saving=defined * -jnp.expm1(found.value),
+            converged=found.converged & worn,
+            certified=found.certified & worn,
+            scan_found_nothing_better=found.scan_found_nothing_better & worn,
+        )
+
+    if not solved_one_by_one(question) or read_from_runs(question):
+        return in_chunks(best, shape, *numbers)
+    return in_chunks(best, shape, *map(_without_slopes, numbers), most=1)
+
+
+@jax.custom_jvp
+def _without_slopes(x: Array) -> Array:
+    return x
+
+
+@_without_slopes.defjvp
+def _refuse_slopes(primals: Any, tangents: Any) -> Any:
+    text = "has no derivatives by the numbers of a contact without closed forms, nor for a life of several runs"
+    raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")

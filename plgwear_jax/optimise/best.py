@@ -1,0 +1,372 @@
+"""The best design for a question, beside its reference and in words."""
+
+import contextlib
+import dataclasses
+import itertools
+import math
+import textwrap
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, Unpack
+
+import jax
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+
+from plgwear_jax._core import doubts
+from plgwear_jax._core.domains import ArrayLike
+from plgwear_jax._core.numbers import concrete_only
+from plgwear_jax._core.record import record, static
+from plgwear_jax._core.units import written
+from plgwear_jax.catalogue import entry
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.comparison import Comparison, side_by_side
+from plgwear_jax.optimise.evaluation import (
+    Evaluation,
+    Evaluator,
+    Known,
+    reference_variables,
+    search,
+    search_over_scenarios,
+    valued,
+)
+from plgwear_jax.optimise.question import (
+    Bounds,
+    Keywords,
+    LoadGiven,
+    Question,
+    keeps,
+    question_of,
+)
+from plgwear_jax.optimise.scenarios import WeightedLoad
+from plgwear_jax.optimise.search import Minimum
+
+ACTIVE = 1e-9  # a multiplier above it is that of an active limit
+
+
+@record
+class LimitState:
+    """The value of a design for one of its limits.
+
+    Attributes:
+        value: The limited quantity, in SI units.
+        allowed: The limit.
+        multiplier: By how many percent the objective falls if the limit is loosened by one percent; 0 if it is not
+            active.
+        quantity: What is limited, by its name in the catalogue.
+        lowest: The limit is the lowest value allowed, not the highest.
+    """
+
+    value: Array
+    allowed: ArrayLike
+    multiplier: Array
+    quantity: str = static()
+    lowest: bool = static()
+
+    @property
+    def active(self) -> bool:
+        """The design reaches the limit, and would be better without it."""
+        return bool(self.multiplier > ACTIVE)
+
+    @property
+    def kept(self) -> bool:
+        """The limit is broken by no more than rounding."""
+        with np.errstate(divide="ignore"):  # what is limited can be 0
+            excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
+        return keeps(-excess if self.lowest else excess)
+
+
+def parted(name: str) -> tuple[str, str]:
+    """The stem of the name of a limit, and its side, "lowest" or "highest"; empty if the name has none."""
+    stem, _, end = name.rpartition("_")
+    return (stem, end) if end in ("lowest", "highest") else (name, "")
+
+
+@record
+class Design:
+    """The best gradient for a contact and its load. A pytree, as all that belongs to it.
+
+    Attributes:
+        contact: The contact with the best material.
+        value: The objective of the best contact, in SI units.
+        reference_value: The objective of the reference.
+        limits: The value of the best contact for each limit, by name.
+        minimum: The minimum of the logarithm of the objective, with what is certain about it.
+        question: The inputs: the reference, the load, the bounds and the limits.
+    """
+
+    contact: FrettingContact | GrossSlipContact
+    value: Array
+    reference_value: Array
+    limits: dict[str, LimitState]
+    minimum: Minimum
+    question: Question
+
+    @property
+    def reference(self) -> FrettingContact | GrossSlipContact:
+        """The contact as it was given."""
+        return self.question.contact
+
+    @property
+    def objective(self) -> str:
+        """What was minimised."""
+        return self.question.objective
+
+    @property
+    def hold(self) -> Literal["contact_radius"] | None:
+        """What was held."""
+        return "contact_radius" if self.question.hold else None
+
+    @property
+    def load(self) -> WeightedLoad | None:
+        """The amplitudes that count, with their weights; None for gross slip."""
+        return self.question.load
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """The lowest and the highest value of each variable, by name, in SI units."""
+        return {name: (as_float(lowest), as_float(highest)) for name, (lowest, highest) in self.question.bounds.items()}
+
+    @property
+    def windows(self) -> list[tuple[float, float, float]]:
+        """The depths in m at which the modulus is limited, each with its lowest and highest value; NaN for none."""
+        found: dict[float, list[float]] = {}
+        for one in self.question.limits:
+            if one.quantity == "modulus_at":
+                found.setdefault(as_float(one.places["z"]), [math.nan, math.nan])[not one.lowest] = as_float(one.value)
+        return [(depth, *ends) for depth, ends in sorted(found.items())]  # pyright: ignore[reportReturnType]
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """The values of what was varied, by name."""
+        return _floats(self.minimum.variables)
+
+    @property
+    def reference_variables(self) -> dict[str, float]:
+        """The values of the reference for what was varied, by name."""
+        return _floats(reference_variables(self.question))
+
+    @property
+    def saving(self) -> float:
+        """The share by which the objective is less than that of the reference."""
+        return as_float(1.0 - self.value / self.reference_value)
+
+    @property
+    def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
+        """For each variable the bound it lies on, or None."""
+        named: Any = None, "upper", "lower"
+        return {name: named[int(side)] for name, side in self.minimum.side.items()}
+
+    @property
+    def keeps_limits(self) -> bool:
+        """No limit is broken by more than rounding."""
+        return keeps(self.minimum.limits)
+
+    @property
+    def converged(self) -> bool:
+        """The search ended at a minimum."""
+        return bool(self.minimum.converged)
+
+    @property
+    def certified(self) -> bool:
+        """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
+        return bool(self.minimum.certified)
+
+    @property
+    def scan_found_nothing_better(self) -> bool:
+        """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
+        return bool(self.minimum.scan_found_nothing_better)
+
+    @property
+    def rival(self) -> dict[str, float] | None:
+        """The next best minimum, or None."""
+        return _floats(self.minimum.rival) if math.isfinite(self.minimum.rival_value) else None
+
+    @property
+    def rival_value(self) -> float:
+        """The objective of the rival, in SI units; infinite if there is none."""
+        return as_float(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
+
+    def __repr__(self) -> str:
+        try:
+            return _in_words(self)
+        except (TypeError, ValueError, jax.errors.JAXTypeError):  # traced, or many of them
+            return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
+
+
+def _floats(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: as_float(value) for name, value in values.items()}
+
+
+def as_float(value: Any) -> Any:
+    """A concrete number as a float; what is traced, or an array of several, as it is."""
+    return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
+
+
+@concrete_only("optimise.designs works there for contacts with closed forms")
+def design(
+    contact: FrettingContact | GrossSlipContact | Question,
+    load: LoadGiven = None,
+    vary: Mapping[str, Bounds] | None = None,
+    **keywords: Unpack[Keywords],
+) -> Design:
+    """Find the half-space or coating on which the indenter wears least.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        contact: The contact with its reference material; its fields are numbers.
+        load: Force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,), with their weights. Of a history of
+            amplitudes give the largest one. With `cycles` also a `Displacement`, of partial or gross slip, or a list of
+            `Block`. None for a `GrossSlipContact`.
+        vary: Bounds of the variables, which are numbers of the contact in SI units: "k", "z0", "E0" and "nu" of a power
+            law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.thickness[0]" and
+            "material.modulus[0]" of a `Layered`, "material.modulus[2]" of a `DepthGraded`. All but k, nu and exponents
+            are searched on a logarithmic scale.
+        **keywords: What is minimised, limited and held, and which loads count how much: see `Keywords`. A `Question`
+            alone in place of all arguments asks it.
+
+    Returns:
+        The best contact, compared with the reference.
+
+    Raises:
+        ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius")
+        >>> print(best.variables["k"], best.at_bound["k"])
+        0.5 upper
+
+    References:
+        The mean of the worst part: Rockafellar and Uryasev, Journal of Risk 2 (2000) 21. The search:
+        `docs/how-to/designs.md`.
+    """
+    return answered(question_of(contact, load, vary, **keywords))
+
+
+def answered(question: Question, known: Known | None = None) -> Design:
+    """The design that answers a question; what is evaluated on the way is put to what is known."""
+    known = {} if known is None else known
+    found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
+    evaluator = Evaluator(question, known)
+    at = evaluator.evaluate(found.variables)
+    contact = evaluator.contact(question.contact, found.variables)
+    return Design(
+        contact=contact,
+        value=valued(at.objective[0], question, contact),
+        reference_value=at.scale,
+        limits=states_of(question, at, found.multipliers),
+        minimum=found,
+        question=question,
+    )
+
+
+def states_of(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
+    """The values for the limits at the first choice of the variables."""
+    found = {}
+    for one, over, by in zip(question.limits, at.values[0, 1:], multipliers, strict=True):
+        value = float(np.asarray(one.value)) * np.exp(-over if one.lowest else over)
+        found[one.name] = LimitState(value, one.value, by, one.quantity, one.lowest)
+    return found
+
+
+# --- beside the reference ---------------------------------------------------------------------------------------------
+
+
+@concrete_only("optimise.designs works there for contacts with closed forms")
+def compared(found: Design) -> Comparison:
+    """Compare the best contact of a design with its reference.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    The edge pressure is taken at the distance in the limits of the design, or else at a hundredth of the contact radius
+    of the reference.
+
+    Args:
+        found: The result of `design`.
+
+    Returns:
+        The quantities and the wear profiles of both.
+    """
+    both = side_by_side(found.question, found.contact, found.variables)
+    objective = {found.objective: np.array([found.value, found.reference_value])}
+    return dataclasses.replace(both, quantities=both.quantities | objective)
+
+
+def doubtful(found: Design, comparison: Comparison) -> str | None:
+    """Why nobody could make or measure the best contact, if so, from what `compared` gives."""
+    radius = as_float(comparison.quantities.get("contact_radius", [found.contact.radius])[0])
+    return doubts.of_design(comparison.depths, comparison.modulus[0], radius, as_float(np.max(comparison.depth[0])))
+
+
+# --- in words ---------------------------------------------------------------------------------------------------------
+
+
+def printed(kind: str, lines: Iterable[str | None]) -> str:
+    """Lines below the name of what they tell of, so that they fit a screen."""
+    wrapped = (textwrap.wrap(line or "", 96, subsequent_indent="  ") for line in lines)
+    return "\n  ".join([f"{kind}:", *itertools.chain(*wrapped)])
+
+
+def _in_words(found: Design) -> str:
+    """The objective, the variables, the material, what was held and limited, and what is certain."""
+    lines: list[str | None] = [headline(found)]
+    for name, value in found.variables.items():
+        lines.append(placed_between(name, name, value, found.bounds[name], found.at_bound[name]))
+    material, load, scenarios = vars(found.contact.material), found.load, found.question.scenarios
+    numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in material]
+    told = "E(z) at depths" if "depth" in material else ", ".join(_row_of(name, material[name]) for name in numbers)
+    lines.append(f"material: {told}{f'; {found.hold} held' if found.hold else ''}")
+    if load is not None:
+        counting = int(np.count_nonzero(np.asarray(load.weight)))
+        told = f"{counting} amplitudes, at most " if counting > 1 else ""
+        lines.append(f"load: {told}{f'{np.max(load.amplitudes):.4g} N' if found.question.by_force else load.load}")
+    if scenarios is not None:
+        lines.append(f"scenarios: {np.size(scenarios.weight)}, limits for the worst of them")
+    if found.question.by_force:
+        with contextlib.suppress(ValueError):  # of a design put together by hand, whose contacts cannot be compared
+            lines.append(doubtful(found, compared(found)))
+    limits = []
+    for state in found.limits.values():
+        value, allowed = (measured(state.quantity, number) for number in (state.value, state.allowed))
+        side = ">=" if state.lowest else "<="
+        limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
+    lines.append(f"limits: {', '.join(limits)}" if limits else None)
+    return printed("Design", [*lines, certainty(found, "converged", "certified", "scan_found_nothing_better")])
+
+
+def _row_of(name: str, values: Any) -> str:
+    """A number of a material, or a row of them."""
+    told = ", ".join(measured(f"material.{name}", value) for value in np.ravel(values))
+    return f"{name} = [{told}]" if np.ndim(values) else f"{name} = {told}"
+
+
+def headline(found: Any) -> str:
+    """The objective of a design, and what it saves."""
+    return f"{found.objective} = {measured(found.objective, found.value)}, {less(found.saving)} than the reference"
+
+
+def less(saving: float) -> str:
+    """How much less there is of something."""
+    return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
+
+
+def placed_between(called: str, name: str, value: Any, bounds: Iterable[Any], side: str | None) -> str:
+    """The value of what varies, with its bounds and the one on which it lies."""
+    lowest, highest = (measured(name, end) for end in bounds)
+    place = f", at the {side} bound" if side else ""
+    return f"{called} = {measured(name, value)}, between {lowest} and {highest}{place}"
+
+
+def certainty(found: Any, *names: str) -> str:
+    """Which of these is true of a design, and which is not."""
+    return ", ".join(name if getattr(found, name) else f"not {name}" for name in names)
+
+
+def measured(name: str, value: Any) -> str:
+    """A value of a quantity or a variable with its unit; of several the range."""
+    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
+    return " to ".join(ends)

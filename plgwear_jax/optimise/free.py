@@ -1,0 +1,395 @@
+"""The best E(z) that no formula prescribes: its values at some depths are the variables."""
+
+import dataclasses
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Unpack
+
+import numpy as np
+
+from plgwear_jax._core import doubts
+from plgwear_jax._core.domains import POSITIVE, Numbers, check
+from plgwear_jax._core.numbers import concrete_only, refuse_traced
+from plgwear_jax._core.record import record
+from plgwear_jax.contact import FrettingContact
+from plgwear_jax.optimise.best import certainty, headline, measured, placed_between, printed
+from plgwear_jax.optimise.evaluation import (
+    Candidate,
+    Evaluator,
+    Known,
+    Rows,
+)
+from plgwear_jax.optimise.question import (
+    Keywords,
+    Limit,
+    LoadGiven,
+    Question,
+    is_held,
+    question_of,
+    unless_refused,
+)
+from plgwear_jax.rules import free_complaint
+
+# It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
+# starts, since there are several minima: an optimum mostly lies on bounds, and what there is to choose is the order
+# and the thickness of stiff and compliant depths.
+
+
+_COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
+_ONE_MINIMUM = 3e-3  # ends of descents whose logarithms differ by less are one
+_REFINED = 2  # minima
+_KEPT = 1e-5  # of log(value/limit)
+_FLAT = 3e-3  # of the slope that still leads downhill, relative to the change of log(wear) over the box
+_EXPONENTS = (-0.4, 0.4)  # from which the best power law is looked for
+
+
+@record
+class ModulusProfile:
+    """The lowest and the highest modulus with which a coating can be made, at three depths or more.
+
+    It takes numbers, not traced values.
+
+    Attributes:
+        at: The depths in m, shape (n,), increasing, 3 <= n <= 8, the first one 0 or above.
+        lower: The lowest modulus in Pa at each of them, shape (n,), positive.
+        upper: The highest modulus in Pa, shape (n,), above the lowest.
+        steepness: Between neighbouring depths abs(log(E2/E1)/log(z2/z1)) is at most this, which for a power law is
+            abs(k); None for no limit.
+    """
+
+    at: Numbers
+    lower: Numbers
+    upper: Numbers
+    steepness: float | None = None
+
+    def __post_init__(self) -> None:
+        given = self.at, self.lower, self.upper
+        refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
+        at, lower, upper = (np.asarray(x, float) for x in given)
+        vars(self).update(at=at, lower=lower, upper=upper)
+        if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:
+            raise ValueError(f"at, lower and upper of shapes {at.shape}, {lower.shape}, {upper.shape}: 3 to 8 depths")
+        from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+
+        DepthGraded(at, lower, 0.0)  # which checks them
+        if not np.all(np.diff(at) > 0.0):
+            raise ValueError("at: the depths must increase")
+        check("upper", upper, POSITIVE)
+        if not np.all(lower < upper):
+            i = int(np.argmin(lower < upper))
+            raise ValueError(
+                f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
+            )
+        if self.steepness is not None:
+            check("steepness", self.steepness, POSITIVE)
+            if at[0] == 0.0:
+                raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
+
+
+class LocalMinimum(NamedTuple):
+    """One of the minima that the search found.
+
+    Attributes:
+        value: The objective in SI units.
+        modulus: The moduli in Pa, shape (n,).
+        starts: How many starts ended here.
+    """
+
+    value: float
+    modulus: np.ndarray
+    starts: int
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class FreeDesign:
+    """The best E(z) within the bounds, the best power law within them, and the reference.
+
+    Attributes:
+        contact: The contact on the best half-space, a `DepthGraded`.
+        power_law: The contact on the best power law, clipped to the bounds at the same depths.
+        exponent: The exponent of this power law.
+        reference: The contact as it was given.
+        value: The objective of the best contact, in SI units.
+        power_law_value: That of the power law; NaN if none keeps the limits.
+        reference_value: That of the reference.
+        contact_radii: Contact radii in m: of the best contact, of the power law, of the reference.
+        question: What was asked, on a `DepthGraded`.
+        profile: The bounds.
+        minima: The minima that were found, the best one first.
+        starts: How many descents were made.
+        evaluations: How often the objective and its slopes were computed.
+        converged: The best contact keeps the limits, and no slope leads downhill from it within them.
+    """
+
+    contact: FrettingContact
+    power_law: FrettingContact
+    exponent: float
+    reference: FrettingContact
+    value: float
+    power_law_value: float
+    reference_value: float
+    contact_radii: tuple[float, float, float]
+    question: Question
+    profile: ModulusProfile
+    minima: tuple[LocalMinimum, ...]
+    starts: int
+    evaluations: int
+    converged: bool
+
+    @property
+    def objective(self) -> str:
+        """What was minimised."""
+        return self.question.objective
+
+    @property
+    def modulus(self) -> np.ndarray:
+        """The best moduli in Pa at the depths of the profile, shape (n,)."""
+        return self.minima[0].modulus
+
+    @property
+    def saving(self) -> float:
+        """The share by which the objective is less than that of the reference."""
+        return 1.0 - self.value / self.reference_value
+
+    @property
+    def freedom(self) -> float:
+        """The share by which the objective is less than that of the best power law."""
+        return 1.0 - self.value / self.power_law_value
+
+    @property
+    def at_bound(self) -> tuple[str | None, ...]:
+        """For each depth the bound on which the modulus lies, "lower" or "upper", or None."""
+        rows = zip(self.modulus, np.asarray(self.profile.lower), np.asarray(self.profile.upper), strict=True)
+        return tuple("lower" if x <= 1.0001 * low else "upper" if 1.0001 * x >= high else None for x, low, high in rows)
+
+    @property
+    def certified(self) -> bool:
+        """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
+        return self.converged and self.minima[0].starts > 1
+
+    @property
+    def doubt(self) -> str | None:
+        """Why nobody could make or measure the best half-space, if so; None under loads without a steady state."""
+        if self.question.load is None or not self.question.by_force:
+            return None
+        radius, deepest = self.contact_radii[0], self.contact.steady(self.question.load.amplitudes[0]).deepest_wear
+        depths = radius * np.geomspace(*doubts.FELT, 16)
+        return doubts.of_design(depths, np.asarray(self.contact.material.modulus_at(depths)), radius, float(deepest))
+
+    def __repr__(self) -> str:
+        """The objective, the moduli, the best power law, the contact radii, what is doubtful, and what is certain."""
+        profile = self.profile
+        rows = zip(profile.at, profile.lower, profile.upper, self.modulus, self.at_bound, strict=True)  # pyright: ignore
+        law = f"k = {self.exponent:.3g}, {self.objective} = {measured(self.objective, self.power_law_value)}"
+        best, _, reference = (measured("contact_radius", radius) for radius in self.contact_radii)
+        lines = [
+            headline(self),
+            *(
+                placed_between(f"modulus at {measured('depth', depth)}", "modulus", modulus, ends, side)
+                for depth, *ends, modulus, side in rows
+            ),
+            f"best power law: {law if np.isfinite(self.power_law_value) else 'none keeps the limits'}",
+            f"contact_radius = {best}, that of the reference {reference}",
+            f"{self.minima[0].starts} of {self.starts} descents ended here, minima: {len(self.minima)}",
+            self.doubt,
+            certainty(self, "converged", "certified"),
+        ]
+        return printed("FreeDesign", lines)
+
+
+class _End(NamedTuple):
+    """Where so many descents ended."""
+
+    x: np.ndarray  # log(E), scaled to 0 at the lower and 1 at the upper bound
+    least: float  # the logarithm of the objective; infinite where a limit is broken
+    radius: float  # the contact radius over that of the reference
+    starts: int
+
+
+class _FreeModuli:
+    """The question for SLSQP; no point is solved twice.
+
+    The last limit of the question is that of the contact radius by that of the reference, which holds it or not.
+    """
+
+    def __init__(self, question: Question, profile: ModulusProfile, held: bool):
+        self.known: Known = {}
+        self.evaluator, self.held = Evaluator(question, self.known, lanes=1), held
+        self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
+        self.width = np.log(profile.upper) - self.low
+        # What the steepness wants to be >= 0: a constant and its slopes.
+        self.room, self.by_room = np.zeros(0), np.zeros((0, self.low.size))
+        if profile.steepness is not None:
+            slope = np.diff(np.eye(self.low.size), axis=0) / np.diff(np.log(self.depth))[:, None]
+            slope = np.concatenate([-slope, slope])
+            self.room, self.by_room = profile.steepness + slope @ self.low, slope * self.width
+
+    def moduli(self, x: np.ndarray) -> np.ndarray:
+        """The moduli in Pa."""
+        return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
+
+    def rows(self, x: np.ndarray) -> Rows:
+        """The logarithm of the objective, what has to be 0, what has to be >= 0, and their slopes."""
+        (values,), (slopes,) = self.evaluator.rows(self.moduli(x)[None])
+        rows, by = (
+            np.concatenate([part[:1], part[-1:][: self.held], -part[1:-1], more])
+            for part, more in ((values, self.room + self.by_room @ x), (slopes * self.width, self.by_room))
+        )
+        return rows, by
+
+    def end(self, x: np.ndarray, starts: int = 1) -> _End:
+        """A point as the end of so many descents."""
+        (rows, _), (values, _) = self.rows(x), self.evaluator.rows(self.moduli(x)[None])
+        broken = np.append(rows[1 : 1 + self.held], np.minimum(rows[1 + self.held :], 0.0))
+        kept = np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT)
+        return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(values[0, -1])), starts)
+
+    def minima(self, begun: list[_End], change: float, others: Sequence[_End] = ()) -> list[_End]:
+        """Where descents end, and others have, the best one first; those that break limits come last."""
+        box, found = np.array([[0.0, 1.0]] * self.low.size), list[_End]()
+        ends = [self.end(_slsqp(one.x, self.rows, self.held, box, change), one.starts) for one in begun]
+        for one in sorted([*ends, *others], key=lambda end: end.least):
+            if found and not one.least - found[-1].least >= _ONE_MINIMUM:
+                found[-1] = found[-1]._replace(starts=found[-1].starts + one.starts)
+            else:
+                found.append(one)
+        return [one for one in found if np.isfinite(one.least)] or found
+
+    def value(self, end: _End) -> float:
+        """The objective in SI units; NaN where a limit is broken."""
+        return float(np.exp(end.least) * self.evaluator.shared.scale) if np.isfinite(end.least) else np.nan
+
+
+@concrete_only("the methods of contacts on a DepthGraded work there")
+def free_design(
+    contact: FrettingContact,
+    load: LoadGiven,
+    modulus: ModulusProfile,
+    *,
+    starts: int = 20,
+    **keywords: Unpack[Keywords],
+) -> FreeDesign:
+    """Find the E(z) on which the indenter wears least, by its values at some depths, with PCHIP between them.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        contact: The contact with its reference material and its indenter; its fields are numbers.
+        load: As of `design`; the time grows with the number of amplitudes.
+        modulus: The depths, and the bounds of the modulus there.
+        starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
+        **keywords: As of `design`, without scenarios.
+
+    Returns:
+        The best contact, with the other minima that were found, and the best power law within the same bounds.
+
+    Raises:
+        ValueError: An argument is outside its range.
+    """
+    if not isinstance(contact, FrettingContact):
+        raise TypeError(f"contact takes a FrettingContact, not {contact!r}")
+    if starts < 1:
+        raise ValueError(f"starts = {starts}: must be at least 1")
+    if keywords.get("scenarios") is not None:
+        raise ValueError("scenarios: a free gradient takes none")
+    nu, hold = contact.material.nu, is_held(keywords.pop("hold", None))
+    if isinstance(nu, str):
+        raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
+    from plgwear_jax.surfaces import DepthGraded
+
+    def on(moduli: Any) -> FrettingContact:
+        return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
+
+    # One structure, and so one program, whatever the reference is.
+    ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
+    vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
+    question = question_of(on(modulus.lower), load, vary, **keywords)
+    unless_refused(free_complaint((), hold, {one.quantity for one in question.limits}))
+    reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
+    radius = float(np.asarray(contact.steady(0.0).contact_radius))
+    last = Limit(radius, {}, "contact_radius", "contact_radius", False)
+    problem = _FreeModuli(dataclasses.replace(question, limits=(*question.limits, last)), modulus, hold)
+
+    power_law, exponent = _best_power_law(problem)
+    random = np.random.default_rng(0)
+    corners = [problem.end(0.05 + 0.9 * random.integers(0, 2, problem.depth.size)) for _ in range(starts - 1)]
+    minima = problem.minima([power_law, *corners], _COARSE)
+    minima = problem.minima(minima[:_REFINED], _FINE, minima[_REFINED:])  # two of them may end in one
+    best, local = minima[0], tuple(LocalMinimum(problem.value(x), problem.moduli(x.x), x.starts) for x in minima)
+    return FreeDesign(
+        contact=on(local[0].modulus),
+        power_law=on(problem.moduli(power_law.x)),
+        exponent=exponent,
+        reference=contact,
+        value=local[0].value,
+        power_law_value=problem.value(power_law),
+        reference_value=reference_value,
+        contact_radii=(radius * best.radius, radius * power_law.radius, radius),
+        question=question,
+        profile=modulus,
+        minima=local,
+        starts=starts,
+        evaluations=sum(isinstance(key, tuple) for key in problem.known),
+        converged=np.isfinite(best.least) and _downhill(problem, best.x) < _FLAT,
+    )
+
+
+def _slsqp(
+    start: np.ndarray, rows: Callable[[np.ndarray], Rows], held: bool, bounds: np.ndarray, change: float = _FINE
+) -> np.ndarray:
+    """Where SLSQP ends."""
+    from scipy import optimize
+
+    kinds = ("eq", slice(1, 1 + held)), ("ineq", slice(1 + held, None))
+    limits: Any = [
+        {"type": kind, "fun": lambda x, part=part: rows(x)[0][part], "jac": lambda x, part=part: rows(x)[1][part]}
+        for kind, part in kinds
+        if rows(start)[0][part].size
+    ]
+    with warnings.catch_warnings():
+        # Older SciPy steps beyond a bound by rounding, and says so.
+        warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
+        found = optimize.minimize(
+            lambda x: tuple(part[0] for part in rows(x)),
+            start,
+            jac=True,
+            method="SLSQP",
+            bounds=bounds,
+            constraints=limits,
+            options={"maxiter": 80, "ftol": change},
+        )
+    return np.clip(found.x, *bounds.T)
+
+
+def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
+    """The best power law clipped to the bounds: where it lies between them, and its exponent."""
+    low, width = problem.low, problem.width
+    z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
+    middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
+    by = np.stack([z - z.mean(), np.full(z.size, scale)], axis=1) / width[:, None]
+
+    def clipped(p: np.ndarray) -> Rows:
+        """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
+        x = (middle - low) / width + by @ p
+        return np.clip(x, 0.0, 1.0), by * ((x > 0.0) & (x < 1.0))[:, None]
+
+    def rows(p: np.ndarray) -> Rows:
+        x, slopes = clipped(p)
+        values, by_x = problem.rows(x)
+        return values, by_x @ slopes
+
+    bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
+    ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]
+    return min(((problem.end(clipped(p)[0]), float(p[0])) for p in ends), key=lambda end: end[0].least)
+
+
+def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
+    """The largest change of log(objective) over the box that leads downhill within bounds and limits."""
+    from scipy import optimize
+
+    rows, by = problem.rows(x)
+    # Multipliers of the bounds that are reached and of the limits that are active, all >= 0 but for a held radius.
+    active = by[1:][np.abs(rows[1:]) < 10.0 * _KEPT]
+    held = -by[1 : 1 + problem.held]
+    edges = np.concatenate([np.eye(x.size)[x < 1e-6], -np.eye(x.size)[x > 1.0 - 1e-6], active, held])
+    return float(optimize.nnls(edges.T, by[0])[1]) if edges.size else float(np.abs(by[0]).max())

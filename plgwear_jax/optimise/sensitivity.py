@@ -1,0 +1,152 @@
+"""How a design changes with its inputs."""
+
+import re
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from plgwear_jax._core.leaves import paths_of, with_leaf
+from plgwear_jax._core.numbers import concrete_only
+from plgwear_jax._core.record import record
+from plgwear_jax.optimise.best import Design, parted
+from plgwear_jax.optimise.evaluation import Known, Rows, evaluate
+from plgwear_jax.optimise.question import Question
+from plgwear_jax.optimise.search import conditions, inclination, solved_by_elimination
+from plgwear_jax.rules import is_linear
+
+
+@record
+class Sensitivities:
+    """How a design changes with its inputs, by the implicit function theorem.
+
+    Each is a derivative with respect to the logarithm of an input, that is per 100 % of it (k and nu: per unit).
+
+    Attributes:
+        variables: Derivatives of each variable (except for k of its logarithm), by input.
+        saving: Derivatives of the share that the best design saves against the reference, by input.
+    """
+
+    variables: dict[str, dict[str, float]]
+    saving: dict[str, float]
+
+
+# At the best point x the conditions c(x, input) = 0 hold for every input, so dx/dinput = -(dc/dx)^-1 dc/dinput. These
+# derivatives are differences of fourth order of exact slopes, by the program of the search, which is compiled already.
+# Here x is k, nu or an exponent, and the logarithm of every other variable.
+
+
+@concrete_only("optimise.designs works there, with derivatives, for contacts with closed forms")
+def sensitivities(found: Design) -> Sensitivities:
+    """The derivatives of a design with respect to every input of its question.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    The inputs are the numbers of the contact, such as E0, k, radius, friction, indenter_E; tangential_force (all
+    amplitudes); the bounds, such as "lowest k"; the limits, such as "limit: edge_pressure"; and the depths of windows.
+
+    Args:
+        found: The result of `design`.
+
+    Returns:
+        The derivatives by input, to some ten digits in float64.
+
+    Raises:
+        ValueError: The design is one for scenarios: where two of them are equally bad, there are none.
+    """
+    if found.question.scenarios is not None:
+        raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
+    minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
+    multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
+    at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
+    here = _at(question, at[None], runs)
+    curvatures = _curvatures(question, at, runs)
+    state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
+    share, room = float(found.value / found.reference_value), dict[str, float]()
+    if question.by_force:  # F_x < mu F_N
+        room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
+    for name, (path, value) in inputs(question).items():
+        # By its change the values and slopes change; a bound moves only a variable that lies on it.
+        moved, values, slopes = np.zeros(at.size), *(np.zeros(part.shape[1:]) for part in here)
+        end, _, variable = name.partition(" ")
+        if variable in question.bounds:
+            moved += (np.array([*question.bounds]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
+        else:
+            steps = _steps(path, float(np.max(value)), room.get(name, 1.0))
+            beside = zip(*(_at(changed(question, path, value, step), at[None], runs) for step in steps), strict=True)
+            # Values are subtracted first, so that the derivative of what does not change is exactly 0.
+            parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
+            values, slopes = (np.tensordot(_weights_of(steps), part, 1) for part in parts)
+        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
+        of_limits = np.where(state.active > 0.0, values[1:], 0.0)
+        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
+        variables[name] = dict(zip(question.bounds, dx.tolist(), strict=True))
+        saving[name] = -share * float(values[0] + here[1][0, 0] @ dx)
+    return Sensitivities(variables, saving)
+
+
+def _at(question: Question, at: np.ndarray, known: Known) -> Rows:
+    """Values, (points, 1 + m), and slopes at several points, (points, n), on the scale of the search."""
+    names = enumerate(question.bounds)
+    found = evaluate(question, {name: at[:, i] if is_linear(name) else np.exp(at[:, i]) for i, name in names}, known)
+    return found.values, found.slopes
+
+
+def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
+    """Second derivatives, (1 + m, n, n)."""
+    steps = np.array([_steps(name, x) for name, x in zip(question.bounds, at, strict=True)])
+    stencil = at + steps[..., None] * np.eye(at.size)[:, None]
+    slopes = _at(question, stencil.reshape(-1, at.size), runs)[1].reshape(*steps.shape, -1, at.size)
+    return np.einsum("ij,ijmk->mki", [_weights_of(row) for row in steps], slopes)
+
+
+def _steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
+    """Changes of a number that leave it well within its range, (5,)."""
+    of = path.rpartition(".")[2]
+    room = {"k": 1.0 - abs(value), "nu": 1.0 + value}.get(of, room)
+    # With this step the error of a difference of fourth order equals that of rounding.
+    steps = float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2 * min(room, 1.0) * np.arange(-2.0, 3.0)
+    return steps - max(value + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
+
+
+def _weights_of(steps: np.ndarray) -> np.ndarray:
+    """The weights of the values after five steps in the derivative before them."""
+    scale = np.max(np.abs(steps))
+    powers = np.vander(steps / scale, increasing=True).T
+    return np.linalg.solve(powers, np.eye(steps.size)[1]) / scale
+
+
+# --- the inputs -------------------------------------------------------------------------------------------------------
+
+
+def inputs(question: Question) -> dict[str, tuple[str, Any]]:
+    """The path and the value of each input by its name; the amplitudes count as one, layers and tables one by one."""
+    found = {}
+    for path, leaf in paths_of(question).items():
+        if path.startswith("contact") and np.ndim(leaf):
+            found |= {f"{path[8:]}[{i}]": (f"{path}[{i}]", value) for i, value in enumerate(leaf)}
+        elif path != "load.weight":
+            found[_name(path, question)] = path, leaf
+    return found
+
+
+def changed(question: Question, path: str, value: Any, step: float) -> Question:
+    """The question with an input changed: k, nu and exponents by a sum, all else by the logarithm of a factor."""
+    return with_leaf(question, path, value + step if is_linear(path) else value * np.exp(step))
+
+
+def _name(path: str, question: Question) -> str:
+    """How an input is called."""
+    if bound := re.fullmatch(r"bounds\['(.*)'\]\[(.)\]", path):
+        return f"{('lowest', 'highest')[int(bound[2])]} {bound[1]}"
+    parts = re.findall(r"\w+", path)
+    room, key, last = parts[0], parts[1], parts[-1]
+    if room == "limits":
+        name = question.limits[int(key)].name
+        stem, end = parted(name)
+        if last == "value":
+            return f"limit: {end} {stem}" if end else f"limit: {stem}"
+        return f"limit: {last}" if name == "edge_pressure" else f"limit: {last} of {name}"
+    if room == "places":
+        return f"{last} of {question.objective}"
+    return f"indenter_{last}" if key == "indenter" else last  # the half-space has a nu of its own
