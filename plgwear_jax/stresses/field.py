@@ -2,6 +2,7 @@
 
 from typing import Any, Literal, NamedTuple
 
+import math
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,7 +10,7 @@ from jax import Array
 
 from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.images import Grid, Traction, grid, traction_of, transforms
+from plgwear_jax.stresses.images import Grid, Tractions, bends, grid, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -68,15 +69,18 @@ class Pressed(NamedTuple):
         """The shape of the contacts, () for one."""
         return self.force.shape
 
-    def tractions(self, worn: bool) -> tuple[Traction, Traction]:
+    def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        one = jnp.ones_like(self.stick)
+        t, c = jnp.asarray(STRIPS[1:], self.own.dtype), self.stick
+        both = jnp.stack([jnp.ones_like(self.friction), self.friction])
+        bend = jnp.asarray(bends(STRIPS), self.own.dtype)
         if worn:
-            added = self.friction * self.flat
-            return traction_of(STRIPS, self.stuck + self.flat, self.stick), traction_of(STRIPS, added, self.stick)
-        whole, stuck = traction_of(STRIPS, self.own, one), traction_of(STRIPS, self.stuck, self.stick)
-        b, weight = jnp.append(whole.b, stuck.b), self.friction * jnp.append(whole.weight, -stuck.weight)
-        return whole, Traction(b, weight, one, 0.0 * one)
+            more = self.flat[:, None] * both
+            whole = self.stuck[:, None] * np.array([1.0, 0.0]) + more
+            return Tractions(c * t, bend @ whole / c, c, c * more[-1])
+        stuck = self.stuck[:, None] * (both * np.array([0.0, -1.0]) / c)
+        weight = jnp.concatenate([bend @ (self.own[:, None] * both), bend @ stuck])
+        return Tractions(jnp.append(t, c * t), weight, c, None)
 
 
 def poisson_ratio_of(material: Any) -> Array:
@@ -180,41 +184,45 @@ def _image_weights(
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
+def _parts() -> np.ndarray:
+    """How the integrals of J_i with each response add to xx, yy, zz and xz, shape (4, 10, 4)."""
+    of = np.zeros((4, 10, 4))
+    even, odd, ahead, aside = [0.5, 0.0, 0.5, 0.0], [0.0, 0.25, 0.0, 0.25], [0.5, 0.0, -0.5, 0.0], [0.0, 0.75, 0.0, -0.25]
+    of[0, 0], of[0, 1], of[0, 4], of[0, 5], of[0, 8] = np.negative(ahead), np.negative(even), aside, odd, 2.0 * np.array(odd)
+    of[1, 0], of[1, 1], of[1, 4], of[1, 5], of[1, 8] = np.negative(even), np.negative(ahead), odd, aside, -2.0 * np.array(odd)
+    of[2, 2, 0], of[2, 6, 1] = -1.0, 1.0
+    of[3, 3, 1], of[3, 7], of[3, 9] = -1.0, np.negative(ahead), np.negative(even)
+    return of
+
+
+_PARTS = _parts()
+_ALONG = np.arange(10) >= 4  # the responses to the traction, after those to the pressure
+
+
 def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, given, body = pressed.nu, grid(x.dtype == jnp.float64), body_of(pressed, kind)
+    nu, given = pressed.nu, grid(x.dtype == jnp.float64)
     whole = jnp.where(pressed.body[0] == 0.0, 1.0, 0.0 * nu) if kind is None else jnp.ones_like(nu)
-    first, second = alone = _first_responses(nu, whole)
-    weights = jnp.zeros(0)
+    alone = _first_responses(nu, whole)
+    parts = jnp.asarray(_PARTS, z.dtype)
+    # First the places, then for each x the images of them all.
+    least = float(jnp.finfo(z.dtype).eps) ** 2
+    places, heights = jnp.broadcast_to(x, shape).ravel(), jnp.broadcast_to(jnp.maximum(z, least), shape).ravel()
     if kind != "homogeneous":
-        weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
-    zeta, least = jnp.asarray(given.zeta, z.dtype), float(jnp.finfo(z.dtype).eps) ** 2
-
-    def integrals(traction: Traction, rows: slice) -> Array:
-        """q t^(q) J_i(q x) times these responses, integrated over q, shape (rows, 4, ...)."""
-        value, rate = transforms(traction, jnp.maximum(z, least), abs(x))
-        line = (slice(None), None, *(None,) * len(shape))
-        found = first[rows][line] * value + second[rows][line] * (z * rate)
-        if kind == "homogeneous":
-            return found
-        return found + jnp.sum(weights[rows, None] * transforms(traction, zeta, abs(x)[..., None])[0], -1)
-
-    normal, along = pressed.tractions(worn)
-    a, b, s, t = integrals(normal, slice(0, 4))
-    g, h, n, m, across, out = integrals(along, slice(4, 10))
-    side = jnp.sign(x)
-
-    def odd(v: Array) -> Array:
-        return 0.25 * side * (3.0 * v[1] - v[3])
-
-    def even(v: Array) -> Array:
-        return 0.25 * side * (v[1] + v[3])
-
-    return Stress(
-        odd(g) + even(h + 2.0 * across) - 0.5 * (a[0] - a[2] + b[0] + b[2]),
-        even(g - 2.0 * across) + odd(h) - 0.5 * (a[0] + a[2] + b[0] - b[2]),
-        side * n[1] - s[0],
-        -side * t[1] - 0.5 * (m[0] - m[2] + out[0] + out[2]),
-    )
+        zeta = jnp.broadcast_to(jnp.asarray(given.zeta, z.dtype), (x.size, given.zeta.size))
+        heights = jnp.append(heights, zeta)
+        places = jnp.append(places, jnp.broadcast_to(x.ravel()[:, None], zeta.shape))
+    found = transforms(pressed.tractions(worn), heights, abs(places))
+    sign = jnp.stack([jnp.ones_like(places), jnp.sign(places)])[jnp.array([0, 1, 0, 1])]
+    found = (found * sign[:, :, None])[..., _ALONG.astype(int)]  # of each response
+    count = math.prod(shape)
+    value, rate = (each.reshape(4, *shape, 10) for each in found[:, :, :count])
+    stress = jnp.einsum("cri,r,i...r->c...", parts, alone[0], value)
+    stress += z * jnp.einsum("cri,r,i...r->c...", parts, alone[1], rate)
+    if kind != "homogeneous":
+        weights = _image_weights(body_of(pressed, kind), nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
+        images = found[0, :, count:].reshape(4, *x.shape, -1, 10)
+        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("cri,i...mr->cr...m", parts, images))
+    return Stress(*stress)
