@@ -12,7 +12,7 @@ from jax import Array
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.steady.batch import as_numbers, each_state
-from plgwear_jax.stresses.field import Half, Pressed, Stress, field
+from plgwear_jax.stresses.field import Half, Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
@@ -42,7 +42,8 @@ def _stress_program(fixed: tuple[Half, bool], steady: Any, places: tuple[Array, 
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in places)
 
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
-        return field(pressed, *fixed, x / pressed.radius, z / pressed.radius)
+        kind, worn = fixed
+        return field(pressed, body_of(pressed, kind), worn, x / pressed.radius, z / pressed.radius)
 
     if pressed.shape == ():
         return one(pressed, x, z)

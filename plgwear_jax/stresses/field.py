@@ -7,12 +7,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
-from plgwear_jax.special.pchip import Piecewise
+from plgwear_jax.special.pchip import Piecewise, horner
 from plgwear_jax.stresses.images import Grid, Tractions, bends, grid, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
+
 
 
 class Stress(NamedTuple):
@@ -106,19 +108,39 @@ def ended(strips: Array, power: Array, singular: bool = False) -> Array:
     return jnp.concatenate([strips[..., :1], inner, (outer if singular else 0.0 * outer)[..., None]], -1)
 
 
+# --- E(z) -------------------------------------------------------------------------------------------------------------
+
 Half = Literal["homogeneous"] | type[AnyModulus] | None
 """What the half-space is: the class of a table, or None for a power law."""
 
+_NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
+_STEP = 0.25  # of the logarithms of depths in units of 1/q
+_DEPTHS = np.exp(np.arange(-16.0, 2.7, _STEP))
 
-class PowerModulus(NamedTuple):
-    """E(z) = z^k."""
+
+class Power(NamedTuple):
+    """E(z) = z^k, whose responses depend on z and on the wavenumber by their product alone."""
 
     k: Array
+    whole: Array  # 1 for k = 0, else 0
+    cubics: Array  # of the responses less `alone`, between _DEPTHS, (4, intervals, 8)
 
     def at(self, x: Array) -> Array:
         """E; at the surface 0 for k > 0, and for k < 0 that of a depth close to it."""
         near = jnp.exp(self.k * jnp.log(jnp.maximum(x, _NEAR)))
         return jnp.where((x == 0.0) & (self.k > 0.0), 0.0, near)
+
+    def responses(self, z: Array, q: Array) -> Array:
+        """What `cubics` are of, (8, depths, n)."""
+        log = jnp.log(jnp.clip(z[:, None] * q, _DEPTHS[0], _DEPTHS[-1]) / _DEPTHS[0])
+        place = jnp.minimum((log / _STEP).astype(int), len(_DEPTHS) - 2)
+        return jnp.moveaxis(horner(self.cubics[::-1, place], (log - _STEP * place)[..., None]), -1, 0)
+
+
+class _Powers(NamedTuple):
+    """The same as `surfaces.half_space.Modulus`."""
+
+    k: Array
 
     def between(self, x: Array, y: Array) -> Array:
         """The mean, which is what the skin resists a strain by."""
@@ -132,14 +154,21 @@ class PowerModulus(NamedTuple):
         return jnp.exp(self.k * jnp.log(end)) * mean
 
 
-_NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
-_RUNGS = np.append(0.0, np.exp(np.arange(-16.0, 2.7, 0.25)))  # depths of a power law in units of 1/q
+Body = Piecewise | Power | None
 
 
-def body_of(pressed: Pressed, kind: Half) -> Piecewise | PowerModulus:
+def body_of(pressed: Pressed, kind: Half) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    if kind is None or kind == "homogeneous":
-        return PowerModulus(pressed.body[0])
+    if kind == "homogeneous":
+        return None
+    if kind is None:
+        (k,), nu = pressed.body, pressed.nu
+        depths = jnp.asarray(_DEPTHS, k.dtype)
+        found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
+        whole = jnp.where(k == 0.0, 1.0, 0.0 * k)
+        cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
+        rest = found[..., 0] - _alone(nu, whole, depths)
+        return Power(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
     table = kind.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
     return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
@@ -149,33 +178,39 @@ def body_of(pressed: Pressed, kind: Half) -> Piecewise | PowerModulus:
 
 _MANY = 32  # depths at once
 
+# Of the responses as `responses` has them: to which traction they belong, and which are displacements, that count by E.
+_CAUSE = np.array([[1.0, 0.0]] * 3 + [[0.0, 1.0]] * 5)
+_MOVED = np.array([True, False, False] * 2 + [True, False])
+
 
 def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
-    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) like those of `responses`, each (10,).
+    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) of a homogeneous half-space, each (8,).
 
-    They are those of a homogeneous half-space; with `whole` = 0 those of a surface without a modulus, which follows.
+    With `whole` = 0 those of a surface without a modulus, which follows.
     """
-    ratio, one, none = nu / (1.0 - nu), jnp.ones_like(nu), jnp.zeros_like(nu)
-    a, b = (jnp.stack([one, 2.0 * nu]) - ratio) * whole + ratio, (jnp.stack([-one, none]) - ratio) * whole + ratio
-    c, d = -jnp.stack([2.0 * one, 2.0 * nu]) * whole, (jnp.stack([one, none]) + ratio) * whole - ratio
-    first = jnp.concatenate([a, jnp.stack([one, none]), c, jnp.stack([none, one, -whole * one, one])])
-    second = jnp.concatenate([b, jnp.stack([one, one]), d, jnp.stack([-one, -one, none, none])])
-    return first, second
+    counts = jnp.where(_MOVED, whole, 1.0)
+    first = np.array([0.5, 1.0, 0.0, -1.0, 0.0, 1.0, -1.0, 1.0]) + nu * np.array([-1.0, 0.0, 0.0, 1.0] + [0.0] * 4)
+    return counts * first, counts * np.array([-0.5, 1.0, 1.0, 0.5, -1.0, -1.0, 0.0, 0.0])
 
 
-def _image_weights(
-    body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid, alone: tuple[Array, Array]
-) -> Array:
-    """Of each exponential in what the responses at depths (n,) are besides `alone`, shape (10, n, exponentials)."""
-    q = jnp.asarray(given.q, z.dtype)
-    edges, even = (
-        (jnp.asarray(_RUNGS[:, None]) / q, False) if isinstance(body, PowerModulus) else depths_for(body, q, 4)
-    )
+def _alone(nu: Array, whole: Array, height: Array) -> Array:
+    """These responses at q z."""
+    first, second = (each.reshape(-1, *(1,) * height.ndim) for each in _first_responses(nu, whole))
+    return (first + second * height) * jnp.exp(-height)
+
+
+def _image_weights(body: Piecewise | Power, nu: Array, z: Array, given: Grid) -> Array:
+    """Of each exponential in the responses at depths (n,) less `_alone`, shape (8, n, exponentials)."""
+    q, moved = jnp.asarray(given.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
+    fit = jnp.asarray(given.fit.T, z.dtype)
+    if isinstance(body, Power):
+        stiff = body.at(z)[:, None] * q**body.k
+        return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
+    edges, even = depths_for(body, q, 4)
 
     def at(z: Array) -> Array:
-        height = z[:, None] * q
-        rest = (alone[0][:, None, None] + alone[1][:, None, None] * height) * jnp.exp(-height)
-        return (responses(body, edges, even, z, q, nu) - rest) @ jnp.asarray(given.fit.T, z.dtype)
+        found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
+        return (found - _alone(nu, jnp.ones_like(nu), z[:, None] * q)) @ fit
 
     if z.size <= _MANY:
         return at(z)
@@ -184,45 +219,46 @@ def _image_weights(
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
-def _parts() -> np.ndarray:
-    """How the integrals of J_i with each response add to xx, yy, zz and xz, shape (4, 10, 4)."""
-    of = np.zeros((4, 10, 4))
-    even, odd, ahead, aside = [0.5, 0.0, 0.5, 0.0], [0.0, 0.25, 0.0, 0.25], [0.5, 0.0, -0.5, 0.0], [0.0, 0.75, 0.0, -0.25]
-    of[0, 0], of[0, 1], of[0, 4], of[0, 5], of[0, 8] = np.negative(ahead), np.negative(even), aside, odd, 2.0 * np.array(odd)
-    of[1, 0], of[1, 1], of[1, 4], of[1, 5], of[1, 8] = np.negative(even), np.negative(ahead), odd, aside, -2.0 * np.array(odd)
-    of[2, 2, 0], of[2, 6, 1] = -1.0, 1.0
-    of[3, 3, 1], of[3, 7], of[3, 9] = -1.0, np.negative(ahead), np.negative(even)
-    return of
+def _patterns() -> tuple[np.ndarray, np.ndarray]:
+    """How the integrals of J_i with each response of each traction add to xx, yy, zz and xz, shape (4, 8, 4, 2).
+
+    First what does not depend on Poisson's ratio, then what the stress along the waves adds.
+    """
+    fixed, along = np.zeros((4, 8, 4)), np.zeros((4, 8, 4))
+    ahead, even, aside, odd = 0.25 * np.array([[2, 0, -2, 0], [2, 0, 2, 0], [0, 3, 0, -1], [0, 1, 0, 1]])
+    fixed[:, 6] = np.multiply.outer([2.0, -2.0, 0.0, 0.0], odd)
+    fixed[2, 1, 0], fixed[2, 4, 1], fixed[3, 2, 1], fixed[3, 5], fixed[3, 7] = -1.0, 1.0, -1.0, -ahead, -even
+    along[:2, 0], along[:2, 3] = [-ahead, -even], [aside, odd]
+    return fixed[..., None] * _CAUSE[:, None], along[..., None] * _CAUSE[:, None]
 
 
-_PARTS = _parts()
-_ALONG = np.arange(10) >= 4  # the responses to the traction, after those to the pressure
+def _parts(nu: Array) -> Array:
+    """How the integrals add to the stresses, (4, 8, 4, 2)."""
+    (fixed, along), ratio = _patterns(), nu / (1.0 - nu)
+    across = along[[1, 0, 2, 3]]
+    # sigma_ss = ratio sigma_zz + 2/(1-nu) times the displacement, sigma_tt = ratio (sigma_zz + 2 times it).
+    return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + np.roll(along + across, 1, axis=1))
 
 
-def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stress:
+def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
     nu, given = pressed.nu, grid(x.dtype == jnp.float64)
-    whole = jnp.where(pressed.body[0] == 0.0, 1.0, 0.0 * nu) if kind is None else jnp.ones_like(nu)
-    alone = _first_responses(nu, whole)
-    parts = jnp.asarray(_PARTS, z.dtype)
-    # First the places, then for each x the images of them all.
-    least = float(jnp.finfo(z.dtype).eps) ** 2
-    places, heights = jnp.broadcast_to(x, shape).ravel(), jnp.broadcast_to(jnp.maximum(z, least), shape).ravel()
-    if kind != "homogeneous":
-        zeta = jnp.broadcast_to(jnp.asarray(given.zeta, z.dtype), (x.size, given.zeta.size))
-        heights = jnp.append(heights, zeta)
-        places = jnp.append(places, jnp.broadcast_to(x.ravel()[:, None], zeta.shape))
-    found = transforms(pressed.tractions(worn), heights, abs(places))
-    sign = jnp.stack([jnp.ones_like(places), jnp.sign(places)])[jnp.array([0, 1, 0, 1])]
-    found = (found * sign[:, :, None])[..., _ALONG.astype(int)]  # of each response
-    count = math.prod(shape)
-    value, rate = (each.reshape(4, *shape, 10) for each in found[:, :, :count])
-    stress = jnp.einsum("cri,r,i...r->c...", parts, alone[0], value)
-    stress += z * jnp.einsum("cri,r,i...r->c...", parts, alone[1], rate)
-    if kind != "homogeneous":
-        weights = _image_weights(body_of(pressed, kind), nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
-        images = found[0, :, count:].reshape(4, *x.shape, -1, 10)
-        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("cri,i...mr->cr...m", parts, images))
+    parts = _parts(nu).astype(x.dtype)
+    # First the places, then for each x all images.
+    near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
+    places, heights = (jnp.broadcast_to(at, shape).ravel() for at in (x, near))
+    if body is not None:
+        places = jnp.append(places, jnp.repeat(x.ravel(), given.zeta.size))
+        heights = jnp.append(heights, jnp.tile(jnp.asarray(given.zeta, z.dtype), x.size))
+    found, count = transforms(pressed.tractions(worn), heights, places), math.prod(shape)
+    value, rate = found[:, :, :count].reshape(2, 4, *shape, 2)
+    first, second = _first_responses(nu, body.whole if isinstance(body, Power) else jnp.ones_like(nu))
+    stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
+    stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
+    if body is not None:
+        weights = _image_weights(body, nu, z.ravel(), given).reshape(8, *z.shape, -1)
+        images = found[0, :, count:].reshape(4, *x.shape, -1, 2)
+        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, images))
     return Stress(*stress)

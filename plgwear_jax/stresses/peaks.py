@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Half, Pressed, Stress, body_of, field
+from plgwear_jax.stresses.field import Body, Half, Pressed, Stress, body_of, field
 
 
 class Peak(NamedTuple):
@@ -37,17 +37,18 @@ class Wanted(NamedTuple):
         """The stress that is wanted."""
         return jnp.where(self.mises > 0.0, stress.mises, stress.principal)
 
-    def ends(self, pressed: Pressed, kind: Half) -> Array:
+    def ends(self, pressed: Pressed, body: Body) -> Array:
         """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
         high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
-        return jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
+        return jnp.clip(jnp.append(_sides(body, dtype), jnp.stack([low, high])), low, high)
 
 
 def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
-    ends = wanted.ends(pressed, kind)
+    body = body_of(pressed, kind)
+    ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
 
@@ -55,7 +56,7 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
         del count
         xs, zs, reach = state[:3]
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
-        found = wanted.of(field(pressed, kind, False, xs, zs[:, None]))
+        found = wanted.of(field(pressed, body, False, xs, zs[:, None]))
         at = jnp.argmax(jnp.where(jnp.isnan(found), -jnp.inf, found))
         x, z = xs[at % xs.size], zs[at // xs.size]
         # Nearer to the surface by smaller steps.
@@ -71,10 +72,11 @@ def peak_at(pressed: Pressed, kind: Half, wanted: Wanted, x: Array, z: Array) ->
 
     It is there in units of a_0 as the derivatives go, but for the depths that are ends.
     """
-    ends = wanted.ends(pressed, kind)
+    body = body_of(pressed, kind)
+    ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, kind, False, x, z)), x, z))
+    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, body, False, x, z)), x, z))
 
 
 def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
@@ -87,7 +89,7 @@ def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
     return Peak(value, x * known, z * known)
 
 
-def _sides(body: object, dtype: jnp.dtype) -> Array:
+def _sides(body: Body, dtype: jnp.dtype) -> Array:
     """Depths just above and below interfaces, in units of a_0."""
     if not isinstance(body, Piecewise):
         return jnp.zeros(0, dtype)
