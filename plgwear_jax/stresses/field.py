@@ -16,7 +16,6 @@ from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
 
-
 class Stress(NamedTuple):
     """Stresses in Pa in the plane of the motion, tension positive, shape of the places: `Steady.stress`.
 
