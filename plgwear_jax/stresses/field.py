@@ -1,8 +1,8 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
+import math
 from typing import Any, Literal, NamedTuple
 
-import math
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -73,13 +73,13 @@ class Pressed(NamedTuple):
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
         t, c = jnp.asarray(STRIPS[1:], self.own.dtype), self.stick
-        both = jnp.stack([jnp.ones_like(self.friction), self.friction])
+        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], t.dtype)
         bend = jnp.asarray(bends(STRIPS), self.own.dtype)
         if worn:
             more = self.flat[:, None] * both
-            whole = self.stuck[:, None] * np.array([1.0, 0.0]) + more
+            whole = self.stuck[:, None] * normal + more
             return Tractions(c * t, bend @ whole / c, c, c * more[-1])
-        stuck = self.stuck[:, None] * (both * np.array([0.0, -1.0]) / c)
+        stuck = self.stuck[:, None] * (both * (normal - 1.0) / c)
         weight = jnp.concatenate([bend @ (self.own[:, None] * both), bend @ stuck])
         return Tractions(jnp.append(t, c * t), weight, c, None)
 
@@ -115,6 +115,7 @@ Half = Literal["homogeneous"] | type[AnyModulus] | None
 _NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
 _STEP = 0.25  # of the logarithms of depths in units of 1/q
 _DEPTHS = np.exp(np.arange(-16.0, 2.7, _STEP))
+_ENDS = float(_DEPTHS[0]), float(_DEPTHS[-1])
 
 
 class Power(NamedTuple):
@@ -131,7 +132,7 @@ class Power(NamedTuple):
 
     def responses(self, z: Array, q: Array) -> Array:
         """What `cubics` are of, (8, depths, n)."""
-        log = jnp.log(jnp.clip(z[:, None] * q, _DEPTHS[0], _DEPTHS[-1]) / _DEPTHS[0])
+        log = jnp.log(jnp.clip(z[:, None] * q, *_ENDS) / _ENDS[0])
         place = jnp.minimum((log / _STEP).astype(int), len(_DEPTHS) - 2)
         return jnp.moveaxis(horner(self.cubics[::-1, place], (log - _STEP * place)[..., None]), -1, 0)
 
@@ -180,6 +181,11 @@ _MANY = 32  # depths at once
 # Of the responses as `responses` has them: to which traction they belong, and which are displacements, that count by E.
 _CAUSE = np.array([[1.0, 0.0]] * 3 + [[0.0, 1.0]] * 5)
 _MOVED = np.array([True, False, False] * 2 + [True, False])
+# (h_0 without nu, and by nu, h_1) of responses (h_0 + h_1 q z) exp(-q z).
+_HOMOGENEOUS = np.zeros((3, 8))
+_HOMOGENEOUS[0, [0, 1, 3, 5, 6, 7]] = 0.5, 1.0, -1.0, 1.0, -1.0, 1.0
+_HOMOGENEOUS[1, [0, 3]] = -1.0, 1.0
+_HOMOGENEOUS[2, :6] = -0.5, 1.0, 1.0, 0.5, -1.0, -1.0
 
 
 def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
@@ -187,9 +193,9 @@ def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
 
     With `whole` = 0 those of a surface without a modulus, which follows.
     """
-    counts = jnp.where(_MOVED, whole, 1.0)
-    first = np.array([0.5, 1.0, 0.0, -1.0, 0.0, 1.0, -1.0, 1.0]) + nu * np.array([-1.0, 0.0, 0.0, 1.0] + [0.0] * 4)
-    return counts * first, counts * np.array([-0.5, 1.0, 1.0, 0.5, -1.0, -1.0, 0.0, 0.0])
+    without, by_nu, second = jnp.asarray(_HOMOGENEOUS, nu.dtype)
+    counts = jnp.where(_MOVED, whole, jnp.ones_like(whole))
+    return counts * (without + nu * by_nu), counts * second
 
 
 def _alone(nu: Array, whole: Array, height: Array) -> Array:

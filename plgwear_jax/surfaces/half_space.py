@@ -207,18 +207,17 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     return _edges(modulus, q, digits)[0], False
 
 
-# Of the matrices of plane waves, and of those across the wave as the first of two numbers, on a third axis: what is
-# without nu and what is with it in Y less the compliance, in P, and in Phi.
-def _matrices(plane: list[list[float]], across: float = 0.0) -> np.ndarray:
-    return np.stack([plane, [[across, 0.0], [0.0, 0.0]]], -1)[..., None, None]
+def _matrices(dtype: Any) -> list[Array]:
+    """Of plane waves, and of those across the wave as the first of two numbers on a third axis: 1, parts of matrices.
 
-
-_ONE = np.eye(2)[..., None, None, None]
-_OWN, _OWN_BY_NU = _matrices([[1.0, -0.5], [-0.5, 1.0]], 1.0), _matrices([[-1.0, 1.0], [1.0, -1.0]])
-_LOST = _matrices([[0.5, 0.0], [0.0, 0.5]], 0.5)
-_LEFT, _LEFT_SQUARED = _matrices([[1.0, 0.0], [0.0, -1.0]]), _matrices([[-1.0, -1.0], [-1.0, -1.0]])
-_TURN = _matrices([[-1.0, -1.0], [1.0, 1.0]])
-_ADJUGATE = np.array([[1.0, -1.0], [-1.0, 1.0]])[..., None, None, None]
+    These are of Y less the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
+    """
+    own, own_by_nu, lost, left, squared, turn = np.zeros((6, 2, 2, 2))
+    own[..., 0], own[0, 0, 1], own_by_nu[..., 0] = [[1.0, -0.5], [-0.5, 1.0]], 1.0, [[-1.0, 1.0], [1.0, -1.0]]
+    lost[..., 0], lost[0, 0, 1], left[..., 0] = 0.5 * np.eye(2), 0.5, [[1.0, 0.0], [0.0, -1.0]]
+    squared[..., 0], turn[..., 0] = -1.0, [[-1.0, -1.0], [1.0, 1.0]]
+    one = np.stack([np.eye(2)] * 2, -1)
+    return [jnp.asarray(each[..., None, None], dtype) for each in (one, own, own_by_nu, lost, left, squared, turn)]
 
 
 def _times(a: Array, b: Array) -> Array:
@@ -251,18 +250,19 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
     below = jnp.broadcast_to(1.0 / modulus.between(every[-1], every[-1]), (1, *h.shape[1:]))
 
-    once, own = jnp.exp(-h), _OWN + nu * _OWN_BY_NU
+    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _matrices(q.dtype)
+    once, own = jnp.exp(-h), own + nu * own_by_nu
     left = once * once * h
-    spread = (left * _LEFT + left * h * _LEFT_SQUARED - jnp.expm1(-2.0 * h) * _LOST) / s
+    spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
     spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:, None, None]
-    layers = own * (s - jnp.append(s[1:], below, 0)), spread, once * (_ONE + h * _TURN)
+    layers = own * (s - jnp.append(s[1:], below, 0)), spread, once * (one + h * turn)
 
     def through(y: Array, layer: tuple[Array, ...]) -> tuple[Array, tuple[Array, Array]]:
         """(Y above a layer, (Y at its bottom, what takes tractions from its top to there)), from Y below it."""
         step, spread, phi = layer
         y = y + step
-        rest = _ONE - _times(spread, y)
-        swapped = _ADJUGATE * rest[::-1, ::-1].swapaxes(0, 1)
+        rest = one - _times(spread, y)
+        swapped = sign * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
         down = _times(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
         return _times(phi, _times(y, down)), (y, down)
 
@@ -270,9 +270,9 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
         below = _times(down, tractions)
         return below, below
 
-    shape = layers[1].shape[1:]
+    shape, sign = layers[1].shape[1:], 2.0 * one - 1.0
     _, (inside, down) = jax.lax.scan(through, jnp.zeros(shape, h.dtype), layers, reverse=True)
-    _, tractions = jax.lax.scan(lower, jnp.broadcast_to(_ONE, shape).astype(h.dtype), down)
+    _, tractions = jax.lax.scan(lower, jnp.broadcast_to(one, shape), down)
     last = (shares.shape[0] - 1) * place - 1  # the part above each depth
     last = jnp.broadcast_to(last[:, None, None, None, None], (z.size, 1, 1, 1, *shape[3:]))
     compliance, tractions = (jnp.take_along_axis(each, last, 0) for each in (inside - own * s, tractions))
