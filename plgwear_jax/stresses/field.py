@@ -134,7 +134,7 @@ class Power(NamedTuple):
         """What `cubics` are of, (8, depths, n)."""
         log = jnp.log(jnp.clip(z[:, None] * q, *_ENDS) / _ENDS[0])
         place = jnp.minimum((log / _STEP).astype(int), len(_DEPTHS) - 2)
-        return jnp.moveaxis(horner(self.cubics[::-1, place], (log - _STEP * place)[..., None]), -1, 0)
+        return jnp.moveaxis(horner(jnp.unstack(self.cubics[::-1, place]), (log - _STEP * place)[..., None]), -1, 0)
 
 
 class _Powers(NamedTuple):
@@ -239,10 +239,10 @@ def _patterns() -> tuple[np.ndarray, np.ndarray]:
 
 def _parts(nu: Array) -> Array:
     """How the integrals add to the stresses, (4, 8, 4, 2)."""
-    (fixed, along), ratio = _patterns(), nu / (1.0 - nu)
-    across = along[[1, 0, 2, 3]]
+    (fixed, along), ratio = (jnp.asarray(each, nu.dtype) for each in _patterns()), nu / (1.0 - nu)
+    across = along[np.array([1, 0, 2, 3])]
     # sigma_ss = ratio sigma_zz + 2/(1-nu) times the displacement, sigma_tt = ratio (sigma_zz + 2 times it).
-    return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + np.roll(along + across, 1, axis=1))
+    return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))
 
 
 def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stress:
@@ -250,7 +250,7 @@ def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stres
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
     nu, given = pressed.nu, grid(x.dtype == jnp.float64)
-    parts = _parts(nu).astype(x.dtype)
+    parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
     places, heights = (jnp.broadcast_to(at, shape).ravel() for at in (x, near))

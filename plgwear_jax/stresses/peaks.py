@@ -1,6 +1,6 @@
 """Where a stress is largest before any wear, and how large it is."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -52,7 +52,7 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
 
-    def closer(count: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+    def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
         del count
         xs, zs, reach, _, *top = state
         # The top of a parabola is one more place, since a stress may also have a kink.
