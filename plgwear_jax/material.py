@@ -109,7 +109,7 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
     return _h_N(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
 
 
-@formula(k=EXPONENT, nu=POISSON_RATIO)
+@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _tangential_ratio(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     # Both terms have the pole of 1/m at k = 1, nu = 1/2; in h_N/cos(k pi/2) the zeros at k = -1 and k = 1 cancel.
     k, nu = jnp.asarray(k), jnp.asarray(nu)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting
+from plgwear_jax import FrettingContact, Layered, PowerLawGraded, fretting
 from plgwear_jax._startup import programs
 
 EPS = float(np.finfo(np.float64).eps)
@@ -143,3 +143,11 @@ def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
     np.testing.assert_allclose(jax.grad(read, 1)(0.4, 2e5), slopes[1], rtol=1e-12)
     mapped = jax.vmap(jax.grad(read, (0, 1)), (0, None))(np.array([0.4, 0.5]), 2e5)
     np.testing.assert_allclose([x[0] for x in mapped], slopes, rtol=1e-10)
+
+
+def test_over_cycles_they_can_be_left_to_jax(monkeypatch):
+    """The parts that follow each other for known numbers are not reversed."""
+    monkeypatch.setenv("PLGWEAR_STARTUP", "")
+    contact = FrettingContact(Layered([2e-6], [400e9, 110e9], 0.3), 5e-3, 10.0, 0.4)
+    slope = jax.grad(lambda force: contact.over_cycles(force, 1e-14).volume(1e5))
+    assert jax.eval_shape(slope, 1.0).shape == ()

@@ -42,6 +42,7 @@ told = {
     "derivatives by the contact, layers": jax.tree.leaves(
         jax.grad(lambda contact: contact.steady(0.32).wear_volume)(layers)
     ),
+    "derivatives over cycles, layers": jax.grad(lambda force: layers.over_cycles(force, 1e-14).volume(1e5))(0.32),
 }
 numbers = {name: np.concatenate([np.ravel(x) for x in jax.tree.leaves(values)]) for name, values in told.items()}
 print(json.dumps({name: list(map(float, values)) for name, values in numbers.items()}))
