@@ -196,9 +196,9 @@ class ClosedSteady(Steady):
         )
         stick, s, inside = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k, jnp.asarray(INSIDE)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
-        own = mean * gamma(2.0 + s) / gamma(1.5 + s) * math.pi**-0.5 * jnp.exp((0.5 + s) * jnp.log(inside))
-        flat = mean * phi / (stick * stick) * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5
-        flat = ended(flat * jnp.exp((s - 0.5) * jnp.log(inside)), s[..., 0] - 0.5, singular=True)
+        unit = mean * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5 * jnp.exp((s - 0.5) * jnp.log(inside))
+        own = unit * (1.0 + s) / (0.5 + s) * inside
+        flat = ended(phi / (stick * stick) * unit, s[..., 0] - 0.5, singular=True)
         own, share = ended(own, s[..., 0] + 0.5), (1.0 - phi) / (stick * stick)
         nu = poisson_ratio_of(self.contact.material)
         given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu

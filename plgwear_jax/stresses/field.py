@@ -1,15 +1,17 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
+import math
 from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
-from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.images import Grid, Traction, grid, traction_of, transforms
+from plgwear_jax.special.pchip import Piecewise, horner
+from plgwear_jax.stresses.images import Grid, Tractions, bends, grid, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -68,15 +70,18 @@ class Pressed(NamedTuple):
         """The shape of the contacts, () for one."""
         return self.force.shape
 
-    def tractions(self, worn: bool) -> tuple[Traction, Traction]:
+    def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        one = jnp.ones_like(self.stick)
+        t, c = jnp.asarray(STRIPS[1:], self.own.dtype), self.stick
+        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], t.dtype)
+        bend = jnp.asarray(bends(STRIPS), self.own.dtype)
         if worn:
-            added = self.friction * self.flat
-            return traction_of(STRIPS, self.stuck + self.flat, self.stick), traction_of(STRIPS, added, self.stick)
-        whole, stuck = traction_of(STRIPS, self.own, one), traction_of(STRIPS, self.stuck, self.stick)
-        b, weight = jnp.append(whole.b, stuck.b), self.friction * jnp.append(whole.weight, -stuck.weight)
-        return whole, Traction(b, weight, one, 0.0 * one)
+            more = self.flat[:, None] * both
+            whole = self.stuck[:, None] * normal + more
+            return Tractions(c * t, bend @ whole / c, c, c * more[-1])
+        stuck = self.stuck[:, None] * (both * (normal - 1.0) / c)
+        weight = jnp.concatenate([bend @ (self.own[:, None] * both), bend @ stuck])
+        return Tractions(jnp.append(t, c * t), weight, c, None)
 
 
 def poisson_ratio_of(material: Any) -> Array:
@@ -102,19 +107,40 @@ def ended(strips: Array, power: Array, singular: bool = False) -> Array:
     return jnp.concatenate([strips[..., :1], inner, (outer if singular else 0.0 * outer)[..., None]], -1)
 
 
+# --- E(z) -------------------------------------------------------------------------------------------------------------
+
 Half = Literal["homogeneous"] | type[AnyModulus] | None
 """What the half-space is: the class of a table, or None for a power law."""
 
+_NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
+_STEP = 0.25  # of the logarithms of depths in units of 1/q
+_DEPTHS = np.exp(np.arange(-16.0, 2.7, _STEP))
+_ENDS = float(_DEPTHS[0]), float(_DEPTHS[-1])
 
-class PowerModulus(NamedTuple):
-    """E(z) = z^k."""
+
+class Power(NamedTuple):
+    """E(z) = z^k, whose responses depend on z and on the wavenumber by their product alone."""
 
     k: Array
+    whole: Array  # 1 for k = 0, else 0
+    cubics: Array  # of the responses less `alone`, between _DEPTHS, (4, intervals, 8)
 
     def at(self, x: Array) -> Array:
         """E; at the surface 0 for k > 0, and for k < 0 that of a depth close to it."""
         near = jnp.exp(self.k * jnp.log(jnp.maximum(x, _NEAR)))
         return jnp.where((x == 0.0) & (self.k > 0.0), 0.0, near)
+
+    def responses(self, z: Array, q: Array) -> Array:
+        """What `cubics` are of, (8, depths, n)."""
+        log = jnp.log(jnp.clip(z[:, None] * q, *_ENDS) / _ENDS[0])
+        place = jnp.minimum((log / _STEP).astype(int), len(_DEPTHS) - 2)
+        return jnp.moveaxis(horner(jnp.unstack(self.cubics[::-1, place]), (log - _STEP * place)[..., None]), -1, 0)
+
+
+class _Powers(NamedTuple):
+    """The same as `surfaces.half_space.Modulus`."""
+
+    k: Array
 
     def between(self, x: Array, y: Array) -> Array:
         """The mean, which is what the skin resists a strain by."""
@@ -128,14 +154,21 @@ class PowerModulus(NamedTuple):
         return jnp.exp(self.k * jnp.log(end)) * mean
 
 
-_NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
-_RUNGS = np.append(0.0, np.exp(np.arange(-16.0, 2.7, 0.25)))  # depths of a power law in units of 1/q
+Body = Piecewise | Power | None
 
 
-def body_of(pressed: Pressed, kind: Half) -> Piecewise | PowerModulus:
+def body_of(pressed: Pressed, kind: Half) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    if kind is None or kind == "homogeneous":
-        return PowerModulus(pressed.body[0])
+    if kind == "homogeneous":
+        return None
+    if kind is None:
+        (k,), nu = pressed.body, pressed.nu
+        depths = jnp.asarray(_DEPTHS, k.dtype)
+        found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
+        whole = jnp.where(k == 0.0, 1.0, 0.0 * k)
+        cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
+        rest = found[..., 0] - _alone(nu, whole, depths)
+        return Power(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
     table = kind.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
     return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
@@ -145,33 +178,44 @@ def body_of(pressed: Pressed, kind: Half) -> Piecewise | PowerModulus:
 
 _MANY = 32  # depths at once
 
+# Of the responses as `responses` has them: to which traction they belong, and which are displacements, that count by E.
+_CAUSE = np.array([[1.0, 0.0]] * 3 + [[0.0, 1.0]] * 5)
+_MOVED = np.array([True, False, False] * 2 + [True, False])
+# (h_0 without nu, and by nu, h_1) of responses (h_0 + h_1 q z) exp(-q z).
+_HOMOGENEOUS = np.zeros((3, 8))
+_HOMOGENEOUS[0, [0, 1, 3, 5, 6, 7]] = 0.5, 1.0, -1.0, 1.0, -1.0, 1.0
+_HOMOGENEOUS[1, [0, 3]] = -1.0, 1.0
+_HOMOGENEOUS[2, :6] = -0.5, 1.0, 1.0, 0.5, -1.0, -1.0
+
 
 def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
-    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) like those of `responses`, each (10,).
+    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) of a homogeneous half-space, each (8,).
 
-    They are those of a homogeneous half-space; with `whole` = 0 those of a surface without a modulus, which follows.
+    With `whole` = 0 those of a surface without a modulus, which follows.
     """
-    ratio, one, none = nu / (1.0 - nu), jnp.ones_like(nu), jnp.zeros_like(nu)
-    a, b = (jnp.stack([one, 2.0 * nu]) - ratio) * whole + ratio, (jnp.stack([-one, none]) - ratio) * whole + ratio
-    c, d = -jnp.stack([2.0 * one, 2.0 * nu]) * whole, (jnp.stack([one, none]) + ratio) * whole - ratio
-    first = jnp.concatenate([a, jnp.stack([one, none]), c, jnp.stack([none, one, -whole * one, one])])
-    second = jnp.concatenate([b, jnp.stack([one, one]), d, jnp.stack([-one, -one, none, none])])
-    return first, second
+    without, by_nu, second = jnp.asarray(_HOMOGENEOUS, nu.dtype)
+    counts = jnp.where(_MOVED, whole, jnp.ones_like(whole))
+    return counts * (without + nu * by_nu), counts * second
 
 
-def _image_weights(
-    body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid, alone: tuple[Array, Array]
-) -> Array:
-    """Of each exponential in what the responses at depths (n,) are besides `alone`, shape (10, n, exponentials)."""
-    q = jnp.asarray(given.q, z.dtype)
-    edges, even = (
-        (jnp.asarray(_RUNGS[:, None]) / q, False) if isinstance(body, PowerModulus) else depths_for(body, q, 4)
-    )
+def _alone(nu: Array, whole: Array, height: Array) -> Array:
+    """These responses at q z."""
+    first, second = (each.reshape(-1, *(1,) * height.ndim) for each in _first_responses(nu, whole))
+    return (first + second * height) * jnp.exp(-height)
+
+
+def _image_weights(body: Piecewise | Power, nu: Array, z: Array, given: Grid) -> Array:
+    """Of each exponential in the responses at depths (n,) less `_alone`, shape (8, n, exponentials)."""
+    q, moved = jnp.asarray(given.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
+    fit = jnp.asarray(given.fit.T, z.dtype)
+    if isinstance(body, Power):
+        stiff = body.at(z)[:, None] * q**body.k
+        return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
+    edges, even = depths_for(body, q, 4)
 
     def at(z: Array) -> Array:
-        height = z[:, None] * q
-        rest = (alone[0][:, None, None] + alone[1][:, None, None] * height) * jnp.exp(-height)
-        return (responses(body, edges, even, z, q, nu) - rest) @ jnp.asarray(given.fit.T, z.dtype)
+        found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
+        return (found - _alone(nu, jnp.ones_like(nu), z[:, None] * q)) @ fit
 
     if z.size <= _MANY:
         return at(z)
@@ -180,41 +224,46 @@ def _image_weights(
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
-def field(pressed: Pressed, kind: Half, worn: bool, x: Array, z: Array) -> Stress:
+def _patterns() -> tuple[np.ndarray, np.ndarray]:
+    """How the integrals of J_i with each response of each traction add to xx, yy, zz and xz, shape (4, 8, 4, 2).
+
+    First what does not depend on Poisson's ratio, then what the stress along the waves adds.
+    """
+    fixed, along = np.zeros((4, 8, 4)), np.zeros((4, 8, 4))
+    ahead, even, aside, odd = 0.25 * np.array([[2, 0, -2, 0], [2, 0, 2, 0], [0, 3, 0, -1], [0, 1, 0, 1]])
+    fixed[:, 6] = np.multiply.outer([2.0, -2.0, 0.0, 0.0], odd)
+    fixed[2, 1, 0], fixed[2, 4, 1], fixed[3, 2, 1], fixed[3, 5], fixed[3, 7] = -1.0, 1.0, -1.0, -ahead, -even
+    along[:2, 0], along[:2, 3] = [-ahead, -even], [aside, odd]
+    return fixed[..., None] * _CAUSE[:, None], along[..., None] * _CAUSE[:, None]
+
+
+def _parts(nu: Array) -> Array:
+    """How the integrals add to the stresses, (4, 8, 4, 2)."""
+    (fixed, along), ratio = (jnp.asarray(each, nu.dtype) for each in _patterns()), nu / (1.0 - nu)
+    across = along[np.array([1, 0, 2, 3])]
+    # sigma_ss = ratio sigma_zz + 2/(1-nu) times the displacement, sigma_tt = ratio (sigma_zz + 2 times it).
+    return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))
+
+
+def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, given, body = pressed.nu, grid(x.dtype == jnp.float64), body_of(pressed, kind)
-    whole = jnp.where(pressed.body[0] == 0.0, 1.0, 0.0 * nu) if kind is None else jnp.ones_like(nu)
-    first, second = alone = _first_responses(nu, whole)
-    weights = jnp.zeros(0)
-    if kind != "homogeneous":
-        weights = _image_weights(body, nu, z.ravel(), given, alone).reshape(10, *z.shape, -1)
-    zeta, least = jnp.asarray(given.zeta, z.dtype), float(jnp.finfo(z.dtype).eps) ** 2
-
-    def integrals(traction: Traction, rows: slice) -> Array:
-        """q t^(q) J_i(q x) times these responses, integrated over q, shape (rows, 4, ...)."""
-        value, rate = transforms(traction, jnp.maximum(z, least), abs(x))
-        line = (slice(None), None, *(None,) * len(shape))
-        found = first[rows][line] * value + second[rows][line] * (z * rate)
-        if kind == "homogeneous":
-            return found
-        return found + jnp.sum(weights[rows, None] * transforms(traction, zeta, abs(x)[..., None])[0], -1)
-
-    normal, along = pressed.tractions(worn)
-    a, b, s, t = integrals(normal, slice(0, 4))
-    g, h, n, m, across, out = integrals(along, slice(4, 10))
-    side = jnp.sign(x)
-
-    def odd(v: Array) -> Array:
-        return 0.25 * side * (3.0 * v[1] - v[3])
-
-    def even(v: Array) -> Array:
-        return 0.25 * side * (v[1] + v[3])
-
-    return Stress(
-        odd(g) + even(h + 2.0 * across) - 0.5 * (a[0] - a[2] + b[0] + b[2]),
-        even(g - 2.0 * across) + odd(h) - 0.5 * (a[0] + a[2] + b[0] - b[2]),
-        side * n[1] - s[0],
-        -side * t[1] - 0.5 * (m[0] - m[2] + out[0] + out[2]),
-    )
+    nu, given = pressed.nu, grid(x.dtype == jnp.float64)
+    parts = _parts(nu)
+    # First the places, then for each x all images.
+    near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
+    places, heights = (jnp.broadcast_to(at, shape).ravel() for at in (x, near))
+    if body is not None:
+        places = jnp.append(places, jnp.repeat(x.ravel(), given.zeta.size))
+        heights = jnp.append(heights, jnp.tile(jnp.asarray(given.zeta, z.dtype), x.size))
+    found, count = transforms(pressed.tractions(worn), heights, places), math.prod(shape)
+    value, rate = found[:, :, :count].reshape(2, 4, *shape, 2)
+    first, second = _first_responses(nu, body.whole if isinstance(body, Power) else jnp.ones_like(nu))
+    stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
+    stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
+    if body is not None:
+        weights = _image_weights(body, nu, z.ravel(), given).reshape(8, *z.shape, -1)
+        images = found[0, :, count:].reshape(4, *x.shape, -1, 2)
+        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, images))
+    return Stress(*stress)

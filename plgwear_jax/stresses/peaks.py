@@ -1,13 +1,13 @@
 """Where a stress is largest before any wear, and how large it is."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Half, Pressed, Stress, body_of, field
+from plgwear_jax.stresses.field import Body, Half, Pressed, Stress, body_of, field
 
 
 class Peak(NamedTuple):
@@ -22,7 +22,7 @@ class Peak(NamedTuple):
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
 _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
-_REACH, _CLOSER = 0.17, 4.5
+_REACH, _CLOSER = 0.17, 5.5
 _ROUNDS = 4
 
 
@@ -37,33 +37,49 @@ class Wanted(NamedTuple):
         """The stress that is wanted."""
         return jnp.where(self.mises > 0.0, stress.mises, stress.principal)
 
-    def ends(self, pressed: Pressed, kind: Half) -> Array:
+    def ends(self, pressed: Pressed, body: Body) -> Array:
         """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
         high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
-        return jnp.clip(jnp.append(_sides(body_of(pressed, kind), dtype), jnp.stack([low, high])), low, high)
+        return jnp.clip(jnp.append(_sides(body, dtype), jnp.stack([low, high])), low, high)
 
 
 def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
-    ends = wanted.ends(pressed, kind)
+    body = body_of(pressed, kind)
+    ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
 
-    def closer(count: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+    def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
         del count
-        xs, zs, reach = state[:3]
+        xs, zs, reach, _, *top = state
+        # The top of a parabola is one more place, since a stress may also have a kink.
+        xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
-        found = wanted.of(field(pressed, kind, False, xs, zs[:, None]))
-        at = jnp.argmax(jnp.where(jnp.isnan(found), -jnp.inf, found))
-        x, z = xs[at % xs.size], zs[at // xs.size]
+        found = wanted.of(field(pressed, body, False, xs, zs[:, None]))
+        found = jnp.where(jnp.isnan(found), -jnp.inf, found)
+        z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
+        x, z = xs[x_at], zs[z_at]
+        top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: _Z.size], found[: _Z.size, x_at], z_at)
         # Nearer to the surface by smaller steps.
         next_z = z + jnp.minimum(reach, 0.5 * z + 1e-3 * reach) * downwards
-        return x + reach * sideways, next_z, reach / _CLOSER, found.ravel()[at], x, z
+        return x + reach * sideways, next_z, reach / _CLOSER, Peak(found[z_at, x_at], x, z), *top
 
-    begin = (jnp.asarray(each, ends.dtype) for each in (first, _Z, _REACH, 0.0, 0.0, 0.0))
-    return Peak(*lax.fori_loop(0, _ROUNDS, closer, tuple(begin))[3:])
+    none = jnp.zeros_like(pressed.radius)
+    begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
+    rounds = jnp.where(_unbounded(pressed, kind, wanted), 0, _ROUNDS)
+    return lax.fori_loop(0, rounds, closer, begin)[3]
+
+
+def _top(at: Array, found: Array, best: Array) -> Array:
+    """Where the parabola through the best of values and both beside it has its top, else the place of one of them."""
+    inner = jnp.clip(best, 1, at.size - 2)
+    (x, y, z), (left, top, right) = (lax.dynamic_slice(each, (inner - 1,), (3,)) for each in (at, found))
+    left, right = (left - top) / (x - y), (right - top) / (z - y)
+    shift = 0.5 * (right * (y - x) + left * (z - y)) / (left - right)
+    return jnp.where((left > 0.0) & (right < 0.0), y + shift, y)
 
 
 def peak_at(pressed: Pressed, kind: Half, wanted: Wanted, x: Array, z: Array) -> Peak:
@@ -71,23 +87,27 @@ def peak_at(pressed: Pressed, kind: Half, wanted: Wanted, x: Array, z: Array) ->
 
     It is there in units of a_0 as the derivatives go, but for the depths that are ends.
     """
-    ends = wanted.ends(pressed, kind)
+    body = body_of(pressed, kind)
+    ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, kind, False, x, z)), x, z))
+    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, body, False, x, z)), x, z))
 
 
 def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
     """The peak with its place in m, at the surface where the modulus is infinite there."""
     value, x, z = peak
-    if kind is None:
-        unbounded = (pressed.body[0] < 0.0) & (wanted.least == 0.0)
-        value, z = jnp.where(unbounded, jnp.inf, value), jnp.where(unbounded, 0.0, z)
+    unbounded = _unbounded(pressed, kind, wanted)
+    value, z = jnp.where(unbounded, jnp.inf, value), jnp.where(unbounded, 0.0, z)
     known = jnp.where(jnp.isnan(value), value, pressed.radius)
     return Peak(value, x * known, z * known)
 
 
-def _sides(body: object, dtype: jnp.dtype) -> Array:
+def _unbounded(pressed: Pressed, kind: Half, wanted: Wanted) -> Array | bool:
+    return False if kind is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
+
+
+def _sides(body: Body, dtype: jnp.dtype) -> Array:
     """Depths just above and below interfaces, in units of a_0."""
     if not isinstance(body, Piecewise):
         return jnp.zeros(0, dtype)

@@ -195,12 +195,8 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
 class Modulus(Protocol):
     """E(z) in any unit."""
 
-    def at(self, x: Array, /) -> Array:
-        """E at depths."""
-        ...
-
     def between(self, x: Array, y: Array, /) -> Array:
-        """What counts as E of a thin layer between two depths."""
+        """What counts as E of a thin layer between two depths, or at one."""
         ...
 
 
@@ -209,6 +205,24 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     if len(modulus.coefficients) == 1:
         return modulus.start[:, None], True
     return _edges(modulus, q, digits)[0], False
+
+
+def _matrices(dtype: Any) -> list[Array]:
+    """Of plane waves, and of those across the wave as the first of two numbers on a third axis: 1, parts of matrices.
+
+    These are of Y less the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
+    """
+    own, own_by_nu, lost, left, squared, turn = np.zeros((6, 2, 2, 2))
+    own[..., 0], own[0, 0, 1], own_by_nu[..., 0] = [[1.0, -0.5], [-0.5, 1.0]], 1.0, [[-1.0, 1.0], [1.0, -1.0]]
+    lost[..., 0], lost[0, 0, 1], left[..., 0] = 0.5 * np.eye(2), 0.5, [[1.0, 0.0], [0.0, -1.0]]
+    squared[..., 0], turn[..., 0] = -1.0, [[-1.0, -1.0], [1.0, 1.0]]
+    one = np.stack([np.eye(2)] * 2, -1)
+    return [jnp.asarray(each[..., None, None], dtype) for each in (one, own, own_by_nu, lost, left, squared, turn)]
+
+
+def _times(a: Array, b: Array) -> Array:
+    """The product of matrices on the first two axes; XLA has none for many small ones."""
+    return jnp.sum(a[:, :, None] * b[None], 1)
 
 
 def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu: Array) -> Array:
@@ -223,47 +237,49 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
         nu: Poisson's ratio.
 
     Returns:
-        sigma_ss, sigma_tt, sigma_zz and sigma_sz of normal tractions, the same of tractions along the wave, sigma_st
-        and sigma_tz of tractions across it, shape (10, depths, n).
+        The displacement along the wave times q/(2 (1+nu)), sigma_zz and sigma_sz of normal tractions, the same of
+        tractions along the wave, the displacement and sigma_tz of tractions across it, shape (8, depths, n).
     """
     every = jnp.sort(jnp.concatenate([edges, jnp.broadcast_to(z[:, None], (z.size, edges.shape[1]))]), 0)
     place = jnp.maximum(jnp.sum(every[:, None] < z[:, None], 0), 1)
     # Of each part the ends of its halves, the first half once empty.
     shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
     bounds = every[:-1, None, None] + shares * jnp.diff(every, axis=0)[:, None, None]
-    low, high = (x.reshape(-1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
+    low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
     h = jnp.minimum((high - low) * q, _THICK)
     s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
-    below = jnp.broadcast_to(1.0 / modulus.at(every[-1]), (1, *h.shape[1:]))
-    layers = _all_layers(s, below, nu, h)
-    inside, (compliance, passed) = _all_raised(*layers)[1], _raised_across(s, below, h)
+    below = jnp.broadcast_to(1.0 / modulus.between(every[-1], every[-1]), (1, *h.shape[1:]))
 
-    one, none = jnp.ones_like(h[0]), jnp.zeros_like(h[0])
-    begin = jnp.stack([none, one]), jnp.stack([one, none])  # normal tractions, then those along the wave
-    _, (_, _, *tractions) = jax.lax.scan(_down, begin, _lowering(layers, inside))
-    normal, along = ([t[:, i] for t in tractions] for i in (0, 1))
-    to_u = inside[0] - (1.0 - nu) * s, inside[1] + (0.5 - nu) * s
-    everywhere = jnp.stack([*normal, *along, jnp.cumprod(passed, 0), compliance, *to_u])
+    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _matrices(q.dtype)
+    once, own = jnp.exp(-h), own + nu * own_by_nu
+    left = once * once * h
+    spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
+    spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:, None, None]
+    layers = own * (s - jnp.append(s[1:], below, 0)), spread, once * (one + h * turn)
+
+    def through(y: Array, layer: tuple[Array, ...]) -> tuple[Array, tuple[Array, Array]]:
+        """(Y above a layer, (Y at its bottom, what takes tractions from its top to there)), from Y below it."""
+        step, spread, phi = layer
+        y = y + step
+        rest = one - _times(spread, y)
+        swapped = sign * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
+        down = _times(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
+        return _times(phi, _times(y, down)), (y, down)
+
+    def lower(tractions: Array, down: Array) -> tuple[Array, Array]:
+        below = _times(down, tractions)
+        return below, below
+
+    shape, sign = layers[1].shape[1:], 2.0 * one - 1.0
+    _, (inside, down) = jax.lax.scan(through, jnp.zeros(shape, h.dtype), layers, reverse=True)
+    _, tractions = jax.lax.scan(lower, jnp.broadcast_to(one, shape), down)
     last = (shares.shape[0] - 1) * place - 1  # the part above each depth
-    last = jnp.broadcast_to(last[:, None], (z.size, *h.shape[1:]))
-    t_n, s_n, t_t, s_t, tau, v, u_t, u_s = jnp.take_along_axis(everywhere, last[None], 1)
-    stiff, ratio = modulus.at(z)[:, None, None], nu / (1.0 - nu)
-
-    def inward(t: Array, s: Array) -> list[Array]:
-        strain = 2.0 * stiff * (u_t * t + u_s * s)
-        return [ratio * s + strain / (1.0 - nu), ratio * (s + strain), s, t]
-
-    found = jnp.stack([*inward(t_n, s_n), *inward(t_t, s_t), stiff * v * tau, tau])
+    last = jnp.broadcast_to(last[:, None, None, None, None], (z.size, 1, 1, 1, *shape[3:]))
+    compliance, tractions = (jnp.take_along_axis(each, last, 0) for each in (inside - own * s, tractions))
+    moved = jnp.sum(compliance[:, 0, :, None] * tractions, 1)
+    # By the component, the traction that causes it, and the plane.
+    found = (
+        jnp.stack([moved, tractions[:, 1], tractions[:, 0]]).transpose(0, 2, 3, 1, 4, 5).reshape(12, z.size, *shape[3:])
+    )
+    found = found[np.array([2, 6, 10, 0, 4, 8, 1, 9])]
     return found[:, :, -1] + (found[:, :, -1] - found[:, :, 0]) / 3.0
-
-
-def _raised_across(s: Array, below: Array, h: Array) -> tuple[Array, Array]:
-    """(Compliance across the wave at the bottom of each layer, the share of the traction that gets there)."""
-
-    def through(compliance: Array, layer: tuple[Array, Array]) -> tuple[Array, tuple[Array, Array]]:
-        s, h = layer
-        own = 1.0 - compliance / s
-        over = 2.0 / (2.0 * jnp.exp(-2.0 * h) - jnp.expm1(-2.0 * h) * own)
-        return s * (1.0 - own * over), (compliance, jnp.exp(-h) * over)
-
-    return jax.lax.scan(through, -below[0], (s, h), reverse=True)[1]
