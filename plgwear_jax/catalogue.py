@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from plgwear_jax._core import ranges
-from plgwear_jax._core.units import cells_of, written
+from plgwear_jax._core.units import text_cells, written
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Law(Entry):
 
 _UNITS = {  # of the contact, and of the dimensionless function
     kind: (unit, scale)
-    for kind, unit, scale in cells_of("""
+    for kind, unit, scale in text_cells("""
     radius        m    a_0
     height        m    a_0^2/R
     volume        m^3  a_0^4/R
@@ -84,7 +84,7 @@ _UNITS = {  # of the contact, and of the dimensionless function
     """)
 }
 _CALLED = dict(  # if not by their names
-    cells_of("""
+    text_cells("""
     wear_rate      wear rate
     stick_radius   stick radius, inner edge of the ring
     worn_radius    worn radius, outer edge of the ring
@@ -113,7 +113,7 @@ def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> d
     there is no dimensionless function; equations; arguments; and what it is.
     """
     found = {}
-    for name, symbol, kind, equation, taken, description in cells_of(text):
+    for name, symbol, kind, equation, taken, description in text_cells(text):
         place = unbounded_at if name.endswith("*") else None
         name = name.rstrip("*")
         unit, scale = _UNITS.get(kind, (kind, None))
@@ -290,7 +290,7 @@ def _axes(text: str) -> dict[str, AxisKind]:
     """Axes by name, from a line for each: name, symbol, unit, range, scale, words, and what it is if not that."""
     open_at = {ranges.EXPONENT: (-1.0, 1.0), ranges.AMPLITUDE: (0.0, 1.0), ranges.SHARE: (0.0, 1.0)}
     found = {}
-    for name, symbol, unit, allowed, scale, words, *about in cells_of(text):
+    for name, symbol, unit, allowed, scale, words, *about in text_cells(text):
         domain = getattr(ranges, allowed)
         described = words, symbol, unit, about[0] if about else words, scale or None
         found[name] = AxisKind(*described, domain, open_at.get(domain), "#" in words)
@@ -390,7 +390,7 @@ def derivative(name: str) -> tuple[str, list[str]]:
 # what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
 _BESIDES = {
     name: Entry(words, symbol, unit)
-    for name, symbol, unit, words in cells_of("""
+    for name, symbol, unit, words in text_cells("""
     k                  k       1    exponent k
     E0                 E_0     Pa   modulus E0 at the depth z0
     z0                 z_0     m    characteristic depth z0

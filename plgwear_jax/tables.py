@@ -27,7 +27,7 @@ import numpy as np
 
 from plgwear_jax._core import ranges
 from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
-from plgwear_jax._core.units import cells_of, scales_of
+from plgwear_jax._core.units import scales_of, text_cells
 from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
 from plgwear_jax.catalogue import leaf
 
@@ -219,7 +219,7 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
 # By column: the SI unit, which is that of a column without one; what is allowed; and what it is.
 _COLUMNS = {
     column: (unit, getattr(ranges, allowed), meaning)
-    for column, unit, allowed, meaning in cells_of("""
+    for column, unit, allowed, meaning in text_cells("""
     tangential_force  N    NUMBER    the amplitude of the force in N
     displacement      m    NUMBER    the amplitude of the displacement in m
     weight            1    NUMBER    -

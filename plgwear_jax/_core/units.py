@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 
 
-def cells_of(text: str) -> Iterator[list[str]]:
+def text_cells(text: str) -> Iterator[list[str]]:
     """The cells of each line of a table: columns are set off by two spaces, and "-" is an empty one."""
     for line in text.strip().splitlines():
         yield ["" if cell == "-" else cell for cell in re.split("  +", line.strip())]
@@ -13,7 +13,7 @@ def cells_of(text: str) -> Iterator[list[str]]:
 
 def scales_of(text: str) -> dict[str, dict[str, float]]:
     """What prefixed units are in a unit, from a line for each: the unit, then names and sizes of the prefixed ones."""
-    return {unit: dict(zip(cells[::2], map(float, cells[1::2]), strict=True)) for unit, *cells in cells_of(text)}
+    return {unit: dict(zip(cells[::2], map(float, cells[1::2]), strict=True)) for unit, *cells in text_cells(text)}
 
 
 PREFIXED = scales_of("""

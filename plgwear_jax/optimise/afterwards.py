@@ -12,7 +12,7 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
 from plgwear_jax.catalogue import read
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.best import Design, LimitState, answered, states_of
+from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
 from plgwear_jax.optimise.evaluation import Evaluation, Known, evaluate
 from plgwear_jax.optimise.question import Question, keeps
 from plgwear_jax.rules import BY_THEN, one_of
@@ -115,7 +115,7 @@ def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     best = answered(question, known)
     at = evaluate(question, found.variables, known)
     value = float(at.objective[0])
-    states = states_of(question, at, np.zeros(len(question.limits)))
+    states = limit_states(question, at, np.zeros(len(question.limits)))
     return UnderOtherLoad(factor, value, best, value / float(best.value) - 1.0, states)
 
 

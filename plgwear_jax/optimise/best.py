@@ -76,7 +76,7 @@ class LimitState:
         return keeps(-excess if self.lowest else excess)
 
 
-def parted(name: str) -> tuple[str, str]:
+def stem_and_side(name: str) -> tuple[str, str]:
     """The stem of the name of a limit, and its side, "lowest" or "highest"; empty if the name has none."""
     stem, _, end = name.rpartition("_")
     return (stem, end) if end in ("lowest", "highest") else (name, "")
@@ -258,13 +258,13 @@ def answered(question: Question, known: Known | None = None) -> Design:
         contact=contact,
         value=valued(at.objective[0], question, contact),
         reference_value=at.scale,
-        limits=states_of(question, at, found.multipliers),
+        limits=limit_states(question, at, found.multipliers),
         minimum=found,
         question=question,
     )
 
 
-def states_of(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
+def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
     """The values for the limits at the first choice of the variables."""
     found = {}
     for one, over, by in zip(question.limits, at.values[0, 1:], multipliers, strict=True):

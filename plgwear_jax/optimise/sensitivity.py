@@ -9,7 +9,7 @@ import numpy as np
 from plgwear_jax._core.leaves import paths_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
-from plgwear_jax.optimise.best import Design, parted
+from plgwear_jax.optimise.best import Design, stem_and_side
 from plgwear_jax.optimise.evaluation import Known, Rows, evaluate
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.search import conditions, inclination, solved_by_elimination
@@ -72,7 +72,7 @@ def sensitivities(found: Design) -> Sensitivities:
         if variable in question.bounds:
             moved += (np.array([*question.bounds]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
-            steps = _steps(path, float(np.max(value)), room.get(name, 1.0))
+            steps = _input_steps(path, float(np.max(value)), room.get(name, 1.0))
             beside = zip(*(_at(changed(question, path, value, step), at[None], runs) for step in steps), strict=True)
             # Values are subtracted first, so that the derivative of what does not change is exactly 0.
             parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
@@ -94,13 +94,13 @@ def _at(question: Question, at: np.ndarray, known: Known) -> Rows:
 
 def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
     """Second derivatives, (1 + m, n, n)."""
-    steps = np.array([_steps(name, x) for name, x in zip(question.bounds, at, strict=True)])
+    steps = np.array([_input_steps(name, x) for name, x in zip(question.bounds, at, strict=True)])
     stencil = at + steps[..., None] * np.eye(at.size)[:, None]
     slopes = _at(question, stencil.reshape(-1, at.size), runs)[1].reshape(*steps.shape, -1, at.size)
     return np.einsum("ij,ijmk->mki", [_weights_of(row) for row in steps], slopes)
 
 
-def _steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
+def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
     """Changes of a number that leave it well within its range, (5,)."""
     of = path.rpartition(".")[2]
     room = {"k": 1.0 - abs(value), "nu": 1.0 + value}.get(of, room)
@@ -143,7 +143,7 @@ def _name(path: str, question: Question) -> str:
     room, key, last = parts[0], parts[1], parts[-1]
     if room == "limits":
         name = question.limits[int(key)].name
-        stem, end = parted(name)
+        stem, end = stem_and_side(name)
         if last == "value":
             return f"limit: {end} {stem}" if end else f"limit: {stem}"
         return f"limit: {last}" if name == "edge_pressure" else f"limit: {last} of {name}"

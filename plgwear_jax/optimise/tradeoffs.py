@@ -12,7 +12,7 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.best import ACTIVE, Design, parted
+from plgwear_jax.optimise.best import ACTIVE, Design, stem_and_side
 from plgwear_jax.optimise.evaluation import FAR_OFF, Known, Rows, evaluate, reference_variables, search
 from plgwear_jax.optimise.question import (
     Bounds,
@@ -93,7 +93,7 @@ class Front:
         ]
         for name, active in self.active.items():
             if active[end]:
-                stem, side = parted(name.removeprefix("transient."))
+                stem, side = stem_and_side(name.removeprefix("transient."))
                 said.append(f"{side or 'highest'} {stem.replace('_', ' ')} allowed")
         return ", ".join(said)
 
@@ -172,13 +172,13 @@ def front(
     others = {1 + i: 0.0 for i in range(len(question.limits)) if 1 + i != row}
     x_side, y_side = (-1.0 if one in larger else 1.0 for one in "xy")
     known: Known = {}
-    of_x = _least(question, known, {row: 1.0, 0: _TIE * y_side}, others)
-    of_y = _least(question, known, {row: _TIE, 0: y_side}, others)
+    of_x = _least_within(question, known, {row: 1.0, 0: _TIE * y_side}, others)
+    of_y = _least_within(question, known, {row: _TIE, 0: y_side}, others)
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
     first, last = ends.values[:, row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
-    inner = [_least(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]
+    inner = [_least_within(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
@@ -207,7 +207,7 @@ def _joined(designs: list[Minimum]) -> Minimum:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *designs)
 
 
-def _least(question: Question, known: Known, goal: Mapping[int, float], allowed: Mapping[int, float]) -> Minimum:
+def _least_within(question: Question, known: Known, goal: Mapping[int, float], allowed: Mapping[int, float]) -> Minimum:
     """The least sum of rows with these weights, where the rows named last, of limits, are no more than is allowed."""
     kept, most = [*allowed], [*allowed.values()]
 
@@ -272,7 +272,7 @@ def conflict(found: Design) -> Conflict | None:
 
     def nearest(name: str, others: Sequence[str]) -> Minimum:
         """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
-        return _least(found.question, known, {rows[name]: 1.0}, {rows[other]: 0.0 for other in others})
+        return _least_within(found.question, known, {rows[name]: 1.0}, {rows[other]: 0.0 for other in others})
 
     def can_be_kept(together: Sequence[str]) -> bool:
         first, *others = together

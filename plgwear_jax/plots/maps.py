@@ -152,7 +152,7 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
     told = []
     for dim, row in variable.coords.items():
         if row.ndim == 0:
-            told.append(_told(row))
+            told.append(_place_told(row))
             wanted = at.get(str(dim), row.item())
             if _is_number(row) and not math.isclose(float(wanted), row, rel_tol=1e-6):
                 told[-1] += f" (nearest to {_value(row, float(wanted))})"
@@ -179,7 +179,7 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
 def _axis_told(row: xr.DataArray) -> str:
     if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
-    unit = _unit(row)
+    unit = _unit_of(row)
     return f"{row.name} ({float(row.min()):g} to {float(row.max()):g}{'' if unit == '1' else f' {unit}'})"
 
 
@@ -199,11 +199,11 @@ def _label(array: xr.DataArray) -> str:
     return str(array.attrs.get("label") or _no_formula(str(array.attrs.get("long_name", array.name))))
 
 
-def _unit(array: xr.DataArray) -> str:
+def _unit_of(array: xr.DataArray) -> str:
     return str(array.attrs.get("units", "1"))
 
 
-def _told(row: xr.DataArray) -> str:
+def _place_told(row: xr.DataArray) -> str:
     """The symbol, or else the name, and the value of an axis that has one."""
     words, formula, symbol = _label(row).partition("$")
     return f"{formula}{symbol or words} = {_value(row, row.item())}"
@@ -220,7 +220,7 @@ def _no_formula(text: str) -> str:
 
 def _printed(array: xr.DataArray) -> str:
     """A unit of SI as it is, one of the paper as a formula."""
-    unit = _unit(array)
+    unit = _unit_of(array)
     if unit in PREFIXED:
         return unit
     return "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
@@ -272,7 +272,7 @@ def _norm(variable: xr.DataArray) -> Normalize:
     if lower < -1e-6 * size and upper > 1e-6 * size:  # smaller values are rounding errors
         usual = np.median(np.abs(finite))
         return AsinhNorm(usual, -size, size) if size > 30.0 * usual > 0.0 else Normalize(-size, size)
-    least, share = finite[finite > 0.0].min(initial=np.inf), _unit(variable) == "1" and upper <= 1.0
+    least, share = finite[finite > 0.0].min(initial=np.inf), _unit_of(variable) == "1" and upper <= 1.0
     if lower >= 0.0 and upper > 100.0 * least and not share:
         return LogNorm(least, upper)
     return Normalize(lower, upper) if lower < upper else Normalize(lower - 0.5, upper + 0.5)
@@ -285,7 +285,7 @@ def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
     """Draw one curve, or one for each value of the other axis; the entries of the legend."""
     *other, across = (variable[dim] for dim in variable.dims)
     x, norm = _stretch(axes, "x", across), _norm(variable)
-    labels = [_told(one) if _is_number(one) else _value(one, one.item()) for row in other for one in row]
+    labels = [_place_told(one) if _is_number(one) else _value(one, one.item()) for row in other for one in row]
     style: Style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
     if not _is_number(across):
         style["linestyle"] = ""

@@ -30,16 +30,20 @@ def _follows(steady: Any, more: Any) -> bool:
 
 def _with_slopes(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
     """What a program reads of a pressed contact, with its derivatives at known numbers as a program of its own."""
-    return read_with_slopes(lambda given: _pressed(steady._solved(given)), read, steady._given(), more, vars(steady))
+
+    def solve(given: Any) -> Pressed:
+        return _pressed_program(steady._solved(given))
+
+    return read_with_slopes(solve, read, steady._given(), more, vars(steady))
 
 
 @program(level=1)
-def _pressed(steady: Any) -> Pressed:
+def _pressed_program(steady: Any) -> Pressed:
     return steady._pressed
 
 
 def _pressed_of(steady: Any) -> Pressed:
-    return steady._once("pressed", lambda: _pressed(steady._known))
+    return steady._once("pressed", lambda: _pressed_program(steady._known))
 
 
 def _half_of(material: Any) -> Half:
@@ -87,7 +91,7 @@ def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLi
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(kind, _pressed_of(steady), wanted)[0]
     still, few = jax.lax.stop_gradient, _follows(steady, wanted)
-    pressed = _pressed(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
+    pressed = _pressed_program(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
     _, place = _searched(kind, still(pressed), still(wanted))
     read, more = functools.partial(_at_known_place, kind), (wanted, place.x, place.z)
     return _with_slopes(read, steady, more) if few else read(pressed, more)

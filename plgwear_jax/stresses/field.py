@@ -118,12 +118,12 @@ _DEPTHS = np.exp(np.arange(-16.0, 2.7, _STEP))
 _ENDS = float(_DEPTHS[0]), float(_DEPTHS[-1])
 
 
-class Power(NamedTuple):
+class PowerModulus(NamedTuple):
     """E(z) = z^k, whose responses depend on z and on the wavenumber by their product alone."""
 
     k: Array
     whole: Array  # 1 for k = 0, else 0
-    cubics: Array  # of the responses less `alone`, between _DEPTHS, (4, intervals, 8)
+    cubics: Array  # of the responses less `_own_responses`, between _DEPTHS, (4, intervals, 8)
 
     def at(self, x: Array) -> Array:
         """E; at the surface 0 for k > 0, and for k < 0 that of a depth close to it."""
@@ -154,7 +154,7 @@ class _Powers(NamedTuple):
         return jnp.exp(self.k * jnp.log(end)) * mean
 
 
-Body = Piecewise | Power | None
+Body = Piecewise | PowerModulus | None
 
 
 def body_of(pressed: Pressed, kind: Half) -> Body:
@@ -167,8 +167,8 @@ def body_of(pressed: Pressed, kind: Half) -> Body:
         found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
         whole = jnp.where(k == 0.0, 1.0, 0.0 * k)
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
-        rest = found[..., 0] - _alone(nu, whole, depths)
-        return Power(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
+        rest = found[..., 0] - _own_responses(nu, whole, depths)
+        return PowerModulus(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
     table = kind.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
     return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
@@ -198,24 +198,24 @@ def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
     return counts * (without + nu * by_nu), counts * second
 
 
-def _alone(nu: Array, whole: Array, height: Array) -> Array:
+def _own_responses(nu: Array, whole: Array, height: Array) -> Array:
     """These responses at q z."""
     first, second = (each.reshape(-1, *(1,) * height.ndim) for each in _first_responses(nu, whole))
     return (first + second * height) * jnp.exp(-height)
 
 
-def _image_weights(body: Piecewise | Power, nu: Array, z: Array, given: Grid) -> Array:
-    """Of each exponential in the responses at depths (n,) less `_alone`, shape (8, n, exponentials)."""
+def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid) -> Array:
+    """Of each exponential in the responses at depths (n,) less `_own_responses`, shape (8, n, exponentials)."""
     q, moved = jnp.asarray(given.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
     fit = jnp.asarray(given.fit.T, z.dtype)
-    if isinstance(body, Power):
+    if isinstance(body, PowerModulus):
         stiff = body.at(z)[:, None] * q**body.k
         return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
     edges, even = depths_for(body, q, 4)
 
     def at(z: Array) -> Array:
         found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
-        return (found - _alone(nu, jnp.ones_like(nu), z[:, None] * q)) @ fit
+        return (found - _own_responses(nu, jnp.ones_like(nu), z[:, None] * q)) @ fit
 
     if z.size <= _MANY:
         return at(z)
@@ -259,7 +259,7 @@ def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stres
         heights = jnp.append(heights, jnp.tile(jnp.asarray(given.zeta, z.dtype), x.size))
     found, count = transforms(pressed.tractions(worn), heights, places), math.prod(shape)
     value, rate = found[:, :, :count].reshape(2, 4, *shape, 2)
-    first, second = _first_responses(nu, body.whole if isinstance(body, Power) else jnp.ones_like(nu))
+    first, second = _first_responses(nu, body.whole if isinstance(body, PowerModulus) else jnp.ones_like(nu))
     stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
     stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
     if body is not None:

@@ -207,7 +207,7 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     return _edges(modulus, q, digits)[0], False
 
 
-def _matrices(dtype: Any) -> list[Array]:
+def _layer_matrices(dtype: Any) -> list[Array]:
     """Of plane waves, and of those across the wave as the first of two numbers on a third axis: 1, parts of matrices.
 
     These are of Y less the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
@@ -220,7 +220,7 @@ def _matrices(dtype: Any) -> list[Array]:
     return [jnp.asarray(each[..., None, None], dtype) for each in (one, own, own_by_nu, lost, left, squared, turn)]
 
 
-def _times(a: Array, b: Array) -> Array:
+def _matrix_product(a: Array, b: Array) -> Array:
     """The product of matrices on the first two axes; XLA has none for many small ones."""
     return jnp.sum(a[:, :, None] * b[None], 1)
 
@@ -250,7 +250,7 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
     below = jnp.broadcast_to(1.0 / modulus.between(every[-1], every[-1]), (1, *h.shape[1:]))
 
-    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _matrices(q.dtype)
+    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _layer_matrices(q.dtype)
     once, own = jnp.exp(-h), own + nu * own_by_nu
     left = once * once * h
     spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
@@ -261,13 +261,13 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
         """(Y above a layer, (Y at its bottom, what takes tractions from its top to there)), from Y below it."""
         step, spread, phi = layer
         y = y + step
-        rest = one - _times(spread, y)
+        rest = one - _matrix_product(spread, y)
         swapped = sign * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
-        down = _times(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
-        return _times(phi, _times(y, down)), (y, down)
+        down = _matrix_product(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
+        return _matrix_product(phi, _matrix_product(y, down)), (y, down)
 
     def lower(tractions: Array, down: Array) -> tuple[Array, Array]:
-        below = _times(down, tractions)
+        below = _matrix_product(down, tractions)
         return below, below
 
     shape, sign = layers[1].shape[1:], 2.0 * one - 1.0
