@@ -10,8 +10,8 @@ from jax import Array
 from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled, formula
 from plgwear_jax._core.record import number_or, record
-from plgwear_jax._punch import exponents
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
+from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 
 __all__ = ["PowerLawGraded", "h_N", "holl_ratio", "tangential_ratio"]

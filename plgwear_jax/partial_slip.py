@@ -14,10 +14,10 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike, Domain
 from plgwear_jax._core.formula import formula
-from plgwear_jax._punch import exponents
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import exponentials, log, log_complement
+from plgwear_jax.special.exponents import exponents
 
 __all__ = [
     "amplitude",

@@ -7,7 +7,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax._punch import exponents, punch_stress
 from plgwear_jax.fretting.stick import slip, stick, stick_power
 from plgwear_jax.special.elementary import (
     exponentials,
@@ -15,6 +14,7 @@ from plgwear_jax.special.elementary import (
     quotient,
     reciprocal,
 )
+from plgwear_jax.special.exponents import exponents, punch_stress
 
 # --- stresses -------------------------------------------------------------------------------------------------------
 

@@ -6,7 +6,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import EDGE, half_digits, place_in_ring, relative_residual
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
@@ -14,6 +13,7 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
+from plgwear_jax.special.exponents import exponents
 
 
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:

@@ -10,8 +10,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._cells import Images, images_of, products_of
 from plgwear_jax.special.jacobi import gamma
+from plgwear_jax.surfaces.cells import Images, images_of, products_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded
 from plgwear_jax.surfaces.cycles import springs_of, through_springs
 from plgwear_jax.surfaces.effort import Effort

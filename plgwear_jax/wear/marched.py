@@ -9,7 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import mean_over, nodes_of
 from plgwear_jax._core.domains import (
     POSITIVE,
     ArrayLike,
@@ -28,6 +27,7 @@ from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Bodies, opens, solver_of
+from plgwear_jax.surfaces.cells import mean_over, nodes_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of

@@ -9,7 +9,6 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._cells import RingCells
 from plgwear_jax._core.domains import POSITIVE, guarded, whole
 from plgwear_jax._core.record import record, static
 from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
@@ -18,6 +17,7 @@ from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
+from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.curves import moment_at

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import RingCells
 from plgwear_jax._core.domains import whole
 from plgwear_jax.special.xla import materialised
+from plgwear_jax.surfaces.cells import RingCells
 
 
 class MarchResolution(NamedTuple):

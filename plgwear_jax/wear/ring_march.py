@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import RingCells
 from plgwear_jax.special.cholesky import backward, cholesky, forward
+from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.wear.ring_cells import MarchResolution
 
 

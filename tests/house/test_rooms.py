@@ -17,7 +17,6 @@ FLOORS = [
     {"_startup"},
     {"special"},
     {"_core"},
-    {"_punch", "_cells"},
     {"material", "gross_slip", "fretting", "catalogue"},
     {"partial_slip", "rules", "shapes"},
     {"surfaces"},

@@ -1,17 +1,17 @@
 """Formulas shared by the flat punch of section 2 and the parabolic indenter of section 3."""
 
 import math
+from typing import Any
 
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax.special.arcsine import Fold
 from plgwear_jax.special.elementary import log_complement
 from plgwear_jax.special.lerch import fold_at
 
 
-def exponents(k: ArrayLike) -> tuple[Array, Array]:
+def exponents(k: Any) -> tuple[Array, Array]:
     """(s, q) = ((1+k)/2, (1-k)/2), each to full relative accuracy also where it is small."""
     k = jnp.asarray(k)
     return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
