@@ -28,7 +28,7 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, values_and_jacobian
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
 from plgwear_jax.optimise.search_plan import plan_of
 
 
@@ -131,8 +131,9 @@ def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalEx
 @functools.partial(jax.jit, static_argnames="digits")
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
     """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
-    volume = functools.partial(fretting.wear_volume, phi=phi, digits=digits)
-    return jax.vmap(values_and_jacobian(volume))(variables["k"][:, None])
+    k, volume = variables["k"], functools.partial(fretting.wear_volume, phi=phi, digits=digits)
+    value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
+    return value[:, None], slope[:, None, None]
 
 
 def _noise(digits: int | None) -> float | None:
