@@ -22,8 +22,7 @@ class Peak(NamedTuple):
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
 _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
-_REACH, _CLOSER = 0.17, 5.5
-_ROUNDS = 4
+_REACH, _CLOSER = 0.17, 7.0
 
 
 class Wanted(NamedTuple):
@@ -69,7 +68,8 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
 
     none = jnp.zeros_like(pressed.radius)
     begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
-    rounds = jnp.where(_unbounded(pressed, kind, wanted), 0, _ROUNDS)
+    rounds = 5 if kind is None else 4  # below the edge the tension in a power law is steep
+    rounds = jnp.where(_unbounded(pressed, kind, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 
 
