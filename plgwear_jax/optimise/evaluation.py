@@ -208,11 +208,16 @@ def space(question: Question) -> dict[str, Interval]:
     }
 
 
+@program()
+def _radius_before_wear(contact: Any) -> Array:  # of closed forms, by NumPy
+    return contact.steady(0.0).contact_radius
+
+
 def _held_radius(question: Question) -> Array | None:
     if not question.hold:
         return None
     if is_closed(question.contact):
-        return question.contact.steady(0.0).contact_radius
+        return _radius_before_wear(question.contact)
     from plgwear_jax.steady.held_radius import contact_radius_of
 
     return contact_radius_of(question.contact)

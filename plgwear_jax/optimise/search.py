@@ -161,11 +161,12 @@ def minimise(
 
     # Values that the functions close over become arguments, so that a rule can differentiate with respect to them. It
     # lives longer than traced values: the bounds are arguments as well.
-    converted, closed_over = jax.closure_convert(everything, by_name(space, lower))
+    names = tuple(space)
+    converted, closed_over = jax.closure_convert(everything, by_name(names, lower))
 
     def function(u: Array, params: Any) -> Array:
         lower, upper, closed_over = params
-        return converted(by_name(space, _decoded(u, lower, upper, logarithmic)), *closed_over)
+        return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)

@@ -98,7 +98,8 @@ def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
     """The peak with its place in m, at the surface where the modulus is infinite there."""
     value, x, z = peak
     unbounded = _unbounded(pressed, kind, wanted)
-    value, z = jnp.where(unbounded, jnp.inf, value), jnp.where(unbounded, 0.0, z)
+    infinite = jnp.inf + 0.0 * pressed.radius  # NaN where an argument is outside
+    value, z = jnp.where(unbounded, infinite, value), jnp.where(unbounded, 0.0, z)
     known = jnp.where(jnp.isnan(value), value, pressed.radius)
     return Peak(value, x * known, z * known)
 

@@ -12,7 +12,7 @@ import pytest
 from commands import plgwear, printed, python, refused
 
 from plgwear_jax import scene
-from plgwear_jax._core.units import cells_of
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.cli.new import FRETTING
 
 SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
@@ -38,7 +38,7 @@ def test_a_new_scene_is_complete(validator, kind):
 # A line that is commented out: the lines in whose place it is offered, where it is read, and what is read there.
 OFFERED = {
     name: (instead, place, value)
-    for name, instead, place, value in cells_of("""
+    for name, instead, place, value in text_cells("""
     table           E0|z0|k                   material.kind                   table
     thickness       E0|z0|k|+modulus          material.thickness              (0.0005,)
     shape           indenter                  contact.shape.exponent          4.0

@@ -238,7 +238,7 @@ def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
     best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, minimise="deepest_wear", scenarios=scenarios)
     np.testing.assert_allclose(found["vary"]["k"]["value"], best.variables["k"], atol=1e-9)
     np.testing.assert_allclose(found["best"]["deepest_wear"], best.value, rtol=1e-9)
-    assert found["load"].startswith("scenarios scatter.csv: 3; the deepest wear is its mean over the worst 50 %")
+    assert found["load"].startswith("scenarios scatter.csv: 3; the wear depth is its mean over the worst 50 %")
     assert "scenarios scatter.csv: 3" in CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout
 
 

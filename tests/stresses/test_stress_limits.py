@@ -128,7 +128,7 @@ def test_solve_gives_stresses_at_the_places_of_the_input_file(tmp_path):
     assert found["tension"].value == pytest.approx(float(steady.tension(-5e-5, 1e-6)), rel=1e-9)
     assert found["peak_mises_between"].value == pytest.approx(float(steady.peak_mises_between(0.0, 2e-5)), rel=1e-9)
     assert found["modulus_at"].value == 90e9
-    assert found["tension"].description.endswith(", x = -50 µm, z = 1 µm")
+    assert found["tension"].description.endswith(", x = -50 µm (trailing side), z = 1 µm")
 
 
 def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
