@@ -28,7 +28,7 @@ from plgwear_jax.optimise.question import (
     LoadGiven,
     Question,
     parts_of,
-    read_from_runs,
+    solved_in_turn,
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
@@ -196,7 +196,7 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
             scan_found_nothing_better=found.scan_found_nothing_better & worn,
         )
 
-    if not solved_one_by_one(question) or read_from_runs(question):
+    if not solved_in_turn(question):
         return in_chunks(best, shape, *numbers)
     return in_chunks(best, shape, *map(_without_slopes, numbers), most=1)
 

@@ -278,8 +278,7 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     compliance, tractions = (jnp.take_along_axis(each, last, 0) for each in (inside - own * s, tractions))
     moved = jnp.sum(compliance[:, 0, :, None] * tractions, 1)
     # By the component, the traction that causes it, and the plane.
-    found = (
-        jnp.stack([moved, tractions[:, 1], tractions[:, 0]]).transpose(0, 2, 3, 1, 4, 5).reshape(12, z.size, *shape[3:])
-    )
+    found = jnp.stack([moved, tractions[:, 1], tractions[:, 0]]).transpose(0, 2, 3, 1, 4, 5)
+    found = found.reshape(12, z.size, *shape[3:])
     found = found[np.array([2, 6, 10, 0, 4, 8, 1, 9])]
     return found[:, :, -1] + (found[:, :, -1] - found[:, :, 0]) / 3.0
