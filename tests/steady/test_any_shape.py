@@ -255,6 +255,13 @@ def test_narrow_rings_keep_their_digits(k, indenter, known):
     np.testing.assert_allclose(of(indenter, 4), of(*known), rtol=1e-4)
 
 
+def test_narrow_rings_beside_a_tip_keep_their_digits():
+    """The gap next to the stick area goes over into the sum of modes further out."""
+    contact = contact_with(Cone(0.01), 0.3, STEEL)
+    coarse, fine = (contact.steady([0.01 * FRICTION * FORCE], digits=digits).wear_volume for digits in (4, 5))
+    np.testing.assert_allclose(coarse, fine, rtol=1e-4)
+
+
 @compiled
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
