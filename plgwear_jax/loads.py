@@ -274,6 +274,8 @@ class Block:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "load", load_of(self.load))
+        if not self.load.lasts:
+            raise TypeError("a Block takes one load; give the blocks of several as one list")
         check("cycles", self.cycles, CYCLES)
         for name in ("normal_force", "friction"):
             if getattr(self, name) is not None:

@@ -289,6 +289,12 @@ class Profile(_Splined):
         exact = super().image(c, radius, a)
         return _sampled(exact) if self._many else exact
 
+    def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
+        """Infinite at a tip; a slope there that is a rounding of the next one is none, as of a smooth table."""
+        slope, following = self._cubic().coefficients[1, :2]
+        pointed = (slope > 1e-5 * following) & (k <= 0.0)
+        return pointed, jnp.zeros_like(pointed)
+
     @property
     def reach(self) -> Any:
         """The last radius."""

@@ -60,7 +60,7 @@ def _stress_program(fixed: tuple[Half, bool], pressed: Pressed, places: tuple[Ar
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
         return field(pressed, body_of(pressed, kind), worn, x / pressed.radius, z / pressed.radius)
 
-    if pressed.shape == ():
+    if pressed.shape == () and x.size and z.size:
         return one(pressed, x, z)
     return each_state(one, pressed, (x, z))
 

@@ -112,6 +112,11 @@ def test_a_steady_state_takes_lists_and_nothing(name):
         assert shape_of(lambda: read(1.0, [])) == (0,)
 
 
+@pytest.mark.parametrize("worn", [False, True])
+def test_stresses_at_no_place_are_none(worn):
+    assert shape_of(lambda: CLOSED.steady(1.0).stress([], np.zeros((2, 1)), worn=worn).xx) == (2, 0)
+
+
 def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
     steady, other = NUMERIC.steady([1.0, 2.0]), NUMERIC.steady(np.array([1.0, 2.0]))
     np.testing.assert_array_equal(steady.wear_volume, other.wear_volume)
@@ -164,6 +169,8 @@ def test_blocks_are_a_list_of_their_own_and_numbers_an_array():
     assert isinstance(blocks[1].friction, np.ndarray)
     with pytest.raises(ValueError, match="one Block or more, not an empty list"):
         CLOSED.over_cycles([], COEFFICIENT)
+    with pytest.raises(TypeError, match="a Block takes one load"):
+        loads.Block(blocks, 1e4)
 
 
 # --- records ----------------------------------------------------------------------------------------------------------

@@ -327,6 +327,20 @@ def ball(rows):
     return Profile(r, r**2 / (2.0 * R))
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_only_a_tip_has_infinite_pressure_and_no_rounding_is_one(dtype):
+    """The slope of a ball's table at r = 0 is a rounding, compiled another one than not."""
+    r = (np.linspace(0.0, 3e-4, 60)).astype(dtype)
+
+    @jax.jit
+    def infinite(heights):
+        return Profile(r, heights).unbounded(jnp.asarray(R, dtype), jnp.zeros((), dtype))[0]
+
+    smooth, pointed = (r**2 / (2.0 * R)).astype(dtype), (r**2 / (2.0 * R) + 1e-4 * r).astype(dtype)
+    assert not infinite(smooth) and not Profile(r, smooth).unbounded(R, np.zeros(()))[0]
+    assert infinite(pointed) and Profile(r, pointed).unbounded(R, np.zeros(()))[0]
+
+
 @compiled
 @pytest.mark.parametrize("rows", [120, 2000])
 def test_tables_of_many_heights_are_the_ball_that_they_describe(rows):
