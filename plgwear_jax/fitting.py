@@ -18,7 +18,7 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Block, Load, load_of
-from plgwear_jax.steady.arguments import NUMBER
+from plgwear_jax.steady.arguments import NUMBER, refuse_array
 from plgwear_jax.wear import Run
 from plgwear_jax.wear.marched import MarchedRun
 from plgwear_jax.wear_laws import WearLaw, law_of
@@ -174,6 +174,12 @@ class Fit:
     curve: np.ndarray
 
 
+def _worn(volume: Any) -> float:
+    if volume == 0.0:
+        raise ValueError("load: wears nothing, so that no wear coefficient can be told")
+    return float(volume)
+
+
 class _OneRun:
     """Worn volumes over the final volume, under one amplitude.
 
@@ -188,7 +194,7 @@ class _OneRun:
         # Up to the end, or a tenth of it, where a run has no state at its last time.
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
         volume, rate, steady = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid)), run.steady
-        final = float(volume[-1])
+        final = _worn(volume[-1])
         self.unit = final if steady is None or not run.load.holds_force else float(steady.wear_volume)
         self.cycles, self.steady, self.most = cycles, None if steady is None else self.unit, final / self.unit
         shares, logs = volume / final, np.log(self.grid)
@@ -218,7 +224,7 @@ class _ManyRuns:
 
         self.run_with, self.unit = run_with, float(volume.max())
         first = np.asarray(run_with(least).volume(cycles))
-        slow = least * self.unit / float(first.max())  # the coefficient without any change of the contact by its wear
+        slow = least * self.unit / _worn(first.max())  # the coefficient without any change of the contact by its wear
         known = np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)
         volumes = self.curve(known[:, None], cycles)
         # The largest coefficients may wear more than a run follows.
@@ -281,6 +287,7 @@ def fit_wear_coefficient(
     """
     from scipy import special
 
+    refuse_array(contact)
     doubt(*of_contact(contact))
     with own_numbers():  # wear coefficients with which it searches
         check("exponent", exponent, POSITIVE)

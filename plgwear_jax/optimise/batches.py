@@ -31,9 +31,9 @@ from plgwear_jax.optimise.question import (
     solved_in_turn,
     solved_one_by_one,
 )
-from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, own_axes, weighted_load
+from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, weighted_load
 from plgwear_jax.optimise.search import minimise
-from plgwear_jax.steady.arguments import amplitude_of
+from plgwear_jax.steady.arguments import amplitude_of, own_axes
 
 
 @record

@@ -41,6 +41,7 @@ from plgwear_jax.rules import (
     one_of,
     placed_quantity,
 )
+from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 Bounds = tuple[float, float]
@@ -290,6 +291,7 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     if isinstance(contact, Question):
         return contact
     question, load = parts_of(contact, load, vary, **keywords)
+    refuse_array(contact)
     doubt(*of_contact(contact))
     level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
     if scenarios is not None:

@@ -16,6 +16,7 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.loads import PARTIAL_SLIP, Load
 from plgwear_jax.optimise.search import namespace
+from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.wear_laws import law_of
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
@@ -220,15 +221,6 @@ class ScenarioBatch:
     weight: Any
     tangential_force: Any
     level: ArrayLike
-
-
-def own_axes(contact: Any, number: int) -> list[int]:
-    """For each of so many leaves, a contact's and those after it, how many axes of its own it has: 1 for a table."""
-    own = []
-    for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
-        tables = getattr(getattr(contact, first.name), "tables", ())
-        own.append(int(bool(rest) and rest[-1].name in tables))
-    return own + [0] * (number - len(own))
 
 
 def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> ScenarioBatch:

@@ -2,10 +2,13 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, ArrayLike, Domain, check, guarded
+from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.ranges import FINITE
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, PARTIAL_SLIP
 from plgwear_jax.material import DEPTH, PowerLawGraded
@@ -70,6 +73,23 @@ def check_arguments(contact: Any, **given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             check(name, value, ARGUMENTS[name])
+
+
+def own_axes(contact: Any, number: int) -> list[int]:
+    """For each of so many leaves, a contact's and those after it, how many axes of its own it has: 1 for a table."""
+    own = []
+    for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
+        tables = getattr(getattr(contact, first.name), "tables", ())
+        own.append(int(bool(rest) and rest[-1].name in tables))
+    return own + [0] * (number - len(own))
+
+
+def refuse_array(contact: Any) -> None:
+    """Refuse an array of contacts."""
+    numbers = paths_of(contact)
+    for (name, number), own in zip(numbers.items(), own_axes(contact, len(numbers)), strict=True):
+        if np.ndim(number) > own:
+            raise ValueError(f"contact: {name} of shape {np.shape(number)}: takes one contact, not an array of them")
 
 
 def amplitude_of(contact: Any, tangential_force: ArrayLike) -> Array:

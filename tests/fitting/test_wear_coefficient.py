@@ -1,5 +1,6 @@
 """Wear coefficients from synthetic volumes of tests in gross slip, in blocks and with other wear laws."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -120,6 +121,7 @@ def test_what_is_no_measurement_is_refused(case):
 @pytest.mark.parametrize(
     "load, said",
     [
+        (0.0, "load: wears nothing"),
         (4.5, "the slip is gross"),
         ([], r"load takes one amplitude or a list of Block, not an array of \(0,\)"),
         ([2.0], r"load takes one amplitude or a list of Block, not an array of \(1,\)"),
@@ -130,3 +132,8 @@ def test_what_is_no_measurement_is_refused(case):
 def test_what_is_no_test_is_refused(load, said):
     with pytest.raises((TypeError, ValueError), match=said):
         fit_wear_coefficient(ONE, load, CYCLES, 1e-15 * CYCLES)
+
+
+def test_a_fit_is_of_one_contact():
+    with pytest.raises(ValueError, match=r"contact: friction of shape \(2,\): takes one contact"):
+        fit_wear_coefficient(dataclasses.replace(ONE, friction=[0.4, 0.5]), 2.0, CYCLES, 1e-15 * CYCLES)

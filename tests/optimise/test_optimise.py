@@ -737,6 +737,10 @@ def test_gross_slip_hangs_on_the_exponent():
             {"minimise": "volume_change"},
             "minimise: volume_change is no quantity of a fretting contact",
         ),
+        (
+            {"contact": dataclasses.replace(CONTACT, friction=[0.4, 0.5])},
+            r"friction of shape \(2,\): takes one",
+        ),
         ({"load": 4.0}, "beyond which the slip is gross"),
         ({"load": 0.0}, "nothing to design"),
         ({"load": None}, "needs the amplitude"),
