@@ -337,8 +337,8 @@ def test_only_a_tip_has_infinite_pressure_and_no_rounding_is_one(dtype):
         return Profile(r, heights).unbounded(jnp.asarray(R, dtype), jnp.zeros((), dtype))[0]
 
     smooth, pointed = (r**2 / (2.0 * R)).astype(dtype), (r**2 / (2.0 * R) + 1e-4 * r).astype(dtype)
-    assert not infinite(smooth) and not Profile(r, smooth).unbounded(R, np.zeros(()))[0]
-    assert infinite(pointed) and Profile(r, pointed).unbounded(R, np.zeros(()))[0]
+    assert not infinite(smooth) and not Profile(r, smooth).unbounded(jnp.asarray(R), jnp.zeros(()))[0]
+    assert infinite(pointed) and Profile(r, pointed).unbounded(jnp.asarray(R), jnp.zeros(()))[0]
 
 
 @compiled
