@@ -40,6 +40,7 @@ class Pieces(NamedTuple):
 
     x: Array
     left: Array  # 1 - x
+    ahead: Array  # the end of the piece less x
     weight: Array
     last: Array | float  # the length of the last piece
     places: int  # in a piece
@@ -70,11 +71,12 @@ def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
     """The rule between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
     inside, outside, weight = (jnp.asarray(x, like.dtype) for x in rule)
     if not inner.size:
-        return Pieces(inside, outside, weight, 1.0, weight.size)
+        return Pieces(inside, outside, outside, weight, 1.0, weight.size)
     # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
     inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
     begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
     length = (ends - begins)[:, None]
     x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)
     left = jnp.where(length > 0.0, (1.0 - ends)[:, None] + length * outside, outside)
-    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)
+    ahead = length * outside
+    return Pieces(x.ravel(), left.ravel(), ahead.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)
