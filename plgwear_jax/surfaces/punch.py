@@ -163,7 +163,7 @@ def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Ou
     if isinstance(image, Power) and image.power is None:
         return OnTheLaw(flat, own, None)
     parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * effort.nodes)
-    return OnTheLaw(flat, own, (parts.left, parts.x, parts.weight * rates))
+    return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s)))
 
 
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
@@ -185,7 +185,11 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
         parts, rates = _risen(outline, image, c, z, 100)
-        return jnp.exp((s + half) * jnp.log(z)) * parts.up_to_end(rates, s + half)
+        power = s + half
+        terms = parts.weight * rates * jnp.exp((power - 1.0) * jnp.log(parts.left))
+        # Nearer to a tip than the places are its own power counts.
+        least = jnp.where(1.0 - z < parts.left[-1], 1e-6, s)
+        return jnp.exp(power * jnp.log(z)) * jnp.sum(parts.ended(terms, least))
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jax.lax.map(jax.checkpoint(at), z)

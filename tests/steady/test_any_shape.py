@@ -309,11 +309,26 @@ def test_derivatives_are_those_of_differences(shape, along, body):
         np.testing.assert_allclose(jax.grad(over_cycles)(0.0), slope, rtol=most)
 
 
-def test_the_pressure_of_a_table_carries_the_normal_force():
-    """Between its kinks, of which three are inside the contact."""
-    steady = contact_with(Profile(RADII, HEIGHTS)).steady(0.0)
-    edge = float(steady.contact_radius)
-    ends = np.append(RADII[edge > RADII], edge)
+def test_pressures_under_a_flat_face_have_slopes_and_single_precision():
+    """Above its edge, of which all of them take a part, the slope of G is infinite."""
+
+    def pressure(flat, dtype=None):
+        contact = contact_with(TruncatedSphere(flat), -0.3)
+        contact, force, r = jax.tree.map(lambda x: jnp.asarray(x, dtype), (contact, 2.0, np.array([0.0, 2e-5])))
+        return contact.steady(force).initial_pressure(r)
+
+    flat = 5e-5
+    found, slope = jax.jvp(pressure, (flat,), (flat,))
+    np.testing.assert_allclose(slope, (pressure(1.001 * flat) - pressure(0.999 * flat)) / 2e-3, rtol=1e-4)
+    np.testing.assert_allclose(pressure(np.float32(flat), jnp.float32), found, rtol=1e-4)
+
+
+@pytest.mark.parametrize("shape, k", [(Profile(RADII, HEIGHTS), 0.3), (TruncatedSphere(5e-5), -0.3)])
+def test_pressures_between_kinks_carry_the_normal_force(shape, k):
+    """Of the table three are inside the contact; at the edge of a face the pressure is infinite."""
+    steady = contact_with(shape, k).steady(0.0)
+    edge, kinks = float(steady.contact_radius), np.array(shape.kinks)
+    ends = np.append(0.0, np.append(kinks[kinks < edge], edge))
     x, _, weight = (np.asarray(row) for row in logistic(60, 26.0))
     length = np.diff(ends)[:, None]
     r = ends[:-1, None] + length * x
