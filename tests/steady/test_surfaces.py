@@ -18,6 +18,7 @@ import plgwear_jax
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
 from plgwear_jax.shapes import TruncatedSphere
 from plgwear_jax.special.pchip import pchip
+from plgwear_jax.surfaces.cycles import through_springs
 from plgwear_jax.surfaces.half_space import excess_compliance
 
 A = 1e-4  # about a contact radius
@@ -56,6 +57,24 @@ def by_differences(function, at, step=2e-3):
     near = [function(at * move) - function(at / move) for move in moves]
     far = [function(at * move**2) - function(at / move**2) for move in moves]
     return (8.0 * np.stack(near, -1) - np.stack(far, -1)) / (12.0 * step)
+
+
+def test_springs_act_between_cells_by_their_distance_and_so_do_their_slopes():
+    @jax.jit
+    def between(numbers):  # places of cells, sizes of these, and the strength of the springs
+        table = numbers[-1] * jnp.exp(-jnp.exp(jnp.arange(-18.0, 6.125, 0.125)))  # by logarithms of distances
+        return through_springs(table, *numbers[:-1].reshape(2, -1), jnp.eye(count))
+
+    count = 5
+    place, size = 0.1 * np.arange(1.0, count + 1.0) ** 2, 0.13 * np.arange(1.0, count + 1.0)
+    numbers, x = np.concatenate([place, size, [2.0]]), np.sqrt(1.0 + place)
+    itself = np.diag(0.5 * np.exp(-1.5) * size)  # of the mean of the logarithm, next to r = c
+    expected = 2.0 * np.exp(-abs(x[:, None] - x) - itself) + 2.0 * np.exp(-x[:, None] - x)
+    np.testing.assert_allclose(between(numbers), expected, rtol=2e-3)
+    others = ~np.eye(count, dtype=bool)
+    np.testing.assert_allclose(between(numbers)[others], expected[others], rtol=1e-5)
+    slopes = jax.jacfwd(between)(numbers) * numbers
+    np.testing.assert_allclose(slopes, by_differences(between, numbers, 1e-4), rtol=1e-6, atol=1e-9)
 
 
 def test_the_compliance_and_its_slopes_are_those_of_the_equations():
