@@ -6,6 +6,7 @@ from pathlib import Path
 
 import accuracy
 import functions
+import jax
 import jax.numpy as jnp
 import numpy as np
 import oracle
@@ -13,7 +14,7 @@ import pytest
 from hypothesis import given, settings, target
 from hypothesis import strategies as st
 
-from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax import compiler_options, fretting, gross_slip, material
 from plgwear_jax.fretting import deepest, ring
 from plgwear_jax.special import gamma
 
@@ -80,6 +81,14 @@ def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype,
 def test_second_derivatives_of_the_deepest_wear_stay_within_the_promise(region, dtype, seed):
     (deepest,) = (quantity for quantity in accuracy.QUANTITIES if quantity.name == "fretting.deepest_wear")
     check(dataclasses.replace(deepest, order=2), region, dtype, 2000, seed, processes=2)
+
+
+def test_the_mixed_derivative_of_the_deepest_wear_is_that_of_differences():
+    by_phi = jax.grad(fretting.deepest_wear, 1)
+    slope, mixed = (jax.jit(one, compiler_options=compiler_options()) for one in (by_phi, jax.grad(by_phi)))
+    for k, phi in ((0.3, 0.6), (-0.4, 0.2)):
+        difference = (slope(k + 1e-5, phi) - slope(k - 1e-5, phi)) / 2e-5
+        np.testing.assert_allclose(mixed(k, phi), difference, rtol=1e-7)
 
 
 # --- the worst point, hunted ----------------------------------------------------------------------------------------
