@@ -363,6 +363,14 @@ def test_more_amplitudes_than_a_chunk_and_none():
 # --- loads ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("value", [0.0, 0.3, 0.5])
+def test_differences_by_poissons_ratio_stay_within_its_range_and_are_of_fourth_order(value):
+    steps = sensitivity._input_steps("contact.material.nu", value)
+    assert np.max(value + steps) <= 0.5 and np.ptp(steps) > 1e-3
+    slope = sensitivity._weights_of(steps) @ (1.0 + value + steps) ** 4
+    np.testing.assert_allclose(slope, 4.0 * (1.0 + value) ** 3, rtol=1e-11)
+
+
 def test_weights_of_the_tail():
     force, weight = np.array([3.0, 1.0, 2.0, 5.0]), np.array([0.2, 0.4, 0.4, 0.0])
     np.testing.assert_allclose(optimise.tail_weights(force, weight), [0.2, 0.4, 0.4, 0.0])
