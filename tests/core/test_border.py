@@ -427,97 +427,6 @@ def test_one_modulus_is_that_of_all_depths():
 # --- optimisation ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "phi, bounds, message",
-    [
-        (1.0, (-0.5, 0.5), r"^phi = 1.0 .*0 <= phi < 1"),
-        (-0.1, (-0.5, 0.5), r"^phi = -0.1 .*0 <= phi < 1"),
-        (math.nan, (-0.5, 0.5), r"^phi = nan .*0 <= phi < 1"),
-        (np.array([0.1, 1.5]), (-0.5, 0.5), r"^phi = 1.5 at index 1\b"),
-        (0.5, (0.5, -0.5), "lowest exponent must be below"),
-        (0.5, (0.5, 0.5), "lowest exponent must be below"),
-        (0.5, (-1.0, 0.5), r"^bounds\[0\] = -1.0 .*-1 < k < 1"),
-        (0.5, (-0.5, 1.0), r"^bounds\[1\] = 1.0 .*-1 < k < 1"),
-        (0.5, (math.nan, 0.5), r"^bounds\[0\] = nan "),
-        (0.5, (-0.5,), "unpack"),
-        (0.5, (-0.5, 0.0, 0.5), "unpack"),
-    ],
-    ids=str,
-)
-def test_optimal_exponent_refuses_what_is_outside(phi, bounds, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.optimal_exponent(phi, bounds)
-
-
-@pytest.mark.parametrize("phi", [1j, "a", None, np.array(["a"])], ids=repr)
-def test_optimal_exponent_refuses_what_is_no_real_number(phi):
-    with pytest.raises((TypeError, ValueError)):
-        optimise.optimal_exponent(phi)
-
-
-@pytest.mark.parametrize("digits", [0, 16, 2.5, True, "a"], ids=repr)
-def test_optimal_exponent_refuses_wrong_digits(digits):
-    with pytest.raises((TypeError, ValueError), match="digits"):
-        optimise.optimal_exponent(0.5, digits=digits)
-
-
-@pytest.mark.parametrize(
-    "force, vary, hold, message",
-    [
-        (2.0, {}, None, "vary is empty"),
-        (2.0, {"mu": (0.1, 0.3)}, None, "'mu' is not one of k, z0, .*, nor another number of the contact"),
-        (2.0, {"indenter.E": (1e9, 2e9)}, None, "'indenter.E' is not one of"),
-        (2.0, {"material": (1e9, 2e9)}, None, "'material' is not one of"),
-        (2.0, {"nu": (0.1, 0.6)}, None, "highest nu = 0.6 .*nu <= 1/2"),
-        (2.0, {"friction": (0.1, 0.6)}, None, "at the lowest friction = 2.0 .*the slip is gross"),
-        (2.0, {"k": (0.1, 0.3), "material.k": (0.1, 0.3)}, None, "vary: k is given twice"),
-        (2.0, {"k": (0.2, 0.2)}, None, "lowest value must be below"),
-        (2.0, {"k": (-0.5, math.nan)}, None, r"highest k = nan "),
-        (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
-        (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
-        (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
-        (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
-        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "^vary.z0: cannot vary while hold"),
-        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "hold = 'contact_radius_by_z0': must be .contact_radius"),
-        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
-        (math.nan, {"k": (-0.5, 0.5)}, None, "^tangential_force = nan .*>= 0, the amplitude"),
-    ],
-    ids=str,
-)
-def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.design(build(FrettingContact), force, vary, hold=hold)
-
-
-@pytest.mark.parametrize(
-    "changed, message",
-    [
-        ({"limits": {"edge_pressure": 5e8}}, r"^limits.edge_pressure: must be \{ below = ..., distance = ... \} in Pa"),
-        ({"limits": {"edge_presure": {"below": 5e8}}}, "^limits.edge_presure: .* contact; did you mean edge_pressure"),
-        (
-            {"limits": {"wear_depth": {"below": 1e-6}}},
-            "^limits.wear_depth.r: must be .* needs the distance from the ax",
-        ),
-        ({"limits": {"penetration": {"below": 1e-6, "r": 0.0}}}, "^limits.penetration.r: there is no such argument"),
-        ({"limits": {"penetration": {"under": 1e-6}}}, "^limits.penetration.under: .* allowed are above, below, betwe"),
-        ({"limits": {"penetration": {"between": 1e-6}}}, r"^limits.penetration.between: must be \[lowest, highest\]"),
-        ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: cannot be"),
-        ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
-        ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
-        ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),
-        ({"load": "2 N"}, r"^tangential_force takes real numbers"),
-    ],
-    ids=str,
-)
-@pytest.mark.parametrize("ask", [optimise.design, optimise.designs, optimise.front], ids=lambda ask: ask.__name__)
-def test_a_design_says_what_an_argument_takes(ask, changed, message):
-    asked = {"contact": build(FrettingContact), "load": 2.0, "vary": {"k": (-0.5, 0.5)}} | changed
-    if ask is optimise.front:
-        asked["distance"] = 1e-6
-    with pytest.raises((TypeError, ValueError), match=message):
-        ask(**asked)
-
-
 def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
     of_holl, interval = build(PowerLawGraded, nu="holl"), optimise.Interval(1.0, 2.0, "logarithmic")
     assert len(jax.tree.leaves(of_holl)) == 3 and len(jax.tree.leaves(build(PowerLawGraded))) == 4
@@ -526,9 +435,3 @@ def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
     assert jax.jit(lambda material: material)(of_holl).nu == "holl"
     question = optimise.Question(of_holl, None, {"k": (-0.5, 0.5)}, (), {}, objective="force_drop")
     assert len(jax.tree.leaves(question)) == 5
-
-
-@pytest.mark.parametrize("bounds", [("a", "b"), (None, 0.5), (0.1j, 0.5), 0.5], ids=repr)
-def test_design_refuses_bounds_that_are_no_numbers(bounds):
-    with pytest.raises((TypeError, ValueError)):
-        optimise.design(build(FrettingContact), 2.0, {"k": bounds})

@@ -17,7 +17,6 @@ from plgwear_jax import (
     wear_laws,
 )
 from plgwear_jax.optimise.question import question_of
-from plgwear_jax.shapes import PowerShape
 
 LAYERS = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
 FORCE, CYCLES = 1.0, LIFE["cycles"]
@@ -44,34 +43,6 @@ def test_two_variables_under_an_elastic_indenter_with_a_limit():
     is_least(found, np.where(kept, worn(scanned), np.nan), within=0.1, run=True)
     assert found.limits["contact_radius_lowest"].active
     np.testing.assert_allclose(found.value, worn(found.contact), rtol=1e-9)
-
-
-@pytest.mark.compiled
-def test_moduli_of_layers():
-    bounds = {"material.modulus[0]": (40e9, 200e9), "normal_force": (5.0, 20.0)}
-    found = optimise.design(LAYERS, FORCE, bounds, **LIFE)
-    assert isinstance(found.contact, FrettingContact)
-    modulus = np.stack(np.broadcast_arrays([40e9, 90e9, 200e9], 100e9), -1)[:, None]
-    scanned = dataclasses.replace(on(LAYERS, modulus=modulus), normal_force=np.array([5.0, 10.0, 20.0]))
-    is_least(found, worn(scanned), within=0.01, run=True)
-    np.testing.assert_allclose(found.value, worn(found.contact), rtol=1e-6)
-
-
-@pytest.mark.compiled
-def test_another_shape_with_the_contact_radius_held():
-    blunt = dataclasses.replace(RIGID, shape=PowerShape(3.0), radius=1e-3)
-    found = optimise.design(blunt, FORCE, RANGE, hold=HOLD, **LIFE)
-    radius = float(np.asarray(blunt.steady(0.0).contact_radius))
-    np.testing.assert_allclose(float(np.asarray(found.contact.steady(0.0).contact_radius)), radius, rtol=1e-5)  # pyright: ignore
-    each = []
-    for k in np.linspace(-0.6, 0.6, 7):
-        # The radius falls with the stiffness by the same power, whatever the stiffness.
-        stiffness = [100e9, 200e9]
-        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).steady(0.0).contact_radius))
-        power = (radii[1] - radii[0]) / np.log(2.0)
-        modulus = stiffness[0] * np.exp((np.log(radius) - radii[0]) / power)
-        each.append(worn(on(blunt, k=k, E0=modulus)))
-    is_least(found, np.array(each), within=0.05, run=True)
 
 
 # --- every test -------------------------------------------------------------------------------------------------------
@@ -183,19 +154,6 @@ def test_a_free_gradient_for_a_life():
 
 
 # --- what stays refused -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "changes, said",
-    [
-        ({}, "cycles: wear under a displacement, which is held, ends in no steady state"),
-        ({**LIFE, "limits": {"penetration": {"below": 1e-6}}}, "limits.penetration: is a limit of the steady state"),
-        ({**LIFE, "weight": [1.0, 2.0]}, r"amplitudes of shape \(1,\) and weights of shape \(2,\)"),
-    ],
-)
-def test_what_no_displacement_has(changes, said):
-    with pytest.raises(ValueError, match=said):
-        optimise.design(RIGID, TESTS["gross slip"], RANGE, **changes)
 
 
 @pytest.mark.compiled

@@ -1,21 +1,19 @@
 """Designs of uncertain contacts, against the contacts of a dense grid."""
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on
+from commands import told
+from refusals import cases, is_told, refusal
 from test_designs_of_any_quantity import SCENE
-from typer.testing import CliRunner
 
 from plgwear_jax import (
     GrossSlipContact,
-    Layered,
     PowerLawGraded,
-    cli,
     optimise,
     scene,
 )
@@ -158,20 +156,6 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
     is_least(found, over(volumes, np.array([1.0, 2.0, 1.0]), 0.5), within=0.01)
 
 
-@pytest.mark.long
-def test_an_uncertain_thickness():
-    thickness = np.array([[0.8e-5], [1e-5], [1.3e-5]])
-    reference = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
-    layers = Layered(thickness, [50e9, 100e9], 0.3)
-    scenarios = dataclasses.replace(reference, material=layers)
-    found = optimise.design(
-        reference, FORCE, {"friction": (0.3, 0.6)}, level=1.0, minimise="deepest_wear", scenarios=scenarios
-    )
-    friction = np.geomspace(0.3, 0.6, 7)
-    worn = dataclasses.replace(scenarios, friction=friction[:, None]).steady(FORCE).deepest_wear
-    is_least(found, np.asarray(worn).max(1), within=0.02)
-
-
 @pytest.mark.compiled
 def test_uncertain_punches():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
@@ -226,9 +210,7 @@ def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
 def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write(tmp_path, SCATTER)
-    told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
-    assert told.exit_code == 0, told.stderr or told.exception
-    found = json.loads(told.stdout)
+    found = told("design any.toml")
     uncertain = dataclasses.replace(
         on(RIGID, E0=np.array([100e9, 110e9, 130e9]), k=np.array([-0.05, 0.0, 0.05])),
         friction=np.array([0.35, 0.4, 0.55]),
@@ -239,7 +221,6 @@ def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
     np.testing.assert_allclose(found["vary"]["k"]["value"], best.variables["k"], atol=1e-9)
     np.testing.assert_allclose(found["best"]["deepest_wear"], best.value, rtol=1e-9)
     assert found["load"].startswith("scenarios scatter.csv: 3; the wear depth is its mean over the worst 50 %")
-    assert "scenarios scatter.csv: 3" in CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout
 
 
 @pytest.mark.compiled
@@ -252,26 +233,11 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     np.testing.assert_allclose(found.value, best.value, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "scatter, said",
-    [
-        (
-            "friction,weight\n0.3,0\n0.4,0\n",
-            "scatter.csv: rows 2 to 3: weight = 0 throughout",
-        ),
-        ("friction,colour\n0.3,1\n", "scatter.csv: row 1: column colour: there is no such column"),
-        ("weight\n1\n", "scatter.csv: has no column but weight; allowed are E0, z0, k, nu, radius"),
-        ("k\n0.5\n1.5\n", "scatter.csv: row 3: k = 1.5: must be in"),
-        ("friction\n0.3\n-0.4\n", "scatter.csv: row 3: friction = -0.4: must be in"),
-        ("friction\n0.3\nx\n", "scatter.csv: row 3: friction = x: must be"),
-        ("wear_coefficient\n1e-14\n", "scatter.csv: row 1: column wear_coefficient: there is no such column"),
-    ],
-)
-def test_errors_in_a_table_of_scenarios(tmp_path, scatter, said):
-    write(tmp_path, scatter)
-    with pytest.raises(scene.SceneError) as error:
-        scene.load(tmp_path / "any.toml").asked()
-    assert said in str(error.value) and "\n" not in str(error.value)
+@cases(Path(__file__).with_name("refused.toml"), "scatter")
+def test_errors_in_a_table_of_scenarios(tmp_path, case):
+    write(tmp_path, case["content"])
+    line = refusal(scene.SceneError, lambda: scene.load(tmp_path / "any.toml").asked())
+    assert is_told(line, case, f"{tmp_path}/scatter.csv")
 
 
 def test_scenarios_stand_alone(tmp_path):
