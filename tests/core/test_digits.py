@@ -57,44 +57,31 @@ def when(quantity, dtype, digits):
     return pytest.mark.compiled if digits in (3, MOST[dtype]) or by_its_series else pytest.mark.long
 
 
-@pytest.mark.parametrize(
-    "quantity,dtype,digits",
-    [
-        pytest.param(
-            quantity,
-            dtype,
-            n,
-            id=f"{quantity.name}-{dtype}-{n}",
-            marks=when(quantity, dtype, n),
-        )
+def each(marks):
+    """All numbers of digits of all quantities, with these marks."""
+    rows = [
+        pytest.param(quantity, dtype, n, id=f"{quantity.name}-{dtype}-{n}", marks=marks(quantity, dtype, n))
         for quantity in BULK
         for dtype, most in MOST.items()
         for n in range(3, most + 1)
-    ],
-)
+    ]
+    return pytest.mark.parametrize("quantity,dtype,digits", rows)
+
+
+def when_slopes(quantity, dtype, digits):
+    if (quantity.name, dtype) != ("fretting.wear_volume", "float64"):
+        return pytest.mark.long
+    return {4: (), 13: (), 7: pytest.mark.compiled, 10: pytest.mark.compiled}.get(digits, pytest.mark.long)
+
+
+@each(when)
 def test_values_have_the_digits_asked_for(quantity, dtype, digits):
     full = values(quantity, dtype, None)
     error = np.abs(values(quantity, dtype, digits) - full) / np.abs(full)
     assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][0]
 
 
-@pytest.mark.parametrize(
-    "quantity,dtype,digits",
-    [
-        pytest.param(
-            quantity,
-            dtype,
-            n,
-            id=f"{quantity.name}-{dtype}-{n}",
-            marks={4: (), 13: (), 7: pytest.mark.compiled, 10: pytest.mark.compiled}.get(n, pytest.mark.long)
-            if (quantity.name, dtype) == ("fretting.wear_volume", "float64")
-            else pytest.mark.long,
-        )
-        for quantity in BULK
-        for dtype, most in MOST.items()
-        for n in range(3, most + 1)
-    ],
-)
+@each(when_slopes)
 def test_slopes_have_the_digits_asked_for(quantity, dtype, digits):
     full = slopes(quantity, dtype, None)
     # Relative to the value where that is larger, as everywhere.
