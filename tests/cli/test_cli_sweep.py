@@ -144,6 +144,13 @@ def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axis, 
     assert lasting.get("cycles") == (None if quantity == "wear_volume" else 3e5 if load is HISTORY else 4e5)
 
 
+@pytest.mark.compiled
+def test_where_some_points_slip_as_a_whole_is_said():
+    Path("scene.toml").write_text(f"{WORN}load = {{ displacement = 2.67e-7 }}")
+    found = plgwear("sweep --scene scene.toml --friction=0.15:0.45:3 -q transient.wear_volume --out map.zarr")
+    assert "gross slip at 1 of 3 points along friction, partial slip at the others" in found.stdout
+
+
 def test_a_held_displacement_has_no_axis_of_forces():
     Path("scene.toml").write_text(WORN + HELD)
     for quantity in ("transient.wear_rate", "design.k"):

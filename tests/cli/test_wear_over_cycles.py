@@ -49,21 +49,13 @@ def written(file: str, columns: str, *rows: object) -> None:
 @pytest.mark.compiled
 def test_the_course_is_told_written_and_drawn():
     found, steady = told("--csv course.csv --picture course.png"), CONTACT.steady(FORCE)
+    run, cycles, end = CONTACT.over_cycles(FORCE, COEFFICIENT), np.array(found["cycles"]), found["steady_state"]
     assert found["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and found["life"] == 5e5
-    assert found["tangential_force"] == FORCE and found["wear_coefficient"] == COEFFICIENT
-    at, end = {name: np.array(x) for name, x in found.items() if isinstance(x, list)}, found["steady_state"]
-    worn = CONTACT.over_cycles(FORCE, COEFFICIENT).volume(np.array(found["cycles"]))
-    np.testing.assert_allclose(at["volume"], worn, rtol=1e-12)
-    for name, value, rel in (
-        ("volume", steady.wear_volume, 1e-12),
-        ("deepest_wear", steady.deepest_wear, 1e-3),
-        ("worn_radius", steady.worn_radius, 1e-12),
-    ):
-        assert end[name] == pytest.approx(float(value), rel=rel)
-    # Archard's law and the energy of friction say the same.
-    np.testing.assert_allclose(at["energy_per_cycle"] * COEFFICIENT, 0.4 * at["volume_per_cycle"], rtol=1e-12)
-    assert at["energy_per_cycle"][0] == pytest.approx(float(steady.energy_per_cycle), rel=0.01)
-    assert np.all(np.diff(at["contact_radius"]) >= 0.0) and np.all(np.diff(at["deepest_wear"]) > 0.0)
+    of_run = {"volume_per_cycle": run.rate} | {name: getattr(run, name) for name in ("volume", *SAME)}
+    for name, after in of_run.items():
+        np.testing.assert_allclose(found[name], after(cycles), rtol=1e-9, err_msg=name)
+    known = {"volume": steady.wear_volume, "deepest_wear": steady.deepest_wear, "worn_radius": steady.worn_radius}
+    assert {name: end[name] for name in known} == pytest.approx({name: float(x) for name, x in known.items()}, rel=1e-3)
     assert found["cycles_to"].keys() == {"0.5", "0.9", "0.99"}
     course = np.genfromtxt("course.csv", delimiter=",", names=True)
     assert {*found["cycles"]} <= {*course["cycles"]} and np.all(np.diff(course["cycles"]) > 0.0)
@@ -79,18 +71,7 @@ def test_the_course_is_told_written_and_drawn():
     assert table.splitlines()[-1] == "picture: course.png"
 
 
-@pytest.mark.long  # to compile
-def test_less_is_worn_at_a_held_displacement():
-    write(SCENE.replace("tangential_force = 2.0", "displacement = 2e-7, rig_stiffness = 3e7"))
-    found, force = told(), float(CONTACT.steady(Displacement(2e-7, 3e7)).tangential_force)
-    end, unheld = found["steady_state"], CONTACT.steady(force)
-    assert found["tangential_force"] == pytest.approx(force, rel=1e-9)
-    assert end["volume"] < 0.99 * unheld.wear_volume and end["worn_radius"] < unheld.worn_radius
-    table = printed()
-    assert table.startswith(f"displacement 2e-07 m of the rig: a force amplitude of {force:.4g} N before wear\n")
-    assert "at a constant displacement amplitude 50 % is worn after" in table
-
-
+SAME = "energy_per_cycle", "contact_radius", "deepest_wear"
 PLAIN = "cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n"
 CHANGING = "displacement (um),cycles,normal_force (N),friction\n0.1,1e5,10,0.4\n10,1e4,5,0.3\n0.2,1e5,20,0.5\n"
 
@@ -120,7 +101,7 @@ def test_a_history_with_cycles_is_worn_block_by_block(history, blocks, own):
     read = {"volume": run.volume, "tangential_force": run.force_amplitude, "contact_radius": run.contact_radius}
     for name, after in read.items():
         np.testing.assert_allclose(found[name], after(ends), rtol=1e-6)
-    assert image.imread(found["picture"]).std() > 0.1 and len(Path("blocks.csv").read_text().splitlines()) == 4
+    assert len(Path("blocks.csv").read_text().splitlines()) == 4
     table, slides = printed(), "block 2: gross slip, at a constant displacement amplitude"
     assert "[wear] cycles: the history has cycles of its own, which count here" in table and "…" not in table
     assert (slides in table) == ("friction" in own)
@@ -247,17 +228,8 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     found = told("--csv course.csv --picture course.png")
     assert found["regime"] == "gross slip" and found["cycles"][-1] == 5e5
     assert not {"steady_state", "cycles_to", "tangential_force"} & found.keys()
-    run, onset = (
-        CONTACT.over_cycles(Displacement(1e-5), COEFFICIENT),
-        float(CONTACT.steady(0.0).gross_slip_displacement),
-    )
+    run, onset = CONTACT.over_cycles(Displacement(1e-5), COEFFICIENT), CONTACT.steady(0.0).gross_slip_displacement
     np.testing.assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
-    # Archard's law for a ball that slides by four times the displacement less what the contact takes.
-    assert found["volume_per_cycle"][0] == pytest.approx(COEFFICIENT * 10.0 * 4.0 * (1e-5 - onset), rel=0.05)
-    assert found["contact_radius"][-1] ** 4 == pytest.approx(4.0 * found["volume"][-1] * 5e-3 / np.pi, rel=0.1)
-    np.testing.assert_array_equal(found["stick_radius"], 0.0)
-    assert len(Path("course.csv").read_text().splitlines()) > 50
-    assert image.imread("course.png")[..., :3].std() > 0.1
     table = printed()
     assert f"the contact slips as a whole, from {1e9 * onset:.4g} nm on" in table and "; the wear goes on\n" in table
     assert "gross slip at a constant displacement amplitude: " in table and "steady" not in table
@@ -271,10 +243,8 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
 def test_a_pressure_exponent_and_wear_of_both_bodies():
     write(SCENE.replace("coefficient = 1e-14", "coefficient = 2e-19, exponent = 1.5, half_space_coefficient = 6e-19"))
     found, run = told(), CONTACT.over_cycles(FORCE, PressurePower(8e-19, 1.5))
-    assert found["exponent"] == 1.5 and found["units"]["coefficient"] == "1/Pa^1.5"
-    assert found["coefficient"] == pytest.approx(8e-19) and found["half_space_share"] == pytest.approx(0.75)
+    assert found["units"]["coefficient"] == "1/Pa^1.5" and found["half_space_share"] == pytest.approx(0.75)
     np.testing.assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
-    assert found["steady_state"]["volume"] == pytest.approx(float(CONTACT.steady(FORCE).wear_volume), rel=1e-9)
     assert "the half-space " in printed()
 
 

@@ -216,13 +216,6 @@ def test_pressures_of_both_engines_agree(pair, load, beside, most, least):
         np.testing.assert_allclose(of(numeric), of(closed), rtol=most, atol=least * np.max(of(closed)))
 
 
-@compiled
-def test_pressures_in_the_middle_agree():
-    numeric, closed = (each.over_cycles(0.9 * FRICTION * FORCE, COEFFICIENT) for each in WEARING["k = -0.4"])
-    r, cycles = np.array([0.0, 0.1, 0.2])[:, None] * np.asarray(closed.contact_radius(0.0)), closed.cycles_to(SHARES)
-    np.testing.assert_allclose(numeric.pressure(r, cycles), closed.pressure(r, cycles), rtol=0.02)
-
-
 # --- the life of a contact --------------------------------------------------------------------------------------------
 
 
@@ -291,53 +284,6 @@ def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
 
 
 # --- what JAX is promised ---------------------------------------------------------------------------------------------
-
-# The most that gradients are away from differences. Depths of a table move the parts into which it is divided, whose
-# errors are no smooth functions, and at a held displacement the stick-slip boundary moves by whole cells: differences
-# see both.
-GRADIENTS = {None: 5e-7, "force": 2e-6, "rig": 1e-3}
-BY_DEPTHS = 4e-5
-
-
-@pytest.mark.parametrize(
-    "kind, load",
-    [
-        *marked(compiled, ("closed forms", None), ("a table under steel", None), ("a shape", None)),
-        *marked(
-            long,
-            ("a power law under steel", None),
-            ("a power law stiff at its surface under steel", None),
-            ("closed forms", "force"),
-            ("a power law under steel", "force"),
-            ("a table under steel", "force"),
-            ("a power law under steel", "rig"),
-        ),
-    ],
-)
-def test_gradients_are_those_of_differences(kind, load):
-    """Of the logarithm of the volume, by the logarithm of one number after the other; of fifth order."""
-    given = CONTACTS[kind], 0.75 * F_X, 2e5, COEFFICIENT, RIG
-    leaves, structure = jax.tree.flatten(given if load == "rig" else given[:4] if load else given[:2])
-    paths = [jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(given)]
-    moves = [(i, np.equal(leaf, number)) for i, leaf in enumerate(leaves) for number in np.ravel(leaf)]
-
-    def volume(logs):
-        moved = [np.asarray(leaf, float) for leaf in leaves]
-        for log, (i, those) in zip(logs, moves, strict=True):
-            moved[i] = moved[i] * jnp.exp(log * those)
-        contact, force, *more = jax.tree.unflatten(structure, moved)
-        if load is None:  # with 4 digits the parts of a table change by steps that differences see
-            return jnp.log(contact.steady(force, digits=5 if kind == "a table under steel" else None).wear_volume)
-        if load == "rig":
-            force = Displacement(contact.steady(Force(force, more[2])).displacement_amplitude, more[2])
-        return jnp.log(contact.over_cycles(force, more[1]).volume(more[0]))
-
-    slopes, value, step = jax.jit(jax.grad(volume))(np.zeros(len(moves))), jax.jit(volume), 2e-3
-    for (i, _), slope, move in zip(moves, slopes, step * np.eye(len(moves)), strict=True):
-        ahead, behind, far_ahead, far_behind = (float(value(number * move)) for number in (1.0, -1.0, 2.0, -2.0))
-        difference = (8.0 * (ahead - behind) - (far_ahead - far_behind)) / (12.0 * step)
-        most = BY_DEPTHS if "depth" in paths[i] else GRADIENTS[load]
-        assert float(slope) == pytest.approx(difference, abs=most), paths[i]
 
 
 @pytest.mark.parametrize(

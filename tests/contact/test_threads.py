@@ -107,8 +107,8 @@ FEW = ("closed forms", "layers under steel", "a table under steel")  # of two pr
 
 
 def test_threads_have_the_answers_of_one_thread():
-    asked = 6 * questions(FEW, STEADY, 4) + 4 * questions(FEW[1:2], (over_cycles,), 4)
-    assert wrong_answers(asked) == (232, [])
+    asked = 4 * questions(FEW, STEADY, 3) + 4 * questions(FEW[1:2], (over_cycles,), 2)
+    assert wrong_answers(asked) == (116, [])
 
 
 @pytest.mark.compiled

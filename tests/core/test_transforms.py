@@ -567,6 +567,9 @@ def test_the_optimum_is_differentiable():
     assert np.all(np.isnan([found.k, found.wear_volume, by_phi, volume_by_phi])[:, 6:])
     flags = found.converged, found.certified, found.scan_found_nothing_better, found.at_bound
     assert not np.any(np.stack(flags)[:, 6:])
+    single = optimise.optimal_exponent(np.float32(GOOD_PHI))
+    assert single.k.dtype == single.wear_volume.dtype == jnp.float32
+    np.testing.assert_allclose(single.k, found.k[GOOD], atol=2e-3)  # eps^(5/8) = 5e-5 of slope; the volume is flat
     h = 1e-4 * np.where(np.arange(12) < 6, 1.0, 0.0)
     up, down = (designs(PHI + sign * h, LOWER, UPPER)[0] for sign in (1.0, -1.0))
     # h^2 times third derivatives of some tens, and k to 1e-9 over h: 1e-5 both.

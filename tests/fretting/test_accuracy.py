@@ -36,10 +36,7 @@ ROWS = [
         region,
         dtype,
         id=f"{quantity.name}-{region}-{dtype}".replace(" ", "_"),
-        marks=pytest.mark.long
-        if (dtype == "float32" and (region != "edges" or quantity.name not in SINGLE))
-        or (region == "SI" and "holl" in quantity.name)
-        else (),
+        marks=pytest.mark.long if dtype == "float32" and (region != "edges" or quantity.name not in SINGLE) else (),
     )
     for dtype in ("float64", "float32")
     for region in ("bulk", "edges", *accuracy.NEAR, "SI")

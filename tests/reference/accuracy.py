@@ -144,12 +144,6 @@ def dome(rng: np.random.Generator, count: int, region: str) -> Points:
     return E0, z0, k, rng.uniform(-0.9, 0.5, count), R, F_N, mu, phi * mu * F_N
 
 
-def dome_holl(rng: np.random.Generator, count: int, region: str) -> Points:
-    """The same without nu."""
-    at = dome(rng, count, region)
-    return at[:3] + at[4:]
-
-
 def punch(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k) from 0 to 1000, crowded at both sides of the edge r = 1 down to 1e-12."""
     finest = 12.0 if region == "edges" else 3.0
@@ -194,10 +188,6 @@ def wear_volume_in_si(*at: jax.Array) -> jax.Array:
     return FrettingContact(PowerLawGraded(*material), R, F_N, mu).steady(F_x).wear_volume
 
 
-def wear_volume_in_si_holl(*at: jax.Array) -> jax.Array:
-    return wear_volume_in_si(*at[:3], "holl", *at[3:])  # pyright: ignore[reportArgumentType]
-
-
 def _of(module: Any, sampler: Callable[..., Points], *names: str, twin: str = "{}", **how: Any) -> list[Quantity]:
     room = module.__name__.rpartition(".")[2]
     return [Quantity(f"{room}.{name}", getattr(module, name), sampler, twin.format(name), **how) for name in names]
@@ -228,7 +218,6 @@ QUANTITIES = (
     *_of(partial_slip, in_slip, "slip_amplitude", **_NEAR),
     *_of(partial_slip, k_phi, "energy_per_cycle", "energy_ratio", "loop_aperture"),
     Quantity("FrettingContact.wear_volume", wear_volume_in_si, dome, "wear_volume_in_si", **_SI),
-    Quantity('FrettingContact.wear_volume, "holl"', wear_volume_in_si_holl, dome_holl, "wear_volume_in_si_holl", **_SI),
 )
 
 # The promise, as value and derivatives of order 1 and 2, by region and dtype.

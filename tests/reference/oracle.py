@@ -381,14 +381,6 @@ def wear_volume_in_si(
     )
 
 
-@quantity
-def wear_volume_in_si_holl(
-    E0: Number, z0: Number, k: Number, R: Number, F_N: Number, mu: Number, F_x: Number, *, start: Number | None = None
-) -> mpf:
-    """The same at Holl's ratio, which follows k."""
-    return wear_volume_in_si.formula(E0, z0, k, holl_ratio.formula(k), R, F_N, mu, F_x, start=start)
-
-
 class FrettingPoint(NamedTuple):
     """What does not depend on r, from one root; with `derivatives`, a `Derivatives` of each."""
 

@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import jax
-import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, optimise, scene
 from plgwear_jax.loads import Force
 from plgwear_jax.scene import solving
 
@@ -257,51 +256,9 @@ def needed(kind: str, name: str) -> set[str]:
     return own | edge | ({"worn_radius"} if along_radius(kind, name) else set())
 
 
-class TrapError(Exception):
-    """Something was computed that nobody asked for."""
-
-
-def trap(*_, **__):
-    raise TrapError
-
-
-def set_traps(monkeypatch, kind: str, names: set[str]) -> None:
-    own, other = (fretting, gross_slip) if kind == "fretting" else (gross_slip, fretting)
-    for name in set(own.__all__) - names:
-        monkeypatch.setattr(own, name, trap)
-    for name in other.__all__:
-        monkeypatch.setattr(other, name, trap)
-
-
 def is_unitless(kind: str, name: str) -> bool:
     """Whether the half-space's stiffness cancels, and h_N with it."""
     return kind == "gross-slip" and not ENTERS_PUNCH[name] >= MATERIAL
-
-
-# What the program holds is looked at for each quantity below; here each is compiled and run.
-RUN = {"contact_radius", "wear_volume", "profile", "force_ratio", "steady_force"}
-
-
-@pytest.mark.parametrize(
-    "kind, name",
-    [pytest.param(kind, name, marks=() if name in RUN else pytest.mark.long) for kind, name in QUANTITIES],
-)
-def test_a_scene_solves_while_all_else_is_a_trap(monkeypatch, kind, name):
-    set_traps(monkeypatch, kind, needed(kind, name))
-    if is_unitless(kind, name):
-        monkeypatch.setattr(PowerLawGraded, "log_stiffness", trap)
-    found = asking_for(kind, name).solve(digits=12)  # as in no other test: what was traced before knows no traps
-    assert list(found) == [name]
-    assert np.shape(found[name].value) == ((POINTS,) if along_radius(kind, name) else ())
-
-
-@pytest.mark.parametrize(
-    "kind, name", [("fretting", "profile"), ("fretting", "wear_volume"), ("gross-slip", "force_ratio")]
-)
-def test_the_traps_do_catch(monkeypatch, kind, name):
-    set_traps(monkeypatch, kind, set())
-    with pytest.raises(TrapError):
-        asking_for(kind, name).solve(digits=11)
 
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
@@ -333,15 +290,6 @@ def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, kind, name)
         assert made.arguments == ENTERS_PUNCH[name] - {"r"}
     else:  # the worn radius bounds the radii, so whatever runs along them feels the slip
         assert made.arguments == (SLIP if along_radius(kind, name) else ENTERS_DOME[name])
-
-
-def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkeypatch):
-    """Without units there is neither h_N nor any gamma function in it: they come with the contact radius in m."""
-    plain, scale = of_function("fretting.wear_volume"), of_quantity(DOME, "contact_radius")
-    made = program_of(monkeypatch, asking_for("fretting", "wear_volume"))
-    through = {"scene/solving.py", "_startup/programs.py", "steady/arguments.py", "loads.py"}
-    assert made.files - through == (plain.files | scale.files) - through
-    assert {"material.py", "special/gamma.py"} <= scale.files - plain.files
 
 
 @pytest.mark.parametrize("kind, name", [("fretting", "wear_volume"), ("gross-slip", "force_ratio")])

@@ -14,7 +14,6 @@ from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_
 
 from plgwear_jax import (
     Cone,
-    DepthGraded,
     Elastic,
     FrettingContact,
     Layered,
@@ -27,7 +26,6 @@ from plgwear_jax import (
     TruncatedSphere,
     scene,
 )
-from plgwear_jax.loads import Displacement
 from plgwear_jax.special.quadrature import logistic
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
@@ -165,17 +163,10 @@ def test_a_shape_of_ones_own_is_that_of_its_closed_forms(own, known, body):
 def test_all_quantities_hold_together():
     contact, force = contact_with(TruncatedSphere(4e-5), -0.3), 1.5
     state = contact.steady(force)
-    r = np.sqrt((np.arange(4000) + 0.5) / 4000)
-    for name, end in (("initial_pressure", state.contact_radius), ("pressure", state.stick_radius)):
-        pressed = np.mean(getattr(state, name)(r * end)) * np.pi * end**2
-        np.testing.assert_allclose(pressed, FORCE, rtol=2e-2)
-    assert state.wear_depth(state.worn_radius) < 1e-6 * state.deepest_wear
     ring = np.linspace(state.stick_radius, state.worn_radius, 4001)
     depth = np.asarray(state.wear_depth(ring))
     np.testing.assert_allclose(2.0 * np.pi * np.trapezoid(depth * ring, ring), state.wear_volume, rtol=1e-3)
     np.testing.assert_allclose(np.max(depth), state.deepest_wear, rtol=1e-4)
-    again = contact.steady(Displacement(state.displacement_amplitude)).tangential_force
-    np.testing.assert_allclose(again, force, rtol=1e-8)
     assert np.isinf(state.peak_initial_pressure)
     assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).steady(0.0).peak_initial_pressure)
 
@@ -215,24 +206,6 @@ def test_the_energy_of_a_kink_in_the_ring_is_the_area_of_its_loop():
     """4 F u less 8 times the integral of u over F, of the displacement amplitudes u of 192 forces F."""
     state = contact_with(OWN["own kink in the ring"][0]).steady(0.99 * FRICTION * FORCE)
     np.testing.assert_allclose(state.energy_per_cycle, 2.38003e-07, rtol=5e-5)
-
-
-@compiled
-@pytest.mark.parametrize("name", [name for name in SHAPES if name != "sharp power"])
-def test_a_table_of_one_modulus_is_a_homogeneous_half_space(name):
-    contact, force = contact_with(SHAPES[name][0], 0.0), np.array([0.2, 2.0, 3.6])
-    other = dataclasses.replace(contact, material=DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3))
-    np.testing.assert_allclose(steady(other, force), steady(contact, force), rtol=1e-6)
-
-
-@compiled
-@pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
-def test_energies_of_kinks_are_the_work_of_friction(shape):
-    for phi in (1e-4, 0.05):
-        state = on("layers under steel", shape).steady(phi * FRICTION * FORCE)
-        np.testing.assert_allclose(state.energy_per_cycle, work_of_friction(state), rtol=1e-4)
-        around = 4.0 * phi * FRICTION * FORCE * state.displacement_amplitude
-        np.testing.assert_allclose(state.energy_ratio, state.energy_per_cycle / around, rtol=1e-10)
 
 
 NARROW = np.array([1e-3, 1e-6, 1e-9])
@@ -296,14 +269,14 @@ def test_derivatives_are_those_of_differences(shape, along, body):
     def over_cycles(x):
         return of(x).over_cycles(2.0, COEFFICIENT).volume(1e5)
 
-    table, step = isinstance(shape, Profile), 1e-4
+    step = 1e-4
     ends = [volume(n * step) for n in (-2, -1, 0, 1, 2)]
     slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[3] - ends[4]) / (12.0 * step)
     np.testing.assert_allclose(jax.jit(jax.grad(volume))(0.0), slope, rtol=1e-5 if isinstance(shape, Blend) else 1e-6)
     if not isinstance(shape, Blend | Profile):
         bend = (-ends[0] + 16.0 * ends[1] - 30.0 * ends[2] + 16.0 * ends[3] - ends[4]) / (12.0 * step**2)
         np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(volume))(0.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
-    if not table:
+    if not isinstance(shape, Profile):
         slope = (over_cycles(1e-3) - over_cycles(-1e-3)) / 2e-3
         most = 1e-4 if isinstance(shape, Blend) else 2e-2
         np.testing.assert_allclose(jax.grad(over_cycles)(0.0), slope, rtol=most)

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -69,15 +68,6 @@ def test_short_names_are_those_of_fretting_first():
     assert ds["force_ratio"].dims == ("k",)
 
 
-@pytest.mark.compiled
-def test_radii_and_the_relative_amplitude_of_a_contact():
-    r = np.array([1e-5, 6.6e-5])
-    ds = sweep.sweep(["wear_depth", "edge_pressure"], contact=CONTACT, r=r, phi=PHI, distance=1e-6)
-    np.testing.assert_allclose(ds.wear_depth, CONTACT.steady(4.0 * PHI).wear_depth(r[:, None]), rtol=1e-10, atol=1e-22)
-    np.testing.assert_allclose(ds.edge_pressure, CONTACT.steady(4.0 * PHI).edge_pressure(1e-6), rtol=1e-12)
-    assert ds.edge_pressure.dims == ("phi",) and ds.r.attrs["units"] == "m"
-
-
 def test_derivatives_are_those_of_the_formula():
     ds = sweep.sweep(["stick_radius.dk", "stick_radius.dphi", "stick_radius.dk.dphi"], k=K, phi=PHI)
     k, phi = grid(K, PHI)
@@ -122,31 +112,11 @@ def test_the_optimal_exponent_with_its_certificate(tmp_path):
     survives_netcdf(ds, tmp_path)
 
 
-@pytest.mark.long
-def test_the_optimal_exponent_has_derivatives():
-    phi = np.array([0.1, 0.2, 0.9])
-    ds = sweep.sweep("optimal_exponent.k.dphi", phi=phi, bounds=(-0.5, 0.5))
-    slope = jax.vmap(jax.grad(lambda phi: optimise.optimal_exponent(phi, (-0.5, 0.5)).k))(phi)
-    np.testing.assert_allclose(ds.optimal_exponent_k_dphi, slope, rtol=1e-9)
-
-
 LOADS = {
     "calm": (np.array([0.1, 0.2, 0.4]), np.array([6.0, 3.0, 1.0])),
     "storm": (np.array([1.0, 3.2]), np.array([1.0, 1.0])),
 }
 DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius"}
-
-
-@pytest.mark.compiled
-def test_loads_are_an_axis_and_quantities_their_means():
-    ds = sweep.sweep(["wear_volume", "contact_radius"], contact=CONTACT, loads=LOADS, z0=[1e-5, 1e-4])
-    assert ds.wear_volume.dims == ("z0", "load_case")
-    assert ds.contact_radius.dims == ("z0",) and list(ds.load_case.values) == ["calm", "storm"]
-    for z0 in (1e-5, 1e-4):
-        for name, (force, weight) in LOADS.items():
-            expected = np.average(with_leaf(CONTACT, "material.z0", z0).steady(force).wear_volume, weights=weight)
-            np.testing.assert_allclose(ds.wear_volume.sel(z0=z0, load_case=name), expected, rtol=1e-13)
-    assert ds.wear_volume.attrs["long_name"].startswith("mean over the load of: ")
 
 
 @pytest.mark.compiled

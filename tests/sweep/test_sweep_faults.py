@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from stores import Stop, files, into, refused
+from stores import into, refused
 from sweep_process import KEYWORDS
 
-from plgwear_jax.sweep import UnfinishedWarning, open_sweep
+from plgwear_jax.sweep import open_sweep
 
 pytestmark = pytest.mark.faults
 
@@ -358,19 +358,3 @@ def test_a_disk_that_is_full(disk, tmp_path, size):
     small(tmp_path / "roomy.zarr")
     assert arrays(out) == arrays(tmp_path / "roomy.zarr")
     assert litter(folder) == []
-
-
-def test_a_disk_that_cannot_be_written(disk):
-    """Neither a new sweep nor one that was begun; that one can be read nonetheless."""
-    folder = disk("size=1m")
-    out = folder / "map.zarr"
-    with contextlib.suppress(KeyboardInterrupt):
-        small(out, progress=Stop(5, KeyboardInterrupt()))
-    assert 5 <= len(finished(out)) < 12
-    before = files(folder)
-    disk("ro", again=True)
-    for path in (out, folder / "new.zarr"):
-        assert refused(small, path) == f"{path}: cannot be written: Read-only file system"
-    assert files(folder) == before
-    with pytest.warns(UnfinishedWarning):
-        assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))

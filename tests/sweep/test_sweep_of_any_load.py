@@ -1,13 +1,9 @@
 """Sweeps over cycles under displacements that are held, in gross slip, and blocks: beside the runs of the contact."""
 
-import dataclasses
-from pathlib import Path
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from plgwear_jax import FrettingContact, PowerLawGraded, cli, loads, optimise, scene, sweep
+from plgwear_jax import FrettingContact, PowerLawGraded, loads, optimise, scene, sweep
 from plgwear_jax.loads import Displacement
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
@@ -112,32 +108,6 @@ def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path, frictions, s
     assert found.transient_wear_volume.attrs["digits"] == "2"
     np.testing.assert_array_equal(np.isnan(found.wear_volume), slips)
     assert found.wear_volume.attrs["digits"] == "all of float64"
-
-
-@pytest.mark.compiled
-def test_the_command_sweeps_what_the_command_wear_wears(tmp_path, monkeypatch):
-    """Whether the contact of the input file is in gross slip or not."""
-    monkeypatch.chdir(tmp_path)
-    moved, frictions = 0.6 * ONSET, (0.15, 0.3, 0.45)
-    expected = worn_in_scenes(tmp_path, frictions, moved)
-    for number, friction in enumerate((0.15, 0.4)):
-        Path("scene.toml").write_text(SCENE.format(friction=friction, moved=moved))
-        line = ["sweep", "--scene", "scene.toml", "--friction=0.15:0.45:3", "-q", "transient.wear_volume"]
-        said = CliRunner().invoke(cli.app, [*line, "--out", f"map{number}.zarr"])
-        assert said.exit_code == 0, said.output
-        assert "gross slip at 1 of 3 points along friction, partial slip at the others" in said.stdout
-        found = sweep.open_sweep(f"map{number}.zarr")
-        np.testing.assert_allclose(found.transient_wear_volume, expected, rtol=1e-9)
-
-
-@pytest.mark.long
-def test_designs_at_points_of_partial_and_of_gross_slip():
-    moved, frictions = 0.6 * ONSET, np.array([0.15, 0.4])
-    asked = {"vary": {"k": (-0.3, 0.3)}, **LAW}
-    found = sweep.sweep("design.k", contact=CONTACT, displacement=moved, friction=frictions, design=asked)
-    for k, friction in zip(found.design_k, frictions, strict=True):
-        one = optimise.design(dataclasses.replace(CONTACT, friction=float(friction)), Displacement(moved), **asked)
-        np.testing.assert_allclose(k, one.variables["k"], atol=1e-5)
 
 
 @pytest.mark.compiled
