@@ -1,10 +1,12 @@
 """Partial and gross slip over displacement amplitude and normal force."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 from kinds import FORCE, FRICTION, KINDS, contact_of
+from refusals import cases, refusal
 
 from plgwear_jax import Elastic, PowerLawGraded
 from plgwear_jax.contact import CRITERIA, slip_regimes
@@ -86,18 +88,7 @@ def test_criteria_lie_where_the_map_has_their_value(k):
     assert np.isnan(found.displacement_where("energy_ratio", 1e-9)[0])
 
 
-@pytest.mark.parametrize(
-    "moves, forces, more, line",
-    [
-        ([0.0], [1.0], {}, "displacement_amplitude = 0.0 at index 0 is outside the allowed range > 0 and finite, in m"),
-        ([1e-7], [-1.0], {}, "normal_force = -1.0 at index 0 is outside the allowed range > 0 and finite"),
-        ([1e-7], [1.0], {"rig_stiffness": 0.0}, "rig_stiffness = 0.0 is outside the allowed range > 0 and finite"),
-        (1e-7, [1.0], {}, "displacement_amplitude: takes a row of numbers, not an array of shape ()"),
-        ([1e-7], [[1.0]], {}, "normal_force: takes a row of numbers, not an array of shape (1, 1)"),
-        ([2e-7, 1e-7], [1.0], {}, "displacement_amplitude: the amplitudes must not decrease"),
-    ],
-)  # fmt: skip
-def test_refusal(moves, forces, more, line):
-    with pytest.raises(ValueError, match=r".") as refused:
-        slip_regimes(KINDS["closed forms"], moves, forces, **more)
-    assert str(refused.value) == line
+@cases(Path(__file__).with_name("refused.toml"), "regimes")
+def test_refusal(case):
+    asked = KINDS["closed forms"], case["moves"], case["forces"]
+    assert refusal(ValueError, slip_regimes, *asked, **case["more"]) == case["line"]

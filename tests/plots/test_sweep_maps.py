@@ -1,6 +1,7 @@
 """Pictures of sweeps: they show the values, on fitting scales, in readable units, and read no more than is seen."""
 
 import re
+from pathlib import Path
 
 import dask.array as da
 import numpy as np
@@ -12,6 +13,7 @@ from matplotlib.colors import AsinhNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from optima import optima
+from refusals import cases, refusal
 
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
 from plgwear_jax.catalogue import AXES, leaf
@@ -266,33 +268,9 @@ def test_values_of_other_axes_are_chosen_and_told():
     assert single.get_suptitle() == "shape, $z_0$ = 100 µm"
 
 
-OUTSIDE = "is outside of the sweep: z0 (1e-05 to 0.001 m)"
-
-
-@pytest.mark.parametrize(
-    "asked, message",
-    [
-        ({"quantity": "penetrtion"}, "penetrtion: is not in the sweep; did you mean penetration?"),
-        (
-            {},
-            "penetration: choose a value for 1 of its 3 axes: k (-0.9 to 0.9); phi (0.1 to 0.9); z0 (1e-05 to 0.001 m)",
-        ),
-        ({"contours": -1}, "contours = -1: must be >= 0"),
-        ({"at": {"ph": 0.5}}, "ph: is no axis of penetration; did you mean phi?"),
-        ({"at": {"nu": 0.3}}, "nu: is no axis of penetration; allowed are k, phi, z0"),
-        ({"at": {"z0": 0.1}}, f"z0 = 0.1: {OUTSIDE}"),
-        ({"at": {"z0": "deep"}}, f"z0 = deep: {OUTSIDE}"),
-        ({"at": {"z0": np.nan}}, f"z0 = nan: {OUTSIDE}"),
-        (
-            {"at": {"z0": 1e-4, "k": 0, "phi": 0.5}},
-            "penetration: every axis has a single value; there is nothing to draw",
-        ),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused_in_a_line(asked, message):
-    with pytest.raises(MapError, match=f"^{re.escape(message)}$"):
-        map_picture(cube(), **asked)
-    assert issubclass(MapError, ValueError)
+@cases(Path(__file__).with_name("refused.toml"), "maps")
+def test_what_cannot_be_drawn_is_refused_in_a_line(case):
+    assert refusal(MapError, map_picture, cube(), **case["asked"]) == case["line"] and issubclass(MapError, ValueError)
 
 
 def test_sweeps_without_axes_are_refused():
@@ -411,23 +389,9 @@ def test_other_maps_have_no_least_wear():
 # --- what a sweep stores --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name, label",
-    [
-        ("wear_volume", r"wear volume $\Delta V$"),
-        ("gross_slip.force_drop", r"normal force lost $1-F_{N\infty}/F_{N0}$"),
-        ("design.E0", "best modulus $E_0^*$"),
-        ("optimal_exponent.k", "best exponent $k^*$"),
-        ("optimal_exponent.wear_volume", r"least wear volume $\Delta V$"),
-        ("optimal_exponent.certified", "certified"),
-        ("wear_volume.dk", r"derivative of wear volume $\partial \Delta V/(\partial k)$"),
-        ("wear_volume.dk.dphi", r"derivative of wear volume $\partial^2 \Delta V/(\partial k\,\partial \varphi)$"),
-        ("transient.wear_volume", r"wear volume by then $\Delta V$"),
-        ("design.indenter.E", "best modulus of the indenter $E_i^*$"),
-    ],
-)
-def test_quantities_are_stored_with_their_names_and_symbols(name, label):
-    assert label_of(name) == label
+@cases(Path(__file__).parents[1] / "sweep" / "names.toml", "labels", "label")
+def test_quantities_are_stored_with_their_names_and_symbols(case):
+    assert label_of(case["name"]) == case["label"]
 
 
 def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
