@@ -616,9 +616,6 @@ def test_process_designs_the_electrical_contact(folder):
     assert found["scan_found_nothing_better"] and found["rival"] is None
     # k from 40 digits at 1.1 times the amplitude is -0.7519, and dV/dk between them is small.
     assert found["if_10_percent_higher"]["loss"] == pytest.approx(0.00148, rel=0.1)
-    # A contact of some tens of micrometres that loses some cubic micrometres.
-    assert 1e-5 < best["stick_radius"] < best["contact_radius"] < best["worn_radius"] < 1e-3
-    assert 1e-19 < best["wear_volume"] < reference["wear_volume"] < 1e-16
     assert image.imread("best.png").size and sorted(os.listdir()) == ["best.png", "contact.toml"]
 
 

@@ -246,25 +246,8 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
     else:
         assert end < 0.99 * steady.wear_volume
     np.testing.assert_allclose(run.volume(run.cycles_to(SHARES)), SHARES * end, rtol=1e-9)
-    without = one.over_cycles(load_of(one, load, 0.0), COEFFICIENT)
-    np.testing.assert_array_equal(without.volume(np.full(SHARES.shape, 1e5)), 0.0)
     r = 0.5 * (steady.stick_radius + steady.worn_radius)
     np.testing.assert_allclose(steady.profile(r), unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
-
-
-@compiled
-@pytest.mark.parametrize("kind", ["closed forms", "layers under steel", "a shape"])
-def test_fields_at_both_ends_of_a_life(kind):
-    one = CONTACTS[kind]
-    r = float(one.steady(0.0).contact_radius) * np.array([0.0, 0.5, 0.78, 0.8, 0.9, 1.0, 1.1, 1.5])
-    steady, run = one.steady(F_X), one.over_cycles(F_X, COEFFICIENT)
-    deepest, highest = float(steady.deepest_wear), float(steady.peak_initial_pressure)
-    np.testing.assert_array_equal(run.depth(r, 0.0), 0.0)
-    np.testing.assert_allclose(run.profile(r, 0.0), unworn_of(one)(r), rtol=1e-12)
-    np.testing.assert_allclose(run.pressure(r, 0.0), steady.initial_pressure(r), atol=1e-3 * highest)
-    for name, scale in (("depth", deepest), ("profile", deepest), ("pressure", highest)):
-        last = getattr(steady, "wear_depth" if name == "depth" else name)(r)
-        np.testing.assert_allclose(getattr(run, name)(r, 1e13), last, rtol=1e-9, atol=1e-9 * scale, err_msg=name)
 
 
 @compiled
@@ -318,30 +301,19 @@ def test_single_precision_keeps_three_digits(kind):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-3, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    "kind, load",
-    [
-        ("closed forms", None),
-        *marked(compiled, ("layers under steel", "displacement"), ("a shape", None)),
-        *marked(long, ("closed forms", "rig")),
-    ],
-)
-def test_outside_of_partial_slip_it_is_nan_under_jit(kind, load):
+@compiled
+@pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
+def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
     contact, r = CONTACTS[kind], 6e-5
 
     @jax.jit
     def fields(forces):
-        if load is None:
-            steady = contact.steady(forces)
-            return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.pressure(r)])
-        run = contact.over_cycles(load_of(contact, load, forces), COEFFICIENT)
-        return jnp.stack([run.volume(1e5), run.depth(r, 1e5), run.pressure(r, 1e5)])
+        steady = contact.steady(forces)
+        return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.pressure(r)])
 
-    found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0, 0.5 * F_X])))
-    np.testing.assert_array_equal(np.isnan(found), np.broadcast_to([False, True, False, False], found.shape))
-    assert found[0, 2] == found[1, 2] == 0.0
-    highest = float(contact.steady(0.0).initial_pressure(r))
-    assert found[2, 2] == pytest.approx(highest, rel=1e-6 if load is None else 1e-2)
+    found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0])))
+    np.testing.assert_array_equal(np.isnan(found), [[False, True, False]] * 3)
+    np.testing.assert_allclose(found[:, 2], [0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@ import pytest
 from kinds import COEFFICIENT, LAW, contact_of
 from refusals import cases
 
-from plgwear_jax import compiler_options
 from plgwear_jax.fitting import Measurements, fit_wear_coefficient, log_likelihood
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.wear_laws import Archard, law_of
@@ -97,28 +96,6 @@ def test_the_largest_likelihood_is_at_the_fit(load, exponent):
     below, best, above = at(-step), at(0.0), at(step)
     vertex = 0.5 * step * (below - above) / (below - 2.0 * best + above)
     assert abs(vertex) < within and best > max(below, above)
-
-
-@compiled
-def test_a_sampler_can_follow_its_slopes():
-    """A path of leapfrog steps, as samplers take them, keeps its energy while it crosses the likelihood."""
-    along = jnp.array([[0.14, 0.0], [0.05, 0.008]])  # the root of the covariance of log(K) and log(mu), about
-
-    def potential(z: jax.Array) -> jax.Array:
-        x = along @ z
-        return 0.5 * (x[1] / 0.1) ** 2 - by_both(AT + x, CLOSED)  # the friction is known to 10 %
-
-    def leap(state, _):
-        z, p = state
-        p = p - 0.15 * jax.grad(potential)(z)
-        z = z + 0.3 * p
-        p = p - 0.15 * jax.grad(potential)(z)
-        return (z, p), (z, potential(z) + 0.5 * p @ p)
-
-    begin = jnp.array([1.0, -0.5]), jnp.array([0.7, 1.0])
-    path = jax.jit(lambda begin: jax.lax.scan(leap, begin, length=40)[1], compiler_options=compiler_options(1))
-    places, energy = path(begin)
-    assert np.ptp(energy) < 0.5 and np.all(np.ptp(places, axis=0) > 1.0)
 
 
 @cases(REFUSED, "measurements")

@@ -53,8 +53,6 @@ def test_force_and_displacement_turn_each_other(k, rig):
     limit = float(contact.steady(Force(0.0, rig)).gross_slip_displacement)
     alone = float(contact.steady(0.0).gross_slip_displacement)
     assert limit == pytest.approx(alone + (LIMIT / rig if rig else 0.0), rel=1e-14)
-    with pytest.raises(ValueError, match=GROSS):
-        _ = contact.steady(Displacement(1.01 * limit, rig)).tangential_force
     forth = jax.grad(lambda force: contact.steady(Force(force, rig)).displacement_amplitude)(force[3])
     back = jax.grad(lambda moved: contact.steady(Displacement(moved, rig)).tangential_force)(moved[3])
     assert float(forth * back) == pytest.approx(1.0, rel=1e-12)

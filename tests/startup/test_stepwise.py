@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from plgwear_jax import fretting
 from plgwear_jax._startup import programs
 from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
 from plgwear_jax.special import cholesky
@@ -125,23 +124,6 @@ def test_every_operation_is_that_of_xla(function, at, relative, absolute):
         floats = np.issubdtype(one.dtype, np.floating)
         error = max(relative, float(np.finfo(one.dtype).eps)) if floats else 0.0
         np.testing.assert_allclose(one, other, rtol=error, atol=absolute * floats)
-
-
-@pytest.mark.parametrize(
-    "dtype, error", [(np.float64, 1e-14), pytest.param(np.float32, 1e-5, marks=pytest.mark.compiled)]
-)
-def test_the_wear_volume_with_its_gradient(dtype, error):
-    def function(k, phi):
-        value, back = jax.vjp(fretting.wear_volume, k, phi)
-        return value, back(jnp.ones_like(value))
-
-    k, phi = np.linspace(-0.95, 0.95, 30, dtype=dtype), np.linspace(0.01, 0.99, 30, dtype=dtype)
-    steps = steps_of(function, k, phi)
-    assert steps is not None
-    mine, theirs = jax.tree.leaves(steps(k, phi)), jax.tree.leaves(jax.jit(function)(k, phi))
-    for one, other in zip(mine, theirs, strict=True):
-        assert one.dtype == other.dtype == dtype
-        assert np.all(np.abs(one - other) <= error * np.maximum(np.abs(other), theirs[0]))
 
 
 def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_program():

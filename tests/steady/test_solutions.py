@@ -10,7 +10,7 @@ import pytest
 from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
 
-from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
+from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads
 from plgwear_jax.contact import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
@@ -159,19 +159,6 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
-
-
-def test_a_run_leads_from_the_unworn_contact_to_the_steady_state():
-    run = CLOSED.over_cycles(F_X, wear_laws.Archard(COEFFICIENT))
-    np.testing.assert_allclose(run.energy_per_cycle(0.0), CLOSED.steady(F_X).energy_per_cycle, rtol=1e-9)
-    np.testing.assert_allclose(run.rate(0.0) * FRICTION, COEFFICIENT * run.energy_per_cycle(0.0), rtol=1e-14)
-    assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.steady(0.0).contact_radius), rel=1e-14)
-    np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
-    np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
-    np.testing.assert_allclose(run.force_amplitude(CYCLES), F_X, rtol=1e-15)
-    assert run.steady.wear_volume == CLOSED.steady(F_X).wear_volume
-    stuck = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
-    np.testing.assert_allclose(stuck, CLOSED.steady(np.array([0.0, F_X])).stick_radius, rtol=1e-14)
 
 
 def test_coefficients_of_one_contact_share_its_run():

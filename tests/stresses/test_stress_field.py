@@ -56,52 +56,6 @@ def test_first_yield_without_friction_is_below_the_surface():
     assert (x, z) == pytest.approx((0.0, 0.48), abs=0.01)
 
 
-def point_forces(x, z, nu, p, q, a, count=(200, 256)):
-    """Boussinesq's and Cerruti's stresses, summed over a disc."""
-    node, weight = np.polynomial.legendre.leggauss(count[0])
-    r, weight = 0.5 * a * (1.0 + node), 0.5 * a * weight
-    angle = 2.0 * np.pi * np.arange(count[1]) / count[1]
-    area = (r * weight)[:, None] * np.full(count[1], 2.0 * np.pi / count[1])
-    X, Y = x - r[:, None] * np.cos(angle), -r[:, None] * np.sin(angle)
-    R = np.sqrt(X * X + Y * Y + z * z)
-    P, Q = p(r)[:, None] * area / (2.0 * np.pi), q(r)[:, None] * area / (2.0 * np.pi)
-    s, t = 1.0 - 2.0 * nu, R + z
-
-    def normal(u, v):
-        return (
-            s * (R - z) / (R * (u * u + v * v)) * (u * u - v * v) / (u * u + v * v)
-            + s * z * v * v / (R**3 * (u * u + v * v))
-            - 3.0 * z * u * u / R**5
-        )
-
-    lame = s / (R * t * t)
-    xx = P * normal(X, Y) + Q * (
-        X * (-3.0 * X * X / R**5 + s / R**3) - lame * X * (3.0 - X * X * (3.0 * R + z) / (R * R * t)) + 0.0
-    )
-    zz = -3.0 * P * z**3 / R**5 - 3.0 * Q * X * z * z / R**5
-    xz = -3.0 * P * X * z * z / R**5 - 3.0 * Q * X * X * z / R**5
-    yy = P * normal(Y, X) + Q * (
-        X * (-3.0 * Y * Y / R**5 + s / R**3) - lame * X * (1.0 - Y * Y * (3.0 * R + z) / (R * R * t))
-    )
-    return [float(np.sum(one)) for one in (xx, yy, zz, xz)]
-
-
-def test_homogeneous_stresses_are_the_sum_of_point_forces():
-    steady = steady_of(STEEL, 0.6)
-    a, c, p_0 = (float(x) for x in (steady.contact_radius, steady.stick_radius, steady.peak_initial_pressure))
-    c /= a
-
-    def pressure(r):
-        return np.sqrt(np.maximum(1.0 - r * r, 0.0))
-
-    def traction(r):
-        return FRICTION * (pressure(r) - c * pressure(np.minimum(r / c, 1.0)))
-
-    for x, z in [(-1.0, 0.3), (-0.4, 0.15), (0.7, 0.5), (1.6, 1.0)]:
-        found = np.array(steady.stress(x * a, z * a)) / p_0
-        np.testing.assert_allclose(found, point_forces(x, z, 0.3, pressure, traction, 1.0), rtol=0, atol=2e-4)
-
-
 # --- against integrals over all wavenumbers ---------------------------------------------------------------------------
 
 X = np.array([-2.0, -1.05, -0.9, -0.5, 0.0, 0.6])
@@ -116,6 +70,7 @@ def rule(a, count=100):
 @pytest.mark.parametrize(
     "material, more",
     [
+        pytest.param(STEEL, {}, id="one modulus"),
         pytest.param(LAYERS, {}, id="layers"),
         pytest.param(
             *(Layered([0.05 * A], [800e9, 210e9], 0.0), {"indenter": STEEL}),
@@ -137,8 +92,8 @@ def test_stresses_in_layers(material, more):
     (r, weight), (r_c, weight_c) = rule(1.0), rule(c / a)
     p = reference.transform(r, weight, np.asarray(steady.initial_pressure(r * a)) / p_0)
     p_c = reference.transform(r_c, weight_c, np.asarray(inner.initial_pressure(r_c * a)) / p_0)
-    tops = np.append(0.0, np.cumsum(material.thickness)) / a
-    moduli = np.asarray(material.modulus) / material.modulus[0]
+    layers = Layered([], [1.0], material.nu) if material is STEEL else material
+    tops, moduli = np.append(0.0, np.cumsum(layers.thickness)) / a, layers.modulus / layers.modulus[0]
 
     def respond(xi, z):
         return reference.responses(xi, z, tops, moduli, material.nu)
