@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from commands import plgwear, printed, python, refused, table_rows, told
+from marks import compiled
 from matplotlib import image
 from refusals import cases, is_told
 
@@ -229,7 +230,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("line", [pytest.param(line, marks=pytest.mark.compiled) for line in ENDS])
+@pytest.mark.parametrize("line", [pytest.param(line, marks=compiled) for line in ENDS])
 def test_a_design_says_how_it_ended(folder, search, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended
@@ -244,7 +245,7 @@ def test_a_design_says_how_it_ended(folder, search, line):
             assert found["converged"] is search.ended.get("converged", True)
 
 
-@pytest.mark.compiled
+@compiled
 @cases(REFUSED, "conflicts")
 def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, case):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
@@ -283,7 +284,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
     assert plgwear("solve slip.toml").stderr == f"{said}check the units: E0 = 1e+09 is in Pa, all else in m and N\n"
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_design_that_nobody_can_make_is_doubted_in_one_line(folder, search):
     said = "beyond 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }"
     assert said not in plgwear("design contact.toml").stdout
@@ -352,7 +353,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
     assert f"at a 10 % higher force amplitude {said}" in printed("design contact.toml").splitlines()
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize(
     "over, measure",
     [
@@ -398,7 +399,7 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert told("design contact.toml --sensitivities")["sensitivities"] == vars(slopes)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_punch_is_designed():
     Path("slip.toml").write_text(f'{GROSS_SLIP}design = {{ vary = {{ k = [-0.9, 0.9] }}, minimise = "force_drop" }}\n')
     result, found = printed("design slip.toml"), told("design slip.toml")
@@ -663,7 +664,7 @@ def test_solve_in_gross_slip_gives_what_is_there_and_says_why_not_all_is():
     assert [*found["quantities"]] == ["contact_radius", "gross_slip_displacement"]
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_command_design_takes_gross_slip(monkeypatch):
     other = optimise.under_other_load
     monkeypatch.setattr(optimise, "under_other_load", lambda *given: dataclasses.replace(other(*given), loss=0.00148))

@@ -10,6 +10,7 @@ from pathlib import Path
 import jax
 import pytest
 from commands import python
+from marks import compiled
 from typer.testing import CliRunner
 
 import plgwear_jax
@@ -218,7 +219,7 @@ def test_halves_of_programs_are_dropped(settings):
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_damaged_cache_changes_nothing():
     solve = ("-m", "plgwear_jax", "solve", "contact.toml", "--json")
     first = python(*solve)
@@ -235,7 +236,7 @@ def test_a_damaged_cache_changes_nothing():
     assert {path.name for path in Path("cache").iterdir()} == {"plgwear"}
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_kept_design_compiles_nothing_and_imports_nothing_that_traces():
     Path("wanted.toml").write_text(SCENE + 'design = { vary.k = [-0.9, 0.9], minimise = "wear_volume" }\n')
     code = (

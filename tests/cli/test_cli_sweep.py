@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused
+from marks import compiled
 from matplotlib import image
 from refusals import cases, is_told
 
@@ -144,7 +145,7 @@ def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axis, 
     assert lasting.get("cycles") == (None if quantity == "wear_volume" else 3e5 if load is HISTORY else 4e5)
 
 
-@pytest.mark.compiled
+@compiled
 def test_where_some_points_slip_as_a_whole_is_said():
     Path("scene.toml").write_text(f"{WORN}load = {{ displacement = 2.67e-7 }}")
     found = plgwear("sweep --scene scene.toml --friction=0.15:0.45:3 -q transient.wear_volume --out map.zarr")
@@ -185,7 +186,7 @@ def test_what_cannot_be_drawn(case):
     assert is_told(refused("plot", *case["arguments"]), case)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_sweep_that_is_interrupted_says_how_to_go_on():
     line = [sys.executable, "-m", "plgwear_jax", "sweep", "--k=-0.9:0.9:20000", "--phi=0.1:0.9:20000", "--chunk=65536"]
     line += ["-q", "wear_volume", "--out", "map.zarr"]

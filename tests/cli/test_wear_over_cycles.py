@@ -7,7 +7,9 @@ import commands
 import numpy as np
 import pytest
 from commands import write
+from marks import compiled
 from matplotlib import image
+from numpy.testing import assert_allclose
 from refusals import cases, is_told
 from scipy import stats
 
@@ -46,14 +48,14 @@ def written(file: str, columns: str, *rows: object) -> None:
 # --- the course -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_course_is_told_written_and_drawn():
     found, steady = told("--csv course.csv --picture course.png"), CONTACT.steady(FORCE)
     run, cycles, end = CONTACT.over_cycles(FORCE, COEFFICIENT), np.array(found["cycles"]), found["steady_state"]
     assert found["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and found["life"] == 5e5
     of_run = {"volume_per_cycle": run.rate} | {name: getattr(run, name) for name in ("volume", *SAME)}
     for name, after in of_run.items():
-        np.testing.assert_allclose(found[name], after(cycles), rtol=1e-9, err_msg=name)
+        assert_allclose(found[name], after(cycles), rtol=1e-9, err_msg=name)
     known = {"volume": steady.wear_volume, "deepest_wear": steady.deepest_wear, "worn_radius": steady.worn_radius}
     assert {name: end[name] for name in known} == pytest.approx({name: float(x) for name, x in known.items()}, rel=1e-3)
     assert found["cycles_to"].keys() == {"0.5", "0.9", "0.99"}
@@ -76,7 +78,7 @@ PLAIN = "cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n"
 CHANGING = "displacement (um),cycles,normal_force (N),friction\n0.1,1e5,10,0.4\n10,1e4,5,0.3\n0.2,1e5,20,0.5\n"
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize(
     "history, blocks, own",
     [
@@ -100,7 +102,7 @@ def test_a_history_with_cycles_is_worn_block_by_block(history, blocks, own):
     assert found == found | own | {"cycles": ends.tolist()}
     read = {"volume": run.volume, "tangential_force": run.force_amplitude, "contact_radius": run.contact_radius}
     for name, after in read.items():
-        np.testing.assert_allclose(found[name], after(ends), rtol=1e-6)
+        assert_allclose(found[name], after(ends), rtol=1e-6)
     assert len(Path("blocks.csv").read_text().splitlines()) == 4
     table, slides = printed(), "block 2: gross slip, at a constant displacement amplitude"
     assert "[wear] cycles: the history has cycles of its own, which count here" in table and "…" not in table
@@ -149,7 +151,7 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
     ends = np.array([found.wear_coefficient, *found.interval]) / found.wear_coefficient
     z = [(np.interp(CYCLES * end, *curve) - noisy)[1:] / found.deviation[1:] for end in ends]
     least, *rise = np.sum(np.square(z), axis=-1)
-    np.testing.assert_allclose(np.array(rise) - least, 1.96**2 if known else stats.t.ppf(0.975, 5) ** 2, rtol=0.05)
+    assert_allclose(np.array(rise) - least, 1.96**2 if known else stats.t.ppf(0.975, 5) ** 2, rtol=0.05)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +162,7 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
         (FORCE, lambda N, v: (N[3:6:2], v[3:6:2] * np.array([0.1, 1.0])), "the scatter is too large"),
         (FORCE, lambda N, v: (N, 3.0 * v), "up to 2.98 times the volume of the steady state is measured"),
         *(
-            pytest.param(load, lambda N, v: (N[1:3], 1e8 * v[1:3]), "more is measured than", marks=pytest.mark.compiled)
+            pytest.param(load, lambda N, v: (N[1:3], 1e8 * v[1:3]), "more is measured than", marks=compiled)
             for load in (Displacement(1e-5), [Block(2.0, 1e5)])
         ),
     ],
@@ -195,16 +197,16 @@ def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(volume)
     written("v.csv", "cycles,volume (um^3)", CYCLES, 1e18 * volume)
     given = "--fit v.csv --deviation 0.05 --until 5e-8"
     found, needed = told(given), float(CONTACT.over_cycles(FORCE, COEFFICIENT).cycles_to(depth=5e-8))
-    np.testing.assert_allclose(found["deviation"], 0.05 * volume, rtol=1e-12)
-    np.testing.assert_allclose(found["wear_coefficient"], COEFFICIENT, rtol=1e-6)
+    assert_allclose(found["deviation"], 0.05 * volume, rtol=1e-12)
+    assert_allclose(found["wear_coefficient"], COEFFICIENT, rtol=1e-6)
     assert found["until"] == {"depth": 5e-8, "cycles": pytest.approx(needed, rel=1e-5)}
     # Only K times the cycles counts.
     expected = [needed * COEFFICIENT / K for K in reversed(found["interval_95_percent"])]
-    np.testing.assert_allclose(found["interval_95_percent_until"], expected, rtol=1e-5)
+    assert_allclose(found["interval_95_percent_until"], expected, rtol=1e-5)
     assert f"50 nm deep after {needed:,.0f} cycles, 95 % confidence: " in printed(given)
 
 
-@pytest.mark.compiled
+@compiled
 def test_how_long_until_a_depth_is_worn():
     run, deepest = CONTACT.over_cycles(FORCE, COEFFICIENT), 1e9 * CONTACT.steady(FORCE).deepest_wear
     needed = told("--until 5e-8")["until"]
@@ -222,14 +224,14 @@ def test_how_long_until_a_depth_is_worn():
 # --- gross slip and other wear laws -----------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
+@compiled
 def test_gross_slip_is_worn_and_has_no_steady_state():
     write(SLIDING)
     found = told("--csv course.csv --picture course.png")
     assert found["regime"] == "gross slip" and found["cycles"][-1] == 5e5
     assert not {"steady_state", "cycles_to", "tangential_force"} & found.keys()
     run, onset = CONTACT.over_cycles(Displacement(1e-5), COEFFICIENT), CONTACT.steady(0.0).gross_slip_displacement
-    np.testing.assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
+    assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
     table = printed()
     assert f"the contact slips as a whole, from {1e9 * onset:.4g} nm on" in table and "; the wear goes on\n" in table
     assert "gross slip at a constant displacement amplitude: " in table and "steady" not in table
@@ -239,16 +241,16 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     assert refused().startswith("mine.toml: [wear] cycles = 5e+12: after ")
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_pressure_exponent_and_wear_of_both_bodies():
     write(SCENE.replace("coefficient = 1e-14", "coefficient = 2e-19, exponent = 1.5, half_space_coefficient = 6e-19"))
     found, run = told(), CONTACT.over_cycles(FORCE, PressurePower(8e-19, 1.5))
     assert found["units"]["coefficient"] == "1/Pa^1.5" and found["half_space_share"] == pytest.approx(0.75)
-    np.testing.assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
+    assert_allclose(found["volume"], run.volume(np.array(found["cycles"])), rtol=1e-9)
     assert "the half-space " in printed()
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
     both = SLIDING.replace("coefficient = 1e-14", "coefficient = 1e-14, half_space_coefficient = 1e-14")
     write(both.replace("k = 0.0", "k = 0.3").replace("cycles = 5e5", "cycles = 5e6"))
@@ -260,7 +262,7 @@ def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
     assert "of the 1 µm over which its modulus changes" in refused()
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("load", ["displacement = 1e-5", 'history = "h.csv"'])
 def test_the_command_fits_gross_slip_and_blocks(load):
     written("h.csv", "cycles,displacement", [2e5, 2e5], [1e-7, 1e-5])

@@ -17,12 +17,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
+from marks import compiled, long
+from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax.optimise.conditions import solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
-compiled, long = pytest.mark.compiled, pytest.mark.long
 COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
 
 QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
@@ -110,8 +111,8 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
     crossed = jax.vmap(jax.vmap(transform(symmetric(ours)), (None, 0)), (0, None))(matrix, right)
     for one, other, both in zip(*map(jax.tree.leaves, (found, expected, crossed)), strict=True):
         scale = np.max(abs(other))
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
-        np.testing.assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
+        assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
+        assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
 
 
 # --- threads of OpenBLAS ------------------------------------------------------------------------------------------
@@ -133,8 +134,8 @@ def test_lapack_gets_no_more_than_openblas_does_in_one_thread(rows, columns, see
         assert sizes[0][0] < 100  # of a matrix
         assert len(call) < 3 or sizes[1][0] * sizes[1][1] < 1024  # of right sides
     factor, found = lowered.compile()(matrix, right)
-    np.testing.assert_allclose(factor, np.linalg.cholesky(matrix), rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(found, np.linalg.solve(matrix, right), rtol=0.0, atol=1e-13)
+    assert_allclose(factor, np.linalg.cholesky(matrix), rtol=0.0, atol=1e-12)
+    assert_allclose(found, np.linalg.solve(matrix, right), rtol=0.0, atol=1e-13)
 
 
 IDLE = """
@@ -192,12 +193,10 @@ def test_one_after_the_other_is_what_vmap_gives(mapped, count):
         )
 
     of, plainly = mapped(function), function
-    jax.tree.map(
-        np.testing.assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table)
-    )
+    jax.tree.map(assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table))
     for transform in (jax.grad, jax.hessian):
         found, expected = (jax.jit(transform(total(f), (0, 1)))(numbers, table) for f in (of, plainly))
-        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
+        jax.tree.map(lambda a, b: assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
 
 
 def test_derivatives_are_by_what_moves_alone():
@@ -215,12 +214,12 @@ def test_elimination_solves_small_systems(n, seed):
     expected = np.linalg.solve(matrix, right[..., None])[..., 0]
     for xp in (np, jnp):
         found = solved_by_elimination(xp.asarray(matrix), xp.asarray(right))
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
+        assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
     by_right = jax.grad(lambda right: jnp.sum(solved_by_elimination(jnp.asarray(matrix[0]), right)))(right[0])
-    np.testing.assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
+    assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
     # The derivatives of minima solve for tangents, and reverse mode transposes that.
     transposed = jax.linear_transpose(lambda right: solved_by_elimination(jnp.asarray(matrix[0]), right), right[0])
-    np.testing.assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
+    assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
 
 
 @pytest.mark.parametrize("xp", [np, jnp])

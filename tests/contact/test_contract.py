@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from functions import by_numpy
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
+from marks import compiled, long
+from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax.catalogue import FRETTING, STRESSES
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
-
-compiled, long = pytest.mark.compiled, pytest.mark.long
 
 
 def marked(mark, *cases):
@@ -135,14 +135,14 @@ def test_slopes_by_the_exponent_at_zero_are_those_beside_it():
 
     slope = jax.jit(lambda k: jax.jvp(results, (k,), (1.0,))[1])
     at, below, above = map(slope, (0.0, -1e-3, 1e-3))
-    np.testing.assert_allclose(at, 0.5 * (below + above), rtol=1e-4)
+    assert_allclose(at, 0.5 * (below + above), rtol=1e-4)
 
 
 @long
 @pytest.mark.xfail(strict=True, reason="the deepest wear is sought at places too far from a small stick area")
 def test_the_deepest_wear_next_to_gross_slip():
     numeric, closed = (each.steady(0.98 * FRICTION * FORCE) for each in PAIRS["one modulus"])
-    np.testing.assert_allclose(numeric.deepest_wear, closed.deepest_wear, rtol=1e-4)
+    assert_allclose(numeric.deepest_wear, closed.deepest_wear, rtol=1e-4)
 
 
 # --- both engines agree over cycles -----------------------------------------------------------------------------------
@@ -180,11 +180,11 @@ def test_runs_of_both_engines_agree(pair, load, of_fields, most):
         found, expected = (np.asarray(getattr(each, name)(cycles)) for each in (numeric, closed))
         # Where the displacement is held, the stick radius moves by whole cells.
         bound = max(most, 2e-4) if name == "stick_radius" else most
-        np.testing.assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
+        assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
     for name in ("depth", "profile"):
         found, expected = (getattr(each, name)(r, cycles) for each in (numeric, closed))
-        np.testing.assert_allclose(found, expected, rtol=0.0, atol=of_fields * np.max(expected), err_msg=name)
-    np.testing.assert_allclose(numeric.cycles_to(SHARES), cycles, rtol=most)
+        assert_allclose(found, expected, rtol=0.0, atol=of_fields * np.max(expected), err_msg=name)
+    assert_allclose(numeric.cycles_to(SHARES), cycles, rtol=most)
 
 
 # Beside the stick-slip boundary, where they become singular in the end, they are not compared.
@@ -213,7 +213,7 @@ def test_pressures_of_both_engines_agree(pair, load, beside, most, least):
         lambda run: run.pressure(r, cycles),
         lambda run: run.steady.pressure(r),
     ):
-        np.testing.assert_allclose(of(numeric), of(closed), rtol=most, atol=least * np.max(of(closed)))
+        assert_allclose(of(numeric), of(closed), rtol=most, atol=least * np.max(of(closed)))
 
 
 # --- the life of a contact --------------------------------------------------------------------------------------------
@@ -239,15 +239,15 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
     first = steady.energy_per_cycle * COEFFICIENT / FRICTION
     begin, early, later, end = np.asarray(run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape)))[:4]
     assert begin == 0.0
-    np.testing.assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5 if load == "force" else 1e-2)
-    np.testing.assert_allclose(run.force_amplitude(0.0), F_X, rtol=1e-14 if load == "force" else 1e-2)
+    assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5 if load == "force" else 1e-2)
+    assert_allclose(run.force_amplitude(0.0), F_X, rtol=1e-14 if load == "force" else 1e-2)
     if load == "force":
-        np.testing.assert_allclose(end, steady.wear_volume, rtol=1e-9)
+        assert_allclose(end, steady.wear_volume, rtol=1e-9)
     else:
         assert end < 0.99 * steady.wear_volume
-    np.testing.assert_allclose(run.volume(run.cycles_to(SHARES)), SHARES * end, rtol=1e-9)
+    assert_allclose(run.volume(run.cycles_to(SHARES)), SHARES * end, rtol=1e-9)
     r = 0.5 * (steady.stick_radius + steady.worn_radius)
-    np.testing.assert_allclose(steady.profile(r), unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
+    assert_allclose(steady.profile(r), unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
 
 
 @compiled
@@ -260,9 +260,9 @@ def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
     moved = contact.steady(Force(forces, rigs)).displacement_amplitude
     held = contact.over_cycles(Displacement(moved, rigs), COEFFICIENT)
     worn = np.asarray(held.volume(cycles)) / end
-    np.testing.assert_array_equal(worn[1], 0.0)
-    np.testing.assert_allclose(worn[0, :, 0], SHARES[0], rtol=5e-3)  # the first cycles know nothing of a rig
-    np.testing.assert_allclose(worn[0, 2], SHARES, atol=1e-2)
+    assert_array_equal(worn[1], 0.0)
+    assert_allclose(worn[0, :, 0], SHARES[0], rtol=5e-3)  # the first cycles know nothing of a rig
+    assert_allclose(worn[0, 2], SHARES, atol=1e-2)
     assert np.all(worn[0, :-1, -1] < worn[0, 1:, -1])
 
 
@@ -285,7 +285,7 @@ def test_a_batch_gives_what_its_members_give(kind, count, load):
     given, at = batches.scattered(kind, count), count * 617 // 1000
     volumes = volume(*given)
     assert volumes.shape == (count,)
-    np.testing.assert_allclose(volumes[at], volume(*jax.tree.map(lambda x: x[at], given)), rtol=1e-9)
+    assert_allclose(volumes[at], volume(*jax.tree.map(lambda x: x[at], given)), rtol=1e-9)
 
 
 @compiled
@@ -298,7 +298,7 @@ def test_single_precision_keeps_three_digits(kind):
     one, other = (contact.steady(force) for contact, force in (single, double))
     for name in ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"):
         assert getattr(one, name).dtype == np.float32
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-3, err_msg=name)
+        assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-3, err_msg=name)
 
 
 @compiled
@@ -312,8 +312,8 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
         return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.pressure(r)])
 
     found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0])))
-    np.testing.assert_array_equal(np.isnan(found), [[False, True, False]] * 3)
-    np.testing.assert_allclose(found[:, 2], [0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
+    assert_array_equal(np.isnan(found), [[False, True, False]] * 3)
+    assert_allclose(found[:, 2], [0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------

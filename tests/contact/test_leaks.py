@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
+from marks import compiled
 from rigid_shapes import Blend
 
 from plgwear_jax import optimise
@@ -59,14 +60,14 @@ def test_no_steady_question_leaks(kind):
     nothing_leaks("steady", kind, ways=("jit", "a contact from outside", "vmap", "jit in jit"))
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("kind", OWN)
 @pytest.mark.parametrize("question", batches.QUESTIONS)
 def test_no_question_leaks(question, kind):
     nothing_leaks(question, kind)
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("kind", ["closed forms", "a power law under steel", "a shape"])
 def test_no_question_that_runs_leaks(kind):
     nothing_leaks("steady", kind, run=True)
@@ -80,7 +81,7 @@ def best_materials(force):
     return optimise.designs(KINDS["closed forms"], force, {"k": (-0.5, 0.5)}).variables["k"]
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("best", [best_exponents, best_materials])
 def test_no_design_leaks(best):
     for function in (best, jax.vmap(best), lambda x: jax.vmap(lambda x: jax.jit(best)(x))(x)):

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kinds import FORCE, FRICTION, KINDS, contact_of
+from marks import compiled
+from numpy.testing import assert_allclose
 from refusals import cases, refusal
 
 from plgwear_jax import Elastic, PowerLawGraded
@@ -27,26 +29,26 @@ def under(contact, forces=FORCES):
 
 
 @pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("k", [pytest.param(-0.8, marks=pytest.mark.compiled), 0.0, 0.5])
+@pytest.mark.parametrize("k", [pytest.param(-0.8, marks=compiled), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
     contact = contact_of(law(k))
     whole = np.asarray(under(contact).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = np.sort((whole * SHARES).ravel())
     found = slip_regimes(contact, moves, FORCES, rig_stiffness=rig)
-    np.testing.assert_allclose(found.gross_slip_displacement, whole[:, 0], rtol=1e-14)
-    np.testing.assert_allclose(found.tangential_force[found.gross_slip], (LIMIT + 0.0 * moves)[found.gross_slip])
+    assert_allclose(found.gross_slip_displacement, whole[:, 0], rtol=1e-14)
+    assert_allclose(found.tangential_force[found.gross_slip], (LIMIT + 0.0 * moves)[found.gross_slip])
     inside, beyond = moves < 0.9999 * whole, moves > 1.0001 * whole
     state = under(contact).steady(Force(np.where(inside, found.tangential_force, 0.5 * LIMIT), rig))
     for name in ("energy_ratio", "loop_aperture"):
-        np.testing.assert_allclose(getattr(found, name)[inside], np.asarray(getattr(state, name))[inside], rtol=1e-12)
-    np.testing.assert_allclose(state.displacement_amplitude[inside], (moves + 0.0 * whole)[inside], rtol=1e-12)
-    np.testing.assert_allclose(found.energy_per_cycle[inside], state.energy_per_cycle[inside], rtol=1e-11)
+        assert_allclose(getattr(found, name)[inside], np.asarray(getattr(state, name))[inside], rtol=1e-12)
+    assert_allclose(state.displacement_amplitude[inside], (moves + 0.0 * whole)[inside], rtol=1e-12)
+    assert_allclose(found.energy_per_cycle[inside], state.energy_per_cycle[inside], rtol=1e-11)
     # Beyond the onset friction works along the whole way besides.
     onset = np.asarray(under(contact).steady(0.0).gross_slip_displacement)
     sliding = 4.0 * LIMIT * ((1.0 + k) / (5.0 + k) * onset + moves - whole)
-    np.testing.assert_allclose(found.energy_per_cycle[beyond], sliding[beyond], rtol=1e-12)
+    assert_allclose(found.energy_per_cycle[beyond], sliding[beyond], rtol=1e-12)
     opened = (2.0 ** ((1.0 + k) / (3.0 + k)) - 1.0) * onset + moves - whole
-    np.testing.assert_allclose((found.loop_aperture * moves)[beyond], opened[beyond], rtol=1e-12)
+    assert_allclose((found.loop_aperture * moves)[beyond], opened[beyond], rtol=1e-12)
 
 
 @pytest.mark.parametrize("rig", RIGS)
@@ -55,12 +57,12 @@ def test_nothing_jumps_at_the_onset(rig):
     moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
     found = slip_regimes(contact_of(law(0.9)), moves, [FORCE], rig_stiffness=rig)
     for name in ("energy_ratio", "loop_aperture", "tangential_force"):
-        np.testing.assert_allclose(np.diff(getattr(found, name)[0]), 0.0, atol=1e-5)
-    np.testing.assert_allclose(found.energy_ratio[0, 5], found.gross_slip_energy_ratio[0], rtol=1e-8)
+        assert_allclose(np.diff(getattr(found, name)[0]), 0.0, atol=1e-5)
+    assert_allclose(found.energy_ratio[0, 5], found.gross_slip_energy_ratio[0], rtol=1e-8)
     assert np.all(np.isfinite(found.energy_ratio)) and found.gross_slip[0, -1] and not found.gross_slip[0, 0]
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
@@ -69,12 +71,10 @@ def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
     moves = onset * np.geomspace(0.011, 10.0, 61)
     found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
     for field in dataclasses.fields(expected):
-        np.testing.assert_allclose(
-            getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name
-        )
+        assert_allclose(getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name)
 
 
-@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.0, 0.5])
+@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=compiled), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
     contact = contact_of(law(k))
     onset = float(contact.steady(0.0).gross_slip_displacement)

@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS
+from marks import compiled, long
 
 from plgwear_jax import optimise
 from plgwear_jax.loads import Displacement
@@ -111,13 +112,13 @@ def test_threads_have_the_answers_of_one_thread():
     assert wrong_answers(asked) == (116, [])
 
 
-@pytest.mark.compiled
+@compiled
 def test_threads_have_the_designs_of_one_thread():
     asked = 4 * questions(DESIGNED, (best,), 4) + 4 * questions(DESIGNED, STEADY, 4)
     assert wrong_answers(asked)[1] == []
 
 
-@pytest.mark.long
+@long
 def test_ten_thousand_questions_of_threads():
     asked = 60 * questions(KINDS, STEADY, 8) + 20 * questions(KINDS, (over_cycles,), 8)
     asked += 25 * questions(KINDS, (held,), 2) + 10 * questions(DESIGNED, (best,), 5)

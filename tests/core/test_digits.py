@@ -7,6 +7,7 @@ import functions
 import jax
 import numpy as np
 import pytest
+from marks import compiled, long
 
 # What the full results themselves are promised to.
 FULL = {"float64": (2e-14, 1e-13), "float32": (5e-6, 1e-5)}
@@ -54,7 +55,7 @@ def when(quantity, dtype, digits):
         return ()
     if digits == MOST[dtype] == 6 and quantity.name in functions.COMPILED:
         return ()
-    return pytest.mark.compiled if digits in (3, MOST[dtype]) or by_its_series else pytest.mark.long
+    return compiled if digits in (3, MOST[dtype]) or by_its_series else long
 
 
 def each(marks):
@@ -70,8 +71,8 @@ def each(marks):
 
 def when_slopes(quantity, dtype, digits):
     if (quantity.name, dtype) != ("fretting.wear_volume", "float64"):
-        return pytest.mark.long
-    return {4: (), 13: (), 7: pytest.mark.compiled, 10: pytest.mark.compiled}.get(digits, pytest.mark.long)
+        return long
+    return {4: (), 13: (), 7: compiled, 10: compiled}.get(digits, long)
 
 
 @each(when)

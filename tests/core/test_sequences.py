@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from functions import COMPILED, FUNCTIONS, arguments
 from kinds import COEFFICIENT, KINDS, LAW
+from numpy.testing import assert_allclose, assert_array_equal
 from test_border import GOOD
 
 from plgwear_jax import (
@@ -58,8 +59,8 @@ def test_functions_take_lists_tuples_and_nothing(name):
     assert shape_of(lambda: function(*(np.zeros((2, 0)) for _ in good))) == (2, 0)
     assert shape_of(lambda: function(np.zeros((0, 3)), *([x] for x in good[1:]))) == (0, 3)
     if name in COMPILED:
-        np.testing.assert_array_equal(function(*two), function(*map(np.array, two)))
-        np.testing.assert_array_equal(function(*two, digits=np.int64(4)), function(*two, digits=4))
+        assert_array_equal(function(*two), function(*map(np.array, two)))
+        assert_array_equal(function(*two, digits=np.int64(4)), function(*two, digits=4))
 
 
 def test_what_is_in_a_list_is_checked_by_its_place():
@@ -83,7 +84,7 @@ def test_lists_are_arrays_under_jit_grad_and_vmap():
         return fretting.wear_volume([k, 2.0 * k], (0.3, 0.4)).sum()
 
     alone = jax.grad(lambda k: fretting.wear_volume(k, 0.3) + fretting.wear_volume(2.0 * k, 0.4))(0.1)
-    np.testing.assert_allclose(jax.grad(volume)(0.1), alone, rtol=1e-14)
+    assert_allclose(jax.grad(volume)(0.1), alone, rtol=1e-14)
     assert jax.eval_shape(jax.vmap(volume), jnp.ones(3)).shape == (3,)
     nothing = jax.grad(lambda force: NUMERIC.steady(force).wear_volume.sum())(jnp.zeros(0))
     assert nothing.shape == (0,)
@@ -114,9 +115,9 @@ def test_a_steady_state_takes_lists_and_nothing(name):
 
 def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
     steady, other = NUMERIC.steady([1.0, 2.0]), NUMERIC.steady(np.array([1.0, 2.0]))
-    np.testing.assert_array_equal(steady.wear_volume, other.wear_volume)
+    assert_array_equal(steady.wear_volume, other.wear_volume)
     r = [[2e-5], (8e-5,)]
-    np.testing.assert_array_equal(steady.wear_depth(r), other.wear_depth(np.array(r)))
+    assert_array_equal(steady.wear_depth(r), other.wear_depth(np.array(r)))
     assert steady.pressure(np.zeros((0, 1))).shape == (0, 2)
     assert pickle.loads(pickle.dumps(steady)).wear_volume.shape == (2,)
     nobody = NUMERIC.steady(np.zeros((0, 3)))
@@ -193,7 +194,7 @@ def test_fields_of_records_are_arrays(make):
     of_list = make([0.25, 0.5])
     for other in (make((0.25, 0.5)), make(jnp.array([0.25, 0.5])), pickle.loads(pickle.dumps(of_list))):
         assert jax.tree.structure(other) == jax.tree.structure(of_list)
-        jax.tree.map(np.testing.assert_array_equal, other, of_list)
+        jax.tree.map(assert_array_equal, other, of_list)
 
 
 # --- what reads its numbers -------------------------------------------------------------------------------------------
@@ -203,7 +204,7 @@ def test_what_reads_its_numbers_takes_lists_too():
     assert shape_of(lambda: coating.felt([0.1, 1.0], [0.3, 0.2])) == (2,)
     assert shape_of(lambda: coating.felt([], 0.3)) == (0,)
     weights = optimise.tail_weights([1.0, 2.0], (1.0, 3.0), np.float64(0.5))
-    np.testing.assert_array_equal(weights, [0.0, 1.0])
+    assert_array_equal(weights, [0.0, 1.0])
     regimes = room.slip_regimes(CLOSED, [1e-8, 1e-6], [], digits=np.int64(3))
     assert regimes.energy_ratio.shape == (0, 2) and regimes.gross_slip_displacement.shape == (0,)
     data = fitting.Measurements(1.0, [1e4, 1e5], (1e-17, 9e-17), [1e-18, 1e-18])

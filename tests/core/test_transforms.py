@@ -19,6 +19,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
+from marks import compiled, long
+from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
@@ -86,7 +88,7 @@ def test_arguments_broadcast_as_in_numpy(name):
     assert result.shape == expected[0].shape
     # Another vectorisation of the same operations: a few ulp, and what the wear depth loses towards a_inf.
     one_by_one = [FUNCTIONS[name](*point) for point in zip(*(x.ravel() for x in expected), strict=True)]
-    np.testing.assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
+    assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
 
 
 @pytest.mark.parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
@@ -122,7 +124,7 @@ def test_single_and_half_precision_follow_double(name):
     result = functions.values(name, *fine)
     assert result.dtype == np.float32
     # Conditioning in r, k and phi of the bulk stays below some hundreds; the wear depth vanishes at the ring's edges.
-    np.testing.assert_allclose(result, expected, rtol=300 * EPS32, atol=2 * EPS32)
+    assert_allclose(result, expected, rtol=300 * EPS32, atol=2 * EPS32)
     # Half precision is single, rounded: at the very same points in float16.
     half = [x.astype(np.float16) for x in fine]
     inside = np.all(
@@ -130,7 +132,7 @@ def test_single_and_half_precision_follow_double(name):
     )
     half = [np.where(inside, x, np.float16(0.25)) for x in half]
     single = functions.values(name, *(x.astype(np.float32) for x in half))
-    np.testing.assert_array_equal(functions.values(name, *half), single.astype(np.float16))
+    assert_array_equal(functions.values(name, *half), single.astype(np.float16))
 
 
 DEFAULT_SINGLE = """
@@ -317,7 +319,7 @@ def test_second_derivatives_are_finite_wherever_the_value_is(name):
 def test_forward_and_reverse_mode_agree(name):
     *_, reverse, forward = in_bulk(name)
     # The same partial derivatives, multiplied by ones in another order.
-    np.testing.assert_allclose(forward, reverse, rtol=16 * EPS, atol=16 * EPS * np.max(np.abs(reverse)))
+    assert_allclose(forward, reverse, rtol=16 * EPS, atol=16 * EPS * np.max(np.abs(reverse)))
 
 
 @slow_twice
@@ -368,10 +370,10 @@ def test_jit_and_vmap_equal_the_plain_call(name):
     # Fused with other work XLA may contract products: a few ulp, not bit for bit; the wear depth cancels towards a_inf.
     at, value, beside_gradient, *_ = in_bulk(name)
     plain = functions.values(name, *at)
-    np.testing.assert_allclose(value, plain, rtol=64 * EPS, atol=4 * EPS)
-    np.testing.assert_allclose(beside_gradient, plain, rtol=64 * EPS, atol=4 * EPS)
+    assert_allclose(value, plain, rtol=64 * EPS, atol=4 * EPS)
+    assert_allclose(beside_gradient, plain, rtol=64 * EPS, atol=4 * EPS)
     loop = [FUNCTIONS[name](*point) for point in zip(*(map(float, x[:6]) for x in at), strict=True)]
-    np.testing.assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
+    assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
 
 
 @pytest.mark.parametrize(
@@ -379,7 +381,7 @@ def test_jit_and_vmap_equal_the_plain_call(name):
 )
 def test_alone_under_jit_the_bits_are_the_same(name):
     under_jit = functions.in_rounds(jax.jit(FUNCTIONS[name], compiler_options=functions.AS_USERS), *bulk(name))
-    np.testing.assert_array_equal(under_jit, functions.values(name, *bulk(name)))
+    assert_array_equal(under_jit, functions.values(name, *bulk(name)))
 
 
 def single_points(name):
@@ -399,7 +401,7 @@ MEASURED_IN_SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.
 
 def long_but_for(names):
     return pytest.mark.parametrize(
-        "name", [pytest.param(name, marks=() if name in names else pytest.mark.long) for name in FUNCTIONS]
+        "name", [pytest.param(name, marks=() if name in names else long) for name in FUNCTIONS]
     )
 
 
@@ -481,10 +483,10 @@ MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "press
     "kind, nu, names",
     [
         ("fretting", 0.3, MIDDLING),
-        pytest.param("gross_slip", "holl", None, marks=pytest.mark.compiled),
-        pytest.param("gross_slip", 0.3, None, marks=pytest.mark.long),
-        pytest.param("fretting", 0.3, None, marks=pytest.mark.long),
-        pytest.param("fretting", "holl", None, marks=pytest.mark.long),
+        pytest.param("gross_slip", "holl", None, marks=compiled),
+        pytest.param("gross_slip", 0.3, None, marks=long),
+        pytest.param("fretting", 0.3, None, marks=long),
+        pytest.param("fretting", "holl", None, marks=long),
     ],
 )
 def test_contacts_are_arguments_of_compiled_functions(kind, nu, names):
@@ -493,13 +495,13 @@ def test_contacts_are_arguments_of_compiled_functions(kind, nu, names):
     assert eager.keys() == jitted.keys() and len(eager) >= len(names or range(8))
     for name in eager:
         # the constants are arguments instead of numbers: the exponential of a logarithm of some tens
-        np.testing.assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
+        assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
 
 
 SOME = ("contact_radius", "stick_radius", "initial_displacement")  # of the contact, its slip, and a radius in it
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("kind, names", [("fretting", SOME), ("gross_slip", None)], ids=KINDS)
 def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     scale, contact = np.array([1.0, 1.1, 0.9]), reference_contact(kind, k=np.array([-0.6, 0.0, 0.45]))
@@ -511,11 +513,11 @@ def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     single = [all_results(jax.tree.map(lambda x, i=i: x[i], batch), names) for i in range(3)]
     for name, value in by_vmap.items():
         one_by_one = np.array([one[name] for one in single])
-        np.testing.assert_allclose(value, one_by_one, rtol=256 * EPS, err_msg=name)
-        np.testing.assert_allclose(np.broadcast_to(by_fields[name], (3,)), one_by_one, rtol=256 * EPS, err_msg=name)
+        assert_allclose(value, one_by_one, rtol=256 * EPS, err_msg=name)
+        assert_allclose(np.broadcast_to(by_fields[name], (3,)), one_by_one, rtol=256 * EPS, err_msg=name)
 
 
-@pytest.mark.long
+@long
 @pytest.mark.parametrize("nu", [0.3, "holl"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
@@ -531,7 +533,7 @@ def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
     for path, x in paths_of(contact).items():
         up, down = (value(with_leaf(contact, path, x * (1.0 + side))) for side in (1e-5, -1e-5))
         # Central differences: h^2 and EPS/h, both 1e-10 times a few tens.
-        np.testing.assert_allclose(x * leaf_of(slope, path), (up - down) / 2e-5, rtol=1e-7, err_msg=path)
+        assert_allclose(x * leaf_of(slope, path), (up - down) / 2e-5, rtol=1e-7, err_msg=path)
 
 
 # --- the optimal exponent -------------------------------------------------------------------------------------------
@@ -559,7 +561,7 @@ def designs(phi, lower, upper):
     return found, *(jax.tree.map(lambda slope, row=row: slope[row], by_both) for row in (0, 1))
 
 
-@pytest.mark.long
+@long
 def test_the_optimum_is_differentiable():
     found, (by_phi, by_lower, by_upper), by_volume = jax.tree.map(np.asarray, designs(PHI, LOWER, UPPER))
     volume_by_phi, _, volume_by_upper = by_volume
@@ -569,16 +571,16 @@ def test_the_optimum_is_differentiable():
     assert not np.any(np.stack(flags)[:, 6:])
     single = optimise.optimal_exponent(np.float32(GOOD_PHI))
     assert single.k.dtype == single.wear_volume.dtype == jnp.float32
-    np.testing.assert_allclose(single.k, found.k[GOOD], atol=2e-3)  # eps^(5/8) = 5e-5 of slope; the volume is flat
+    assert_allclose(single.k, found.k[GOOD], atol=2e-3)  # eps^(5/8) = 5e-5 of slope; the volume is flat
     h = 1e-4 * np.where(np.arange(12) < 6, 1.0, 0.0)
     up, down = (designs(PHI + sign * h, LOWER, UPPER)[0] for sign in (1.0, -1.0))
     # h^2 times third derivatives of some tens, and k to 1e-9 over h: 1e-5 both.
-    np.testing.assert_allclose(by_phi[BETWEEN], (np.asarray(up.k) - down.k)[BETWEEN] / 2e-4, rtol=1e-4)
+    assert_allclose(by_phi[BETWEEN], (np.asarray(up.k) - down.k)[BETWEEN] / 2e-4, rtol=1e-4)
     change = (np.asarray(up.wear_volume) - down.wear_volume)[GOOD] / 2e-4
-    np.testing.assert_allclose(volume_by_phi[GOOD], change, rtol=1e-4)
+    assert_allclose(volume_by_phi[GOOD], change, rtol=1e-4)
     # On a bound k follows that bound and nothing else, and so does the volume; elsewhere it knows of none but rounding.
-    np.testing.assert_array_equal(by_phi[[0, 5]], 0.0)
-    np.testing.assert_allclose(by_lower[GOOD], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], rtol=0, atol=64 * EPS)
-    np.testing.assert_allclose(by_upper[GOOD], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], rtol=0, atol=64 * EPS)
+    assert_array_equal(by_phi[[0, 5]], 0.0)
+    assert_allclose(by_lower[GOOD], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], rtol=0, atol=64 * EPS)
+    assert_allclose(by_upper[GOOD], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], rtol=0, atol=64 * EPS)
     by_k = float(jax.grad(fretting.wear_volume)(HIGHEST, 0.97))
     assert volume_by_upper[5] == pytest.approx(by_k, rel=1e-12)

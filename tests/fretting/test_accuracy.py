@@ -12,6 +12,7 @@ import oracle
 import pytest
 from hypothesis import given, settings, target
 from hypothesis import strategies as st
+from marks import compiled, long
 
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.fretting import deepest, ring
@@ -36,7 +37,7 @@ ROWS = [
         region,
         dtype,
         id=f"{quantity.name}-{region}-{dtype}".replace(" ", "_"),
-        marks=pytest.mark.long if dtype == "float32" and (region != "edges" or quantity.name not in SINGLE) else (),
+        marks=long if dtype == "float32" and (region != "edges" or quantity.name not in SINGLE) else (),
     )
     for dtype in ("float64", "float32")
     for region in ("bulk", "edges", *accuracy.NEAR, "SI")
@@ -59,19 +60,19 @@ def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
     check(quantity, region, dtype, count, seed, order=order)
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("quantity,region,dtype", [row for row in ROWS if row.values[0].order == 2])
 def test_errors_of_second_derivatives_stay_within_the_promise(quantity, region, dtype, seed):
     check(quantity, region, dtype, 96, seed)
 
 
-@pytest.mark.long
+@long
 @rows
 def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype, seed):
     check(quantity, region, dtype, 20_000 if dtype == "float64" else 5_000, seed + 1, processes=2)
 
 
-@pytest.mark.long
+@long
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("region", ["bulk", "edges"])
 def test_second_derivatives_of_the_deepest_wear_stay_within_the_promise(region, dtype, seed):
@@ -191,8 +192,8 @@ def test_h_N_at_the_ends_of_poissons_ratio():
 @pytest.mark.parametrize(
     "name",
     [
-        *(pytest.param(x, marks=pytest.mark.long) for x in ("reciprocal_gamma", "volume_numerator", "edge_even")),
-        pytest.param("edge_odd", marks=pytest.mark.compiled),
+        *(pytest.param(x, marks=long) for x in ("reciprocal_gamma", "volume_numerator", "edge_even")),
+        pytest.param("edge_odd", marks=compiled),
     ],
 )
 def test_the_gamma_tables_are_those_of_their_program(name):

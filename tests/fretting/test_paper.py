@@ -4,6 +4,7 @@ import numpy as np
 import oracle
 import pytest
 from functions import by_numpy
+from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import (
     FrettingContact,
@@ -30,7 +31,7 @@ def test_forces_and_radii_are_those_of_equations_8_to_12(k, nu):
     assert float(material.h_N(k, nu)) == pytest.approx(float(oracle.h_N(k, ratio)), rel=ROUNDING)
     initial, steady = (f(*at, 2e-3, 5e-6) for f in (oracle.gross_initial_force, oracle.gross_steady_force))
     found = punch.initial_force, punch.steady_force, punch.force_ratio, 1.0 - punch.force_drop
-    np.testing.assert_allclose(found, [float(x) for x in (initial, steady, *[steady / initial] * 2)], rtol=ROUNDING)
+    assert_allclose(found, [float(x) for x in (initial, steady, *[steady / initial] * 2)], rtol=ROUNDING)
     a_0 = FrettingContact(graded, R, F_N, MU).steady(0.0).contact_radius
     assert float(a_0) == pytest.approx(float(oracle.contact_radius(*at, R, F_N)), rel=ROUNDING)
 
@@ -73,7 +74,7 @@ def contact_and_dimensionless(k):
 @pytest.mark.parametrize("k", [-0.5, 0.3])
 def test_quantities_of_a_contact_are_dimensionless_ones_in_si_units(k):
     for name, both in by_numpy(contact_and_dimensionless)(np.asarray(k)).items():
-        np.testing.assert_allclose(*both, rtol=1e-12, atol=1e-30, err_msg=name)
+        assert_allclose(*both, rtol=1e-12, atol=1e-30, err_msg=name)
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.3])
@@ -84,8 +85,8 @@ def test_quantities_of_a_punch_are_dimensionless_ones_in_si_units(k):
     for name, unit in (("displacement", d), ("pressure", mean)):
         for state in ("initial", "steady"):
             found = getattr(steady, f"{state}_{name}")(a * r)
-            np.testing.assert_allclose(found, getattr(gross_slip, f"{state}_{name}")(r, k) * unit, **SI)
-    np.testing.assert_allclose(steady.volume_change, gross_slip.volume_change(k) * np.pi * a**2 * d, **SI)
+            assert_allclose(found, getattr(gross_slip, f"{state}_{name}")(r, k) * unit, **SI)
+    assert_allclose(steady.volume_change, gross_slip.volume_change(k) * np.pi * a**2 * d, **SI)
 
 
 @pytest.mark.parametrize("depth_ratio", [0.01, 100.0])
@@ -94,4 +95,4 @@ def test_force_follows_the_trends_of_table_1(depth_ratio):
     k = np.array([0.0, -0.7, -0.4, -0.1, 0.1, 0.4, 0.7])
     steady = GrossSlipContact(PowerLawGraded(1e9, depth_ratio * 1e-3, k, 0.3), radius=1e-3, depth=1e-6).steady()
     for force in (np.asarray(steady.initial_force), np.asarray(steady.steady_force)):
-        np.testing.assert_array_equal(force[1:] > force[0], (k[1:] > 0.0) == (depth_ratio < 1.0))
+        assert_array_equal(force[1:] > force[0], (k[1:] > 0.0) == (depth_ratio < 1.0))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import transient_oracle
 from kinds import FORCE, FRICTION, contact_of
+from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, PowerLawGraded, fretting, material, partial_slip
 from plgwear_jax.loads import Displacement, Force
@@ -38,9 +39,9 @@ def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
     a_0, shear = float(steady.contact_radius), 110e9 / 2.6
     lost = 9 * LIMIT**2 * 1.7 / (10 * a_0 * shear)
     lost = lost * (1 - (1 - phi) ** (5 / 3) - 5 * phi / 6 * (1 + (1 - phi) ** (2 / 3)))
-    np.testing.assert_allclose(steady.energy_per_cycle, lost, rtol=1e-11)
+    assert_allclose(steady.energy_per_cycle, lost, rtol=1e-11)
     moved = 3 * LIMIT * 1.7 / (16 * shear * a_0) * (1 - (1 - phi) ** (2 / 3))
-    np.testing.assert_allclose(steady.displacement_amplitude, moved, rtol=1e-13)
+    assert_allclose(steady.displacement_amplitude, moved, rtol=1e-13)
 
 
 @pytest.mark.compiled
@@ -49,7 +50,7 @@ def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
 def test_force_and_displacement_turn_each_other(k, rig):
     contact, force = dome(k), LIMIT * np.array([0.0, 1e-9, 0.1, 0.5, 0.99, 1.0 - 1e-9])
     moved = np.asarray(contact.steady(Force(force, rig)).displacement_amplitude)
-    np.testing.assert_allclose(contact.steady(Displacement(moved, rig)).tangential_force, force, rtol=1e-13)
+    assert_allclose(contact.steady(Displacement(moved, rig)).tangential_force, force, rtol=1e-13)
     limit = float(contact.steady(Force(0.0, rig)).gross_slip_displacement)
     alone = float(contact.steady(0.0).gross_slip_displacement)
     assert limit == pytest.approx(alone + (LIMIT / rig if rig else 0.0), rel=1e-14)
@@ -76,7 +77,7 @@ def test_the_smallest_displacements_go_with_the_smallest_forces():
         x.ravel() for x in np.meshgrid(np.linspace(-0.99, 0.99, 12), np.geomspace(1e-280, 1e-17, 12), [0.3, 1.0, 4.0])
     )
     expected = moved * (1.0 + compliance) / (2.0 / (3.0 + k) + compliance)
-    np.testing.assert_allclose(partial_slip.amplitude(k, moved, compliance), expected, rtol=1e-14)
+    assert_allclose(partial_slip.amplitude(k, moved, compliance), expected, rtol=1e-14)
 
 
 @pytest.mark.parametrize("k", [-0.5, 0.0, 0.5])
@@ -86,7 +87,7 @@ def test_the_displacement_of_the_worn_contact_is_larger(k):
     u, at_actuator = (np.array([x.displacement_amplitude, x.worn_displacement_amplitude]) for x in (alone, rig))
     c, s = float(fretting.stick_radius(k, 0.5)), 0.5 * (1.0 + k)
     assert u[1] / u[0] == pytest.approx(c**2 * 0.5 / (0.5 * (1.0 + s)) / (1.0 - c**2), rel=1e-12)
-    np.testing.assert_allclose(at_actuator - u, 0.5 * LIMIT / 1e6, rtol=1e-9)
+    assert_allclose(at_actuator - u, 0.5 * LIMIT / 1e6, rtol=1e-9)
 
 
 # --- the loop ---------------------------------------------------------------------------------------------------------
@@ -109,7 +110,7 @@ def test_energy_ratio_and_aperture_are_those_of_the_loop(k, rig):
     found = contact.steady(Force(force, rig))
     most = float(found.displacement_amplitude)
     expected = energy, energy / (4.0 * force * most), opened / most  # a rig loses nothing
-    np.testing.assert_allclose([found.energy_per_cycle, found.energy_ratio, found.loop_aperture], expected, rtol=1e-5)
+    assert_allclose([found.energy_per_cycle, found.energy_ratio, found.loop_aperture], expected, rtol=1e-5)
 
 
 def test_at_the_onset_of_gross_slip():
@@ -118,19 +119,19 @@ def test_at_the_onset_of_gross_slip():
     alone, rig = (dome(EXPONENTS).steady(Force(0.0, stiffness)) for stiffness in (None, 1e7))
     share = np.asarray(alone.gross_slip_displacement / rig.gross_slip_displacement)
     near, same = 1.0 - 1e-15, {"rtol": 1e-14}
-    np.testing.assert_allclose(partial_slip.energy_ratio(EXPONENTS, near), ratio, rtol=1e-6)
-    np.testing.assert_allclose(partial_slip.loop_aperture(EXPONENTS, near), aperture, rtol=1e-6)
+    assert_allclose(partial_slip.energy_ratio(EXPONENTS, near), ratio, rtol=1e-6)
+    assert_allclose(partial_slip.loop_aperture(EXPONENTS, near), aperture, rtol=1e-6)
     for steady, part, places in ((alone, 1.0, slice(None)), (rig, share, slice(None)), (two.steady(0.0), 1.0, 2)):
-        np.testing.assert_allclose(steady.gross_slip_energy_ratio, (part * ratio)[places], **same)
-        np.testing.assert_allclose(steady.gross_slip_aperture, (part * aperture)[places], **same)
+        assert_allclose(steady.gross_slip_energy_ratio, (part * ratio)[places], **same)
+        assert_allclose(steady.gross_slip_aperture, (part * aperture)[places], **same)
 
 
 @pytest.mark.parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])
 def test_both_vanish_with_the_force(name, part):
     function, slope = getattr(partial_slip, name), (1.0 + EXPONENTS) / (3.0 + EXPONENTS) / part
     for phi in (0.0, 1e-300, 1e-100, 1e-9):
-        np.testing.assert_allclose(function(EXPONENTS, phi), slope * phi, rtol=1e-8)
-    np.testing.assert_allclose([jax.grad(function, 1)(k, 0.0) for k in EXPONENTS], slope, rtol=1e-14)
+        assert_allclose(function(EXPONENTS, phi), slope * phi, rtol=1e-8)
+    assert_allclose([jax.grad(function, 1)(k, 0.0) for k in EXPONENTS], slope, rtol=1e-14)
     at_rest = jax.grad(lambda force: getattr(dome(0.3).steady(Force(force, 1e7)), name))(0.0)
     moved = float(dome(0.3).steady(1e-9).displacement_amplitude)
     assert float(at_rest) == pytest.approx(slope[3] / LIMIT * moved / (moved + 1e-9 / 1e7), rel=1e-9)

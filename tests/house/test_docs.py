@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from marks import compiled, long
 
 import plgwear_jax
 from plgwear_jax import (
@@ -72,7 +73,7 @@ def run(name: str) -> int:
     return len(blocks)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_readme_has_the_numbers_of_the_first_design():
     given = scene.load(ROOT / "design" / "steel_ball.toml")
     found, force = given.design(), 22.0
@@ -122,7 +123,7 @@ COMPILED = [
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.compiled if name in COMPILED else ())
+        pytest.param(name, marks=compiled if name in COMPILED else ())
         for name in sorted(name for name, text in TEXTS.items() if BLOCK.search(text))
     ],
 )
@@ -137,11 +138,7 @@ SLOW |= {f"plgwear_jax.{name}" for name in ("loads", "fitting", "shapes.splines"
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.compiled if name in SLOW else ())
-        for name in MODULES
-        if not name.endswith("__main__")
-    ],
+    [pytest.param(name, marks=compiled if name in SLOW else ()) for name in MODULES if not name.endswith("__main__")],
 )
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
@@ -294,7 +291,7 @@ def test_a_wrong_command_line_is_not():
         understood("plgwear design SCENE.toml --sensitivity-analysis")
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("name", [name for name, text in PAGES.items() if "<!-- printed by: " in text])
 def test_commands_print_what_the_pages_show(name):
     assert generated.printed(PAGES[name], (ROOT / name).parent) == PAGES[name]
@@ -318,7 +315,7 @@ def test_a_number_is_quoted_with_the_digits_that_it_is_shown_with():
         generated.quoted("5<!-- surfaces: no such contact, 4: ms -->")
 
 
-@pytest.mark.long
+@long
 @pytest.mark.parametrize(
     "name", ["hip_taper", "blade_root", "steam_generator_tube", "railway_axle", "electrical_contact"]
 )
@@ -466,7 +463,7 @@ def test_the_rule_is_that_of_its_table():
                 assert change > stiff, (gradient, thickness, phi)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_table_of_the_rule_is_computed(tmp_path, monkeypatch):
     ((heads, rows),) = generated.tables("rule")
     command = [sys.executable, ROOT / "benchmarks" / "coatings.py", "rule", "--out", tmp_path / "benchmarks"]
@@ -542,7 +539,7 @@ def test_the_first_sample_computes_in_float64(name):
 # --- the site -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.long
+@long
 def test_the_site_builds_without_a_warning(tmp_path):
     pytest.importorskip("mkdocs", reason="make docs has an environment of its own")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from marks import compiled, long
 
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
@@ -120,9 +121,9 @@ def test_links_lead_somewhere(name):
 # These compile derivatives of whole models, and numeric contacts; then searches.
 SLOW = dict.fromkeys(
     ("05_in_your_model", "06_wear_over_cycles", "07_real_coatings", "08_from_test_to_design"),
-    pytest.mark.long,
+    long,
 )
-SLOW |= dict.fromkeys(("01_first_steps", "03_best_for_what", "04_sweeps"), pytest.mark.compiled)
+SLOW |= dict.fromkeys(("01_first_steps", "03_best_for_what", "04_sweeps"), compiled)
 
 
 WITH_SLIDERS = "02_optimum"
@@ -138,7 +139,7 @@ def test_they_run(name, tmp_path):
     assert_runs_as_committed(name, tmp_path)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_one_with_sliders_runs_and_they_redraw_the_picture(tmp_path):
     move = "amplitude.value = 0.5\nbounds.value = (-0.5, 0.5)"
     wanted = "display(draw(0.5, (-0.5, 0.5)))"

@@ -5,7 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 import optimum_oracle
 import pytest
+from marks import compiled, long
 from mpmath import mp, mpf
+from numpy.testing import assert_allclose
 
 from plgwear_jax import fretting, optimise
 
@@ -60,13 +62,13 @@ def with_derivatives(bounds):
     return along, along(*bounds, one, zero), along(*bounds, zero, one)
 
 
-@pytest.mark.compiled
+@compiled
 def test_between_any_bounds(bounds, with_derivatives):
     for found, *pair in zip(with_derivatives[1][0].T, *bounds, strict=True):
         assert max(errors(found, optimum_oracle.critical_amplitudes(pair))) < 5e-14
 
 
-@pytest.mark.compiled
+@compiled
 def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivatives):
     _, (_, by_lower), (_, by_upper) = with_derivatives
     for i in range(4):
@@ -85,14 +87,14 @@ def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivative
             assert np.all(np.abs(np.asarray(found) - exact) <= tolerance), (lower, upper)
 
 
-@pytest.mark.compiled
+@compiled
 def test_bounds_broadcast(bounds):
     lower = bounds[0][:2]
     found = optimise.critical_amplitudes((lower[:, None], np.array([0.95, 1.0])))
     one = optimise.critical_amplitudes((lower[1], 1.0))
     for name in NAMES:
         assert getattr(found, name).shape == (2, 2)
-        np.testing.assert_allclose(getattr(found, name)[1, 1], getattr(one, name), rtol=1e-13)
+        assert_allclose(getattr(found, name)[1, 1], getattr(one, name), rtol=1e-13)
 
 
 def test_float32():
@@ -107,7 +109,7 @@ def test_float32():
 # --- what is outside ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
+@compiled
 def test_traced_bounds_out_of_range_give_nan(with_derivatives):
     lower, upper = np.array([-1.5, 0.0, 0.5, -0.5]), np.array([0.0, 1.5, 0.5, 0.5])
     found, slopes = with_derivatives[0](lower, upper, np.ones(4), np.ones(4))
@@ -118,7 +120,7 @@ def test_traced_bounds_out_of_range_give_nan(with_derivatives):
 # --- what the three numbers say -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("samples", [201, pytest.param(2001, marks=pytest.mark.long)])
+@pytest.mark.parametrize("samples", [201, pytest.param(2001, marks=long)])
 def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent(samples):
     """dV/dk over phi has the signs +, -, +."""
     k = np.linspace(-1.0, 1.0, samples)
@@ -139,19 +141,19 @@ def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponen
     assert 0.97 < phi[second[0]] < phi[second[-1]] < 0.998
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_best_exponent_leaves_its_bounds_there():
     at = optimise.critical_amplitudes(BOUNDS)
     phi = jnp.stack([x + d for x in (at.leaves_lower, at.reaches_upper, at.ends_equal) for d in (-1e-6, 1e-6)])
     best = optimise.optimal_exponent(phi, BOUNDS)
     assert best.at_bound.tolist() == [True, False, False, True, True, True]
-    np.testing.assert_allclose(best.k, np.repeat([-0.95, 0.95, 0.95, -0.95], [2, 2, 1, 1]), atol=1e-4)
+    assert_allclose(best.k, np.repeat([-0.95, 0.95, 0.95, -0.95], [2, 2, 1, 1]), atol=1e-4)
 
 
 # --- the best exponents ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.long
+@long
 def test_second_derivatives():
     # A minute or more, in which XLA compiles third derivatives of the wear volume.
     second = jax.jit(jax.jacfwd(jax.jacfwd(stacked)))((jnp.array(-1.0), jnp.array(1.0)))
@@ -163,4 +165,4 @@ def test_second_derivatives():
         )
         for found, three in ((second[0][0], lower), (second[1][1], upper)):
             exact = [float((a - 2 * b + c) / step**2) for a, b, c in zip(*three, strict=True)]
-            np.testing.assert_allclose(found, exact, atol=1e-6)
+            assert_allclose(found, exact, atol=1e-6)

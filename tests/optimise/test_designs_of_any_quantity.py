@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from coated import RIGID as CONTACT
 from commands import told
+from marks import compiled
+from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, optimise
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
@@ -23,7 +25,7 @@ def places_of(name):
     return {place: PLACES[place] for place in (FRETTING | TANGENTIAL)[name].arguments if place in PLACES}
 
 
-@pytest.mark.compiled
+@compiled
 def test_every_quantity_can_be_limited_while_any_number_varies():
     """Values against the methods of the contacts, slopes against differences, without the search."""
     limits = {name: {"below": 1.0, **places_of(name)} for name in POSITIVE}
@@ -34,18 +36,18 @@ def test_every_quantity_can_be_limited_while_any_number_varies():
     found = evaluate(question, points)
     for i in range(2):
         contact = with_variables(CONTACT, {name: float(x[i]) for name, x in points.items()})
-        np.testing.assert_allclose(found.objective[i], contact.steady(1.0).deepest_wear, rtol=1e-12)
+        assert_allclose(found.objective[i], contact.steady(1.0).deepest_wear, rtol=1e-12)
         values = [float(read(contact, one.quantity, 1.0, one.places)) / one.value for one in question.limits]
-        np.testing.assert_allclose(np.exp(found.values[i, 1:]), values, rtol=1e-12)
+        assert_allclose(np.exp(found.values[i, 1:]), values, rtol=1e-12)
     step = 1e-4
     for column, name in enumerate(bounds):
         ends = np.array([x * np.exp(h) if name != "nu" else x + h for x in points[name][:1] for h in (-step, step)])
         both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
         by_difference = np.diff(both.values, axis=0)[0] / (2.0 * step)
-        np.testing.assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=1e-6)
+        assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=1e-6)
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize(
     "contact, deepest, pressure",
     [(CONTACT, 2e-8, 8.5e8), (dataclasses.replace(CONTACT, indenter=STEEL), 2.8e-8, 6e8)],
@@ -64,13 +66,13 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
     assert any(state.active for state in found.limits.values())
     for one, (name, state) in zip(found.question.limits, found.limits.items(), strict=True):
         value = float(read(found.contact, one.quantity, 1.0, one.places))
-        np.testing.assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
+        assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
         assert state.active == (value == pytest.approx(state.allowed, rel=1e-8)), name
         assert value >= state.allowed * (1.0 - 1e-6) if one.lowest else value <= state.allowed * (1.0 + 1e-6), name
     assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick-slip boundary
 
 
-@pytest.mark.compiled
+@compiled
 def test_many_designs_take_the_same_questions():
     forces = np.array([0.5, 1.0])
     asked = {"vary": {"k": (-0.5, 0.5), "radius": (2e-3, 8e-3)}, "minimise": "deepest_wear"}
@@ -78,9 +80,9 @@ def test_many_designs_take_the_same_questions():
     many = optimise.designs(CONTACT, forces, **asked, limits=limits)
     for i, force in enumerate(forces):
         one = optimise.design(CONTACT, force, **asked, limits=limits)
-        np.testing.assert_allclose(many.value[i], one.value, rtol=1e-9)
+        assert_allclose(many.value[i], one.value, rtol=1e-9)
         for name, value in one.variables.items():
-            np.testing.assert_allclose(many.variables[name][i], value, rtol=1e-6, atol=1e-7)
+            assert_allclose(many.variables[name][i], value, rtol=1e-6, atol=1e-7)
     assert bool(np.all(many.certified))
 
 
@@ -107,16 +109,16 @@ wear_depth = { below = 1e-7, r = 6e-5 }
 """
 
 
-@pytest.mark.compiled
+@compiled
 def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "any.toml").write_text(SCENE, encoding="utf-8")
     found = told("design any.toml")
     best = with_variables(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
-    np.testing.assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
+    assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
     limits = found["limits"]
     assert limits.keys() == {"edge_pressure", "energy_per_cycle_lowest", "wear_depth"}
     steady = best.steady(1.0)
     expected = steady.edge_pressure(1e-6), steady.energy_per_cycle, steady.wear_depth(6e-5)
-    np.testing.assert_allclose([one["value"] for one in limits.values()], expected, rtol=1e-8, atol=1e-12)
+    assert_allclose([one["value"] for one in limits.values()], expected, rtol=1e-8, atol=1e-12)
     assert all(one["kept"] for one in limits.values()) and found["certified"]

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from coated import on
 from commands import told
+from marks import compiled
+from numpy.testing import assert_array_equal
 
 from plgwear_jax import Elastic, FrettingContact, Layered, optimise, scene
 
@@ -24,11 +26,11 @@ def test_an_input_file_asks_what_python_asks():
     assert given["limits"] == LIMITS
     material = given["contact"].material
     assert isinstance(material, Layered) and given["contact"].indenter == TUNGSTEN
-    np.testing.assert_array_equal(material.thickness, [5e-6, 5e-6])
-    np.testing.assert_array_equal(material.modulus, [220e9, 55e9, 110e9])
+    assert_array_equal(material.thickness, [5e-6, 5e-6])
+    assert_array_equal(material.modulus, [220e9, 55e9, 110e9])
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = told("design", str(LAYERS), "--sensitivities")
@@ -49,7 +51,7 @@ def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
     assert of_element == pytest.approx(differences, rel=2e-2, abs=2e-2)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_thickness_may_be_uncertain(tmp_path):
     text = LAYERS.read_text(encoding="utf-8")
     text = text.replace(', "material.thickness[1]" = [1e-6, 1e-4] }', ' }\nscenarios = "scatter.csv"\nover = "worst"')

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from coated import HOLD, LIFE, RIGID, held
 from commands import told
+from marks import compiled
+from numpy.testing import assert_allclose
 from test_designs_of_any_quantity import SCENE
 
 from plgwear_jax import GrossSlipContact, PowerLawGraded, catalogue, optimise
@@ -45,11 +47,11 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     kept = np.asarray(grid.steady(1.0).penetration) <= 8.5e-7
     assert not np.all(kept)
     is_the_envelope(curve, *(values[kept] for values in both(grid)), within=0.01)
-    np.testing.assert_allclose([curve.x, curve.y], both(held(curve.variables["k"])), rtol=1e-9)
-    np.testing.assert_allclose([curve.reference_x, curve.reference_y], both(RIGID), rtol=1e-9)
+    assert_allclose([curve.x, curve.y], both(held(curve.variables["k"])), rtol=1e-9)
+    assert_allclose([curve.reference_x, curve.reference_y], both(RIGID), rtol=1e-9)
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize(
     "x, y, larger",
     [
@@ -70,7 +72,7 @@ def test_no_contact_of_a_grid_is_better(x, y, larger):
     assert curve.x_name in catalogue.FRETTING and curve.larger == larger
 
 
-@pytest.mark.compiled
+@compiled
 def test_wear_after_a_life_against_wear_for_ever():
     """One name, two quantities: y is that of the life, x that of the steady state."""
     curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "wear_volume", points=5, hold=HOLD, **LIFE)
@@ -79,7 +81,7 @@ def test_wear_after_a_life_against_wear_for_ever():
     is_the_envelope(curve, *volumes, within=0.01, rounding=1e-6)
 
 
-@pytest.mark.compiled
+@compiled
 def test_both_quantities_after_a_life():
     """The volume against the radius of the scar."""
     curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "transient.contact_radius", points=4, hold=HOLD, **LIFE)
@@ -88,7 +90,7 @@ def test_both_quantities_after_a_life():
     is_the_envelope(curve, *both, within=0.01, rounding=1e-5)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_punch_trades_its_force_for_its_wear():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
     curve = optimise.front(punch, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
@@ -99,7 +101,7 @@ def test_a_punch_trades_its_force_for_its_wear():
     assert curve.best == ("largest steady force", "least effective volume worn off")
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_command_line_trades_any_two_quantities(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "any.toml").write_text(SCENE.partition("[design.limits]")[0], encoding="utf-8")
@@ -107,4 +109,4 @@ def test_the_command_line_trades_any_two_quantities(tmp_path, monkeypatch):
     found = told(*asked)
     assert found["units"] == {"wear_volume": "m^3", "stick_radius": "m", "friction": "1", "k": "1"}
     curve = optimise.front(RIGID, FORCE, BOUNDS, "wear_volume", "stick_radius", larger="y", points=3)
-    np.testing.assert_allclose([found["wear_volume"], found["stick_radius"]], [curve.x, curve.y], rtol=1e-9)
+    assert_allclose([found["wear_volume"], found["stick_radius"]], [curve.x, curve.y], rtol=1e-9)

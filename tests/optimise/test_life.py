@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from coated import COEFFICIENT
 from coated import RIGID as CONTACT
+from marks import compiled, long
+from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced
 
 from plgwear_jax import material, optimise, sweep
@@ -13,7 +15,7 @@ FORCE = 2.0
 ASKED = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius", "law": COEFFICIENT}
 
 
-@pytest.mark.long  # to compile
+@long  # to compile
 def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state_wants():
     short = optimise.design(CONTACT, FORCE, **ASKED, cycles=5e5)
     assert short.variables["k"] == -0.9 and short.certified
@@ -43,22 +45,22 @@ def test_what_no_sweep_over_cycles_takes():
             sweep.sweep(["transient.wear_volume"], **axes)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_best_exponent_for_a_life():
     """x stays when k changes: before the steady state the stiff surface is best, in the end what is best for ever."""
     phi, x = np.array([[0.1], [0.8]]), np.array([1.0, 6.0, 40.0, 1e6])
     found = optimise.optimal_exponent(phi, (-0.8, 0.8), life=x, nu=0.3, digits=2)
     assert found.k.shape == (2, 4) and np.all(found.certified)
     ever = optimise.optimal_exponent(phi[:, 0], (-0.8, 0.8))
-    np.testing.assert_allclose(found.k[:, -1], ever.k, atol=0.01)
-    np.testing.assert_allclose(found.wear_volume[:, -1], ever.wear_volume, rtol=1e-2)
-    np.testing.assert_array_equal(found.k[:, :2], -0.8)  # before the steady state
+    assert_allclose(found.k[:, -1], ever.k, atol=0.01)
+    assert_allclose(found.wear_volume[:, -1], ever.wear_volume, rtol=1e-2)
+    assert_array_equal(found.k[:, :2], -0.8)  # before the steady state
     assert found.k[1, 2] == 0.8 and np.all(found.at_bound[:, :2])
     # No exponent of a scan wears less.
     k = np.linspace(-0.8, 0.8, 33)[:, None, None]
     theta = np.asarray(material.tangential_ratio(k, 0.3))
     scan = Reduced(k, phi, digits=2).volume(x * theta)
-    np.testing.assert_allclose(np.min(scan, axis=0), found.wear_volume, rtol=1e-2)
+    assert_allclose(np.min(scan, axis=0), found.wear_volume, rtol=1e-2)
     assert np.all(np.min(scan, axis=0) > 0.995 * np.asarray(found.wear_volume))
 
 

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 import optima
 import pytest
+from marks import compiled
 from test_kernels import PINNED, Size
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
@@ -100,7 +101,7 @@ def tell_compilations() -> None:
     print(json.dumps(told))
 
 
-@pytest.mark.compiled
+@compiled
 def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
     done = subprocess.run(
         [
@@ -121,14 +122,14 @@ def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert told.keys() == questions().keys()
-    for name, compiled in told.items():
-        large = [program for program in compiled if program not in TINY]
+    for name, programs in told.items():
+        large = [program for program in programs if program not in TINY]
         assert large == EXPECTED.get(name, []), name
         if "amplitude" not in name and name != "other bounds":
-            assert compiled == large, name
+            assert programs == large, name
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_second_gradient_over_cycles_compiles_nothing(caplog):
     moduli = np.array([110e9, 150e9, 200e9, 240e9, 210e9, 180e9, 205e9, 210e9])
     coating = DepthGraded(1e-6 * np.array([0.0, 1.0, 3.0, 10.0, 20.0, 50.0, 100.0, 200.0]), moduli, 0.3)
@@ -174,7 +175,7 @@ def test_what_is_asked_once_takes_few_steps(monkeypatch):
     assert len(steps._block.steps) <= 9500, len(steps._block.steps)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_loop_of_a_batch_holds_the_objective_once():
     phi = jnp.full(optima.LENGTH, 0.3)
     found = size_of(exponent._optimal_exponents.lower(phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi, None))

@@ -17,6 +17,7 @@ import functions
 import jax
 import jax.numpy as jnp
 import pytest
+from marks import compiled
 
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core import formula
@@ -112,7 +113,7 @@ TRICKS = {
 }
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("name", TRICKS)
 def test_a_trick_still_does_good(monkeypatch, name):
     modules, trick, nothing, function = TRICKS[name]
@@ -136,7 +137,7 @@ print(value[0], slope[0])
 """
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_pair_is_compiled_where_a_register_holds_two_numbers():
     """Without what `one_kernel` does for LLVM this had not ended after seven minutes; it takes seconds."""
     flags = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2"}  # on ARM this says nothing, and is not needed

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import jax
 import pytest
 from functions import FUNCTIONS, arguments
+from marks import compiled
 from test_border import FRETTING, GROSS_SLIP, MATERIAL, build, depends
 
 import plgwear_jax
@@ -128,7 +129,7 @@ def operations(function, *at: float) -> int:
     return count("main")
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
 def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
     function = getattr(fretting, name)
@@ -136,7 +137,7 @@ def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
     assert max(by_k, by_phi) < 0.9 * by_both
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_optimal_exponent_needs_the_wear_volume_alone():
     made = made_of(jax.jit(optimise.optimal_exponent).lower(0.3))
     assert made.functions == {"wear_volume"}

@@ -6,8 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import plgwear_jax
 
@@ -78,9 +78,9 @@ def test_results_are_the_same_without_it(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == kept
     assert again.keys() == first.keys()
     for name, values in again.items():  # on layers NumPy rounds by where its matrices lie in memory
-        np.testing.assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
+        assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
     assert first.keys() == plain.keys()
     for name, values in first.items():
         assert len(values) == len(plain[name])
         allowed = HALF if name == "the best exponent" else ROOTS if name.endswith("layers") else ROUNDING
-        np.testing.assert_allclose(values, plain[name], rtol=allowed, err_msg=name)
+        assert_allclose(values, plain[name], rtol=allowed, err_msg=name)

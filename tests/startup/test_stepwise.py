@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax._startup import programs
 from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
@@ -123,7 +124,7 @@ def test_every_operation_is_that_of_xla(function, at, relative, absolute):
         assert isinstance(one, jax.Array) and (one.dtype, one.shape) == (other.dtype, other.shape)
         floats = np.issubdtype(one.dtype, np.floating)
         error = max(relative, float(np.finfo(one.dtype).eps)) if floats else 0.0
-        np.testing.assert_allclose(one, other, rtol=error, atol=absolute * floats)
+        assert_allclose(one, other, rtol=error, atol=absolute * floats)
 
 
 def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_program():
@@ -148,7 +149,7 @@ def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, mo
         return plain(x, y, out=out)
 
     monkeypatch.setattr(np, "matmul", counted)
-    np.testing.assert_allclose(steps(x, y), plain(x, y), rtol=0.0, atol=1e-12)
+    assert_allclose(steps(x, y), plain(x, y), rtol=0.0, atol=1e-12)
     assert max(counts) < 2**18 and sum(counts) == plain(x, y).size * shape[-1] / (shape[0] if len(shape) > 2 else 1)
 
 
@@ -172,7 +173,7 @@ def repeated(x):
 )
 def test_xla_has_the_rest(function):
     x, asked = np.array([0.5, 1.5, 2.5]), programs.program()(function)
-    np.testing.assert_array_equal(asked(x), jax.jit(function)(x))
+    assert_array_equal(asked(x), jax.jit(function)(x))
     assert not isinstance(asked.by((), (x,)), SteppedProgram)
 
 

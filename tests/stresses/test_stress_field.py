@@ -7,12 +7,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import compiled
+from numpy.testing import assert_allclose
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.stresses import Stress
-
-compiled = pytest.mark.compiled
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -35,7 +35,7 @@ def test_stresses_on_the_axis_are_those_of_huber():
     turn = np.arctan2(1.0, z)
     along = -(1.0 + nu) * (1.0 - z * turn) + 0.5 / (1.0 + z**2)
     for got, want in zip(found, (along, along, -1.0 / (1.0 + z**2), 0.0 * z), strict=True):
-        np.testing.assert_allclose(got / steady.peak_initial_pressure, want, rtol=0, atol=1e-12)
+        assert_allclose(got / steady.peak_initial_pressure, want, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
@@ -100,7 +100,7 @@ def test_stresses_in_layers(material, more):
 
     for z in (0.2, 1.0, 3.0):
         want = reference.stresses(p, lambda xi: mu * (p(xi) - p_c(xi)), respond, X, z, 60.0 / z)
-        np.testing.assert_allclose(np.array(steady.stress(X * a, z * a)) / p_0, want, rtol=0, atol=5e-4)
+        assert_allclose(np.array(steady.stress(X * a, z * a)) / p_0, want, rtol=0, atol=5e-4)
 
 
 @pytest.mark.parametrize("k", [0.4, pytest.param(-0.5, marks=compiled)])
@@ -136,7 +136,7 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
         for z in (0.2, 1.0):
             want = reference.stresses(pressure, traction, respond, X, z, 60.0 / z)
             found = np.array(steady.stress(X * a, z * a, worn=worn)) / p_0
-            np.testing.assert_allclose(found, want, rtol=0, atol=1e-3)
+            assert_allclose(found, want, rtol=0, atol=1e-3)
 
 
 # --- what is special at the surface -----------------------------------------------------------------------------------
@@ -150,15 +150,15 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
     x = np.array([-1.5, -0.95, -0.3, 0.0, 0.5, 0.95]) * a  # as many as above, which share their program
     found = steady.stress(x, 0.0)
     pressure, stuck = steady.initial_pressure(abs(x)), inner.initial_pressure(abs(x))
-    np.testing.assert_allclose(found.zz / p_0, -pressure / p_0, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
+    assert_allclose(found.zz / p_0, -pressure / p_0, rtol=0, atol=1e-3)
+    assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
 
 
 def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_an_infinite_one():
     compliant, stiff = (steady_of(PowerLawGraded(210e9, 1e-4, k, 0.3), 0.6) for k in (0.4, -0.4))
     a, p_0 = compliant.contact_radius, compliant.peak_initial_pressure
     found = compliant.stress(np.array([-1.2, -0.9, -0.5, 0.0, 0.3, 0.8]) * a, 0.0)
-    np.testing.assert_allclose(found.xx / p_0, 3.0 / 7.0 * found.zz / p_0, rtol=0, atol=2e-3)
+    assert_allclose(found.xx / p_0, 3.0 / 7.0 * found.zz / p_0, rtol=0, atol=2e-3)
     assert np.isinf(stiff.peak_tension)
     assert np.isfinite(compliant.peak_tension)
 
@@ -168,8 +168,8 @@ def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(see
     none = np.zeros(20)
     known = np.linalg.eigvalsh(np.moveaxis(np.array([[xx, none, xz], [none, yy, none], [xz, none, zz]]), -1, 0))
     found = Stress(xx, yy, zz, xz)
-    np.testing.assert_allclose(found.principal, known[:, 2], rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(found.mises, np.sqrt(4.5 * np.var(known, axis=1)), rtol=1e-12)
+    assert_allclose(found.principal, known[:, 2], rtol=1e-12, atol=1e-12)
+    assert_allclose(found.mises, np.sqrt(4.5 * np.var(known, axis=1)), rtol=1e-12)
 
 
 # --- peaks and derivatives --------------------------------------------------------------------------------------------
@@ -224,7 +224,7 @@ def test_bad_places_are_refused():
 
 def test_holl_ratio_is_that_of_the_exponent():
     named, given = (steady_of(PowerLawGraded(210e9, 1e-4, 0.4, nu), 0.6) for nu in ("holl", 1.0 / 2.4))
-    np.testing.assert_allclose(named.stress(X * A, 1e-6), given.stress(X * A, 1e-6), rtol=1e-9)
+    assert_allclose(named.stress(X * A, 1e-6), given.stress(X * A, 1e-6), rtol=1e-9)
 
 
 def test_many_contacts_answer_as_each_does():
@@ -232,8 +232,8 @@ def test_many_contacts_answer_as_each_does():
     many = FrettingContact(STEEL, RADIUS, forces, FRICTION).steady(1.0)
     for i, force in enumerate(forces):
         one = dataclasses.replace(many.contact, normal_force=force).steady(1.0)
-        np.testing.assert_allclose(many.peak_tension[i], one.peak_tension, rtol=1e-9)
-        np.testing.assert_allclose(many.stress(-A, 1e-6).xx[i], one.stress(-A, 1e-6).xx, rtol=1e-9)
+        assert_allclose(many.peak_tension[i], one.peak_tension, rtol=1e-9)
+        assert_allclose(many.stress(-A, 1e-6).xx[i], one.stress(-A, 1e-6).xx, rtol=1e-9)
 
 
 def test_peaks_in_single_precision():
@@ -242,4 +242,4 @@ def test_peaks_in_single_precision():
     known = contact.steady(1.5)
     for name in ("peak_tension", "peak_mises"):
         assert getattr(found, name).dtype == jnp.float32
-        np.testing.assert_allclose(getattr(found, name), getattr(known, name), rtol=3e-3)
+        assert_allclose(getattr(found, name), getattr(known, name), rtol=3e-3)

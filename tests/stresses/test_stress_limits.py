@@ -6,12 +6,12 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
+from marks import compiled
+from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
 from plgwear_jax.rules import placed_quantity
 from plgwear_jax.scene import SceneError
-
-compiled = pytest.mark.compiled
 
 SOFT = Layered([2e-5], [90e9, 210e9], 0.3)  # the coating is more compliant than what lies below
 CONTACT = FrettingContact(SOFT, 5e-3, 10.0, 0.5)
@@ -157,9 +157,9 @@ def test_depths_and_places_are_axes():
     found = sweep.sweep(["peak_mises_between"], contact=CONTACT, tangential_force=2.5, least=0.0, most=most)
     steady = CONTACT.steady(2.5)
     each = [float(steady.peak_mises_between(0.0, end)) for end in most]
-    np.testing.assert_allclose(found.peak_mises_between, each, rtol=1e-6)
+    assert_allclose(found.peak_mises_between, each, rtol=1e-6)
     found = sweep.sweep(["mises"], contact=CONTACT, tangential_force=2.5, x=np.array([-5e-5, 0.0]), z=1e-6)
-    np.testing.assert_allclose(found.mises, steady.mises(np.array([-5e-5, 0.0]), 1e-6), rtol=1e-6)
+    assert_allclose(found.mises, steady.mises(np.array([-5e-5, 0.0]), 1e-6), rtol=1e-6)
 
 
 def test_limits_of_one_quantity_from_python_need_their_depths():

@@ -15,6 +15,8 @@ import xarray as xr
 from functions import FUNCTIONS, arguments, fretting, gross_slip, values
 from hypothesis import given
 from hypothesis import strategies as st
+from marks import compiled, long
+from numpy.testing import assert_allclose
 from optima import optima
 from refusals import cases, is_told, refusal
 
@@ -46,15 +48,13 @@ SWEPT = [name for name in FUNCTIONS if name in OF_A_SWEEP]
 FIRST = {arguments(name): name for name in reversed(SWEPT)}.values()
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in FIRST else pytest.mark.long) for name in SWEPT]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in FIRST else long) for name in SWEPT])
 def test_every_function_can_be_swept(name):
     needs = arguments(name)
     (found,) = sweep.sweep(name, **{axis: VALUES[axis] for axis in needs}).values()
     assert found.dims == tuple(axis for axis in needs if np.ndim(VALUES[axis])) and set(found.coords) == set(needs)
     at = (x.values for x in xr.broadcast(*(found[axis] for axis in needs)))
-    np.testing.assert_allclose(found, values(name, *at), rtol=1e-13)
+    assert_allclose(found, values(name, *at), rtol=1e-13)
     attributes = {"quantity", "units", "long_name", "equation", "digits"}
     assert attributes <= set(found.attrs) <= attributes | {"label"} and all(found.attrs.values())
     assert found.attrs["quantity"] == name and str(found.name).isidentifier()
@@ -63,8 +63,8 @@ def test_every_function_can_be_swept(name):
 def test_short_names_are_those_of_fretting_first():
     ds = sweep.sweep(["initial_pressure", "gross_slip.initial_pressure", "force_ratio"], k=K, r=[0.3, 0.6])
     r, k = grid([0.3, 0.6], K)
-    np.testing.assert_allclose(ds["initial_pressure"].T, fretting.initial_pressure(r, k), rtol=1e-13)
-    np.testing.assert_allclose(ds.gross_slip_initial_pressure.T, gross_slip.initial_pressure(r, k), rtol=1e-13)
+    assert_allclose(ds["initial_pressure"].T, fretting.initial_pressure(r, k), rtol=1e-13)
+    assert_allclose(ds.gross_slip_initial_pressure.T, gross_slip.initial_pressure(r, k), rtol=1e-13)
     assert ds["force_ratio"].dims == ("k",)
 
 
@@ -74,11 +74,11 @@ def test_derivatives_are_those_of_the_formula():
     c, sticks = (1.0 - phi) ** (1.0 / (k + 3.0)), (1.0 - phi) * (k + 3.0)
     by_k = -c * np.log1p(-phi) / (k + 3.0) ** 2
     mixed = (np.log1p(-phi) / (k + 3.0) + 1.0) * c / (sticks * (k + 3.0))
-    np.testing.assert_allclose([*ds.values()], [by_k, -c / sticks, mixed], rtol=1e-12)
+    assert_allclose([*ds.values()], [by_k, -c / sticks, mixed], rtol=1e-12)
     assert ds.stick_radius_dk.attrs["long_name"].startswith("derivative by k of: stick radius")
 
 
-@pytest.mark.compiled
+@compiled
 def test_derivatives_by_what_is_not_swept():
     names, force = ["stick_radius.dE0", "stick_radius.dnormal_force", "stick_radius.dtangential_force"], [0.5, 2.0]
     ds = sweep.sweep(names, contact=CONTACT, tangential_force=force)
@@ -86,7 +86,7 @@ def test_derivatives_by_what_is_not_swept():
     phi = np.array(force) / 4.0
     c = np.asarray(CONTACT.steady(np.array(force)).stick_radius) / (CONTACT.material.k + 3.0)
     expected = [-c / 110e9, c / (1.0 - phi) / 10.0, -c / (1.0 - phi) / 4.0]
-    np.testing.assert_allclose([*ds.values()], expected, rtol=1e-12)
+    assert_allclose([*ds.values()], expected, rtol=1e-12)
     assert [variable.attrs["units"] for variable in ds.values()] == ["m/Pa", "m/N", "m/N"]
 
     units = sweep.sweep("steady_displacement.dr", k=[0.1], phi=0.3, r=[0.5]).steady_displacement_dr.attrs["units"]
@@ -102,12 +102,12 @@ def survives_netcdf(ds, folder):
         xr.testing.assert_identical(back.load(), ds)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_optimal_exponent_with_its_certificate(tmp_path):
     fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "scan_found_nothing_better")]
     ds = sweep.sweep(fields, phi=PHI, bounds=(-0.5, 0.5))
     best, (*values, found) = optima(PHI, (-0.5, 0.5)), ds.values()
-    np.testing.assert_allclose(values, [best.k, best.wear_volume, best.at_bound], rtol=1e-12)
+    assert_allclose(values, [best.k, best.wear_volume, best.at_bound], rtol=1e-12)
     assert found.dtype == bool and found.all()
     survives_netcdf(ds, tmp_path)
 
@@ -119,7 +119,7 @@ LOADS = {
 DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius"}
 
 
-@pytest.mark.compiled
+@compiled
 def test_designs_of_loads_are_those_of_optimise():
     ds = sweep.sweep(
         ["design.k", "design.wear_volume", "design.saving", "design.certified", "design.scan_found_nothing_better"],
@@ -131,9 +131,9 @@ def test_designs_of_loads_are_those_of_optimise():
     for name, (force, weight) in LOADS.items():
         best = optimise.design(with_leaf(CONTACT, "material.z0", 1e-5), force, weight=weight, level=0.5, **DESIGN)
         found = ds.sel(z0=1e-5, load_case=name)
-        np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
-        np.testing.assert_allclose(found.design_wear_volume, best.value, rtol=1e-12)
-        np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
+        assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
+        assert_allclose(found.design_wear_volume, best.value, rtol=1e-12)
+        assert_allclose(found.design_saving, best.saving, rtol=1e-9)
         flags = found.design_certified, found.design_scan_found_nothing_better
         assert tuple(map(bool, flags)) == (best.certified, best.scan_found_nothing_better)
     assert ds.design_wear_volume.attrs["units"] == "m^3"
@@ -173,7 +173,7 @@ def test_loads_and_ratios_of_holl_survive_netcdf(tmp_path):
     assert ds.attrs["nu"] == "holl" and "nu" not in ds.coords
     force, weight = LOADS["calm"]
     expected = np.average(with_leaf(CONTACT, "material.nu", "holl").steady(force).wear_volume, weights=weight)
-    np.testing.assert_allclose(ds.wear_volume.sel(load_case="calm"), expected, rtol=1e-13)
+    assert_allclose(ds.wear_volume.sel(load_case="calm"), expected, rtol=1e-13)
     ds.to_netcdf(tmp_path / "map.nc", engine="scipy")
     with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as back:
         assert list(back.load_case.astype(str).values) == ["calm", "storm"]
@@ -183,7 +183,7 @@ def test_single_precision_is_that_of_the_axes():
     ds = sweep.sweep("wear_volume", k=K.astype(np.float32), phi=PHI.astype(np.float32))
     assert ds.wear_volume.dtype == ds.k.dtype == np.float32
     exact = sweep.sweep("wear_volume", k=ds.k.astype(float), phi=ds.phi.astype(float)).wear_volume
-    np.testing.assert_allclose(ds.wear_volume, exact, rtol=5e-6)
+    assert_allclose(ds.wear_volume, exact, rtol=5e-6)
     assert sweep.sweep("wear_volume", k=K.astype(np.float32), phi=PHI).wear_volume.dtype == np.float64
 
 
@@ -206,12 +206,12 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_size_of_chunks_changes_rounding_at_most():
     whole = sweep.sweep("wear_volume", **AXES)
     for chunk in (1, 3, 34, 35, 1000):
         parts = sweep.sweep("wear_volume", **AXES, chunk=chunk)
-        np.testing.assert_allclose(parts.wear_volume, whole.wear_volume, rtol=1e-14)
+        assert_allclose(parts.wear_volume, whole.wear_volume, rtol=1e-14)
 
 
 def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):

@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
+from marks import compiled, long
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases
 
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import PressurePower
 
-compiled = pytest.mark.compiled
 ONE, FORCE = contact_of(LAW), 2.0
 BLOCKS = [Block(force, 1e5) for force in (FORCE, 0.5, 0.5, 3.0)]  # the second and the third wear nothing new
 LOADS = {
@@ -38,12 +39,12 @@ def test_a_run_has_worn_that_much_by_then(name):
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])
     volumes = shares * float(run.volume(end))
     assert run.volume(0.0) == run.depth(0.0, 0.0) == run.pressure(1.0, 0.0) == 0.0
-    np.testing.assert_allclose(run.volume(run.cycles_to(volume=volumes)), volumes, rtol=1e-9)
-    np.testing.assert_allclose(run.cycles_to(volume=volumes), run.cycles_to(shares), rtol=1e-9)
+    assert_allclose(run.volume(run.cycles_to(volume=volumes)), volumes, rtol=1e-9)
+    assert_allclose(run.cycles_to(volume=volumes), run.cycles_to(shares), rtol=1e-9)
     r = np.linspace(0.0, float(run.contact_radius(end)), 8001)
     depths = shares * float(np.max(run.depth(r, end)))
     by_then = np.max(np.asarray(run.depth(r[:, None], run.cycles_to(depth=depths))), 0)
-    np.testing.assert_allclose(by_then, depths, rtol=5e-4)
+    assert_allclose(by_then, depths, rtol=5e-4)
 
 
 def test_the_first_cycles_and_the_last_ones():
@@ -62,7 +63,7 @@ def test_the_first_cycles_and_the_last_ones():
 def test_what_is_never_worn_takes_for_ever():
     still = ONE.over_cycles(0.0, COEFFICIENT)
     for name in ("depth", "volume"):
-        np.testing.assert_array_equal(still.cycles_to(**{name: np.array([0.0, 1e-30])}), [0.0, np.inf])
+        assert_array_equal(still.cycles_to(**{name: np.array([0.0, 1e-30])}), [0.0, np.inf])
         # Gross slip goes on when the run has ended.
         assert np.isnan(run_of("sliding").cycles_to(**{name: 1.0}))
     assert np.isnan(still.cycles_to(0.5))
@@ -84,7 +85,7 @@ def test_blocks_end():
     [
         ("closed", {"depth": 5e-8}, 1e-6),
         ("closed", {"volume": 2e-16}, 1e-8),
-        pytest.param("numeric", {"depth": 5e-8}, 1e-5, marks=pytest.mark.long),
+        pytest.param("numeric", {"depth": 5e-8}, 1e-5, marks=long),
         ("sliding", {"volume": 1e-14}, 2e-2),
     ],
 )
@@ -99,9 +100,9 @@ def test_derivatives_are_those_of_the_implicit_function(name, goals, most):
     slope = jax.grad(of)(at)
     ahead = [[float(value(times * step * one)) for times in (1.0, -1.0, 2.0, -2.0)] for one in np.eye(3)]
     differences = [(8.0 * (a - b) - (c - d)) / (12.0 * step) for a, b, c, d in ahead]
-    np.testing.assert_allclose(slope, differences, atol=most)
+    assert_allclose(slope, differences, atol=most)
     assert float(slope[1]) == pytest.approx(-1.0, abs=1e-9)  # only K times the cycles counts
-    np.testing.assert_allclose(jax.vmap(of)(jnp.stack([at, at])), [value(at)] * 2, rtol=1e-9)
+    assert_allclose(jax.vmap(of)(jnp.stack([at, at])), [value(at)] * 2, rtol=1e-9)
 
 
 def test_slopes_by_the_volume_are_those_of_the_rate():
@@ -114,15 +115,15 @@ def test_slopes_by_the_volume_are_those_of_the_rate():
 def test_batches_single_precision_and_values_outside_under_jit():
     depths = np.array([1e-9, 1e-8, 1e-6])
     found = np.asarray(ONE.over_cycles([1.0, 2.0], COEFFICIENT).cycles_to(depth=depths[:, None]))
-    np.testing.assert_allclose(found[:, 1], run_of("closed").cycles_to(depth=depths), rtol=1e-9)
+    assert_allclose(found[:, 1], run_of("closed").cycles_to(depth=depths), rtol=1e-9)
     one, *single = jax.tree.map(jnp.float32, (ONE, FORCE, COEFFICIENT))
     run = one.over_cycles(*single)
     assert run.cycles_to(depth=jnp.float32(1e-8)).dtype == np.float32
-    np.testing.assert_allclose(run.cycles_to(depth=jnp.float32(1e-8)), found[1, 1], rtol=1e-3)
+    assert_allclose(run.cycles_to(depth=jnp.float32(1e-8)), found[1, 1], rtol=1e-3)
     asked = jax.jit(jax.vmap(lambda force, K, depth: ONE.over_cycles(force, K).cycles_to(depth=depth)))
     force, K = np.array([2.0, 5.0, 2.0, 2.0, 2.0]), np.array([1e-14, 1e-14, -1.0, 1e-14, 1e-14])
     told = asked(force, K, np.array([1e-8, 1e-8, 1e-8, -1.0, 1e-3]))
-    np.testing.assert_allclose(told, [found[1, 1], *[np.nan] * 3, np.inf], rtol=1e-9)
+    assert_allclose(told, [found[1, 1], *[np.nan] * 3, np.inf], rtol=1e-9)
     assert run.cycles_to(depth=np.zeros((0, 1), np.float32)).shape == (0, 1)
 
 

@@ -9,6 +9,8 @@ import pytest
 from balance import sums
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, RADIUS, STEEL, contact_of
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
+from marks import compiled
+from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting
@@ -16,7 +18,6 @@ from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
-compiled = pytest.mark.compiled
 ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
 
@@ -81,7 +82,7 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
     run = dome(0.2).over_cycles([Block(x, n) for x, n in zip((1.0, 3.0, 0.5, 2.0), cycles, strict=True)], COEFFICIENT)
     ends = np.cumsum(cycles)[:, None] * (1.0 + np.array([-4.0, -1.0, 0.0, 1.0, 4.0]) * 2.0**-52)
     stick = np.asarray(run.stick_radius(ends))
-    np.testing.assert_array_equal(stick, stick[:, 2:3] + 0.0 * ends)
+    assert_array_equal(stick, stick[:, 2:3] + 0.0 * ends)
     assert np.all(abs(np.asarray(run.stick_radius(ends[:-1, 2] * (1.0 + 1e-6))) / stick[:-1, 2] - 1.0) > 0.05)
 
 
@@ -97,9 +98,9 @@ def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     at, a_0 = slice(60, None, 20), float(one.steady(0.0).contact_radius)
     cycles = MANY * n[at]
     volume = np.asarray(run.volume(cycles)) / (a_0**4 / RADIUS)
-    np.testing.assert_allclose(volume, worn[at], atol=(ERROR + 6e-3) * worn[-1])  # what these rings are off
+    assert_allclose(volume, worn[at], atol=(ERROR + 6e-3) * worn[-1])  # what these rings are off
     assert volume[-1] == pytest.approx(worn[-1], rel=ERROR)
-    np.testing.assert_allclose(np.asarray(run.stick_radius(cycles)) / a_0, stick[at], rtol=0.02)
+    assert_allclose(np.asarray(run.stick_radius(cycles)) / a_0, stick[at], rtol=0.02)
 
 
 # --- against rings ----------------------------------------------------------------------------------------------------
@@ -130,7 +131,7 @@ def test_it_wears_as_rings_do(k, history):
     # To no length of a step.
     n, volume = rough[0], rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
     found = np.asarray(run.volume(np.minimum(MANY * n, float(run.lasting_cycles)))) / (a_0**4 / RADIUS)
-    np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
+    assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
 
 # Volumes at a held displacement, by rings, over those at the force that it needs before any wear.
@@ -157,9 +158,9 @@ def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
     rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
     run, final = Reduced(k, rising, blocks=np.diff(n, prepend=0.0)), np.asarray(fretting.wear_volume(k, rising))
-    np.testing.assert_allclose(run.volume(n) / final[-1], final / final[-1], atol=ERROR)
-    np.testing.assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
-    np.testing.assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
+    assert_allclose(run.volume(n) / final[-1], final / final[-1], atol=ERROR)
+    assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
+    assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
     mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7, 0.0]), blocks=[2.0, 1.0, 1e4, 5.0]), np.cumsum([2.0, 1.0, 1e4, 5.0])
     volume, alone = np.asarray(mixed.volume(n)), np.asarray(Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6])))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
@@ -167,7 +168,7 @@ def test_the_largest_amplitude_decides(k):
     # Without an amplitude nothing wears, and after the steady state nothing is left for a smaller one.
     assert volume[3] == volume[2] and mixed.rate(n[2] + 2.0) == 0.0
     later = Reduced(k, np.array([0.7, 0.3, 0.5, 0.2]), blocks=[1e4, 1e2, 1e2, 1e2])
-    np.testing.assert_allclose(np.diff(later.volume(np.array([1e4, 1.03e4]))), 0.0, atol=1e-6)
+    assert_allclose(np.diff(later.volume(np.array([1e4, 1.03e4]))), 0.0, atol=1e-6)
 
 
 # --- what is known ----------------------------------------------------------------------------------------------------
@@ -185,10 +186,10 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     share = np.asarray(run.rate(cycles)) / (coefficient * FORCE * 4.0 * u)
     assert np.all((share > 0.9) & (share < 1.0))
     way = np.asarray(run.volume(0.5 * cycles)) / volume
-    np.testing.assert_allclose(way, 0.5, atol=0.02)
-    np.testing.assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
-    np.testing.assert_array_equal(run.stick_radius(cycles), 0.0)
-    np.testing.assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
+    assert_allclose(way, 0.5, atol=0.02)
+    assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
+    assert_array_equal(run.stick_radius(cycles), 0.0)
+    assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
 
 
 @compiled
@@ -197,7 +198,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     pressure = float(one.steady(0.0).peak_initial_pressure)
     run = one.over_cycles(Force(2.0), PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent))
     ends = run.volume(run.lasting_cycles) / one.steady(2.0).wear_volume
-    np.testing.assert_allclose(ends, 1.0, atol=ERROR)
+    assert_allclose(ends, 1.0, atol=ERROR)
     assert float(run.steady.wear_volume) == float(one.steady(2.0).wear_volume)
     early = np.asarray(run.volume(1e4))
     assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
@@ -227,7 +228,7 @@ def test_derivatives_are_those_of_differences():
     slopes = jax.jacfwd(volume, (0, 1))(k, moved)
     for slope, step in zip(slopes, ((1e-6, 0.0), (0.0, 1e-6 * moved)), strict=True):
         ahead, behind = (np.asarray(volume(k + sign * step[0], moved + sign * step[1])) for sign in (1.0, -1.0))
-        np.testing.assert_allclose(slope, (ahead - behind) / (2.0 * sum(step)), rtol=5e-3)
+        assert_allclose(slope, (ahead - behind) / (2.0 * sum(step)), rtol=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -247,9 +248,9 @@ def test_equal_blocks_are_one(k, load, law):
     blocks = one.over_cycles([Block(force, cycles) for cycles in (1e5, 0.0, 1e5, 3e5)], law)
     whole, cycles = one.over_cycles(force, law), np.array([0.0, 5e4, 1e5, 3e5, 5e5])
     last = float(whole.volume(5e5))
-    np.testing.assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
+    assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
     for name in ("force_amplitude", "contact_radius", "stick_radius"):
-        np.testing.assert_allclose(getattr(blocks, name)(cycles), getattr(whole, name)(cycles), rtol=ERROR)
+        assert_allclose(getattr(blocks, name)(cycles), getattr(whole, name)(cycles), rtol=ERROR)
 
 
 @compiled
@@ -265,8 +266,8 @@ def test_any_contact_in_a_rig_carries_its_force(kind):
             assert moved == pytest.approx(times * onset, rel=1e-6)
         cycles = np.array([[1e4], [1e5]])
         force, volume = sums(run, cycles)
-        np.testing.assert_allclose(force, FORCE, rtol=2e-2)
-        np.testing.assert_allclose(volume, run.volume(cycles)[:, 0], rtol=2e-2)
+        assert_allclose(force, FORCE, rtol=2e-2)
+        assert_allclose(volume, run.volume(cycles)[:, 0], rtol=2e-2)
 
 
 ONE, CYCLES = contact_of(LAW), 1e5
@@ -334,7 +335,7 @@ def test_traced_bad_input_gives_nan(ask, bad):
 def test_nothing_wears_without_amplitude_or_cycles():
     still = worn(Displacement(0.0))
     assert still.volume(CYCLES) == 0.0 and np.isnan(still.cycles_to(0.5))
-    np.testing.assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
+    assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
     none = worn([Block(GROSS, 0.0)])
     assert none.volume(0.0) == 0.0
 
@@ -361,9 +362,9 @@ def test_nothing_wears_below_the_threshold_of_a_law(load):
     run = worn(load, HIGH)
     cycles = np.array([0.0, 1e5])
     for name in ("volume", "rate"):
-        np.testing.assert_array_equal(getattr(run, name)(cycles), 0.0)
-    np.testing.assert_array_equal(run.depth(0.5 * ONE.steady(0.0).contact_radius, cycles), 0.0)
-    np.testing.assert_allclose(run.contact_radius(cycles), ONE.steady(0.0).contact_radius, rtol=3e-3)
+        assert_array_equal(getattr(run, name)(cycles), 0.0)
+    assert_array_equal(run.depth(0.5 * ONE.steady(0.0).contact_radius, cycles), 0.0)
+    assert_allclose(run.contact_radius(cycles), ONE.steady(0.0).contact_radius, rtol=3e-3)
     assert run.lasting_cycles == 0.0 and np.isnan(run.cycles_to(0.5))
 
 
@@ -381,7 +382,7 @@ def test_a_threshold_inside_lets_less_wear():
     k = 0.2
     inside = 1.0 - 0.5 ** (2.0 / (1.0 + k))  # of the area
     above = 1.0 - (1.0 - inside) ** ((3.0 + k) / 2.0) - 0.5 * (3.0 + k) / 2.0 * inside
-    np.testing.assert_allclose(some.rate(0.0) / free.rate(0.0), above, rtol=0.05)
+    assert_allclose(some.rate(0.0) / free.rate(0.0), above, rtol=0.05)
 
 
 def test_beyond_the_widest_scar():
@@ -401,9 +402,9 @@ def test_contacts_and_loads_are_batches():
     assert found.shape == (2, 3) and many.depth(np.zeros((4, 1, 1)), CYCLES).shape == (4, 2, 3)
     for (i, j), volume in np.ndenumerate(found):
         single = contact_of(LAW, force=forces[i, 0]).over_cycles(Displacement(moved[j]), COEFFICIENT)
-        np.testing.assert_allclose(volume, single.volume(CYCLES), rtol=1e-5)
+        assert_allclose(volume, single.volume(CYCLES), rtol=1e-5)
     mapped = jax.vmap(lambda u: worn(Displacement(u)).volume(CYCLES))(jnp.asarray(moved))
-    np.testing.assert_allclose(mapped, found[1], rtol=1e-5)
+    assert_allclose(mapped, found[1], rtol=1e-5)
 
 
 @compiled
@@ -414,7 +415,7 @@ def test_forty_blocks_are_one_history():
     volume = np.asarray(run.volume(at))
     assert np.all(np.diff(volume) > 0.0) and np.all(np.isfinite(run.contact_radius(at)))
     # In two parts: what the first 20 blocks leave is what the others find.
-    np.testing.assert_allclose(worn(rising[:20]).volume(2e5), volume[20], rtol=1e-2)
+    assert_allclose(worn(rising[:20]).volume(2e5), volume[20], rtol=1e-2)
 
 
 # --- derivatives ------------------------------------------------------------------------------------------------------
@@ -449,7 +450,7 @@ def test_derivatives_are_differences(run, at, most):
     volume = jax.jit(lambda x: run(x).volume(CYCLES))
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
     near, far = [(volume(at + h) - volume(at - h)) / (2.0 * h) for h in step]
-    np.testing.assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
+    assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
 
 
 @compiled
@@ -476,5 +477,5 @@ def test_single_precision_keeps_two_digits(load):
     one, other = (contact.over_cycles(load, law) for contact, load, law in (single, double))
     volume = one.volume(np.float32(cycles))
     assert volume.dtype == np.float32
-    np.testing.assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
-    np.testing.assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=2e-3)
+    assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
+    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=2e-3)
