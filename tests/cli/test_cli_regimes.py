@@ -37,7 +37,8 @@ def test_the_map_is_told_written_and_drawn():
     assert found["load"] == {"normal_force": 10.0, "displacement_amplitude": [1.5e-7]}
     moves, forces = (np.array(found[name]) for name in ("displacement_amplitude", "normal_force"))
     onset = found["onset"]["displacement_amplitude"]
-    assert forces[[0, -1]] == pytest.approx([1.0, 100.0]) and moves[0] < 1.5e-7 < onset < moves[-1]
+    assert moves[0] < 1.5e-7 < onset < moves[-1]
+    assert_allclose(forces[[0, -1]], [1.0, 100.0], rtol=1e-6)
     again = contact.slip_regimes(its, moves, forces)
     rows = np.genfromtxt("map.csv", delimiter=",", names=True)
     for name in ("gross_slip", "energy_ratio", "loop_aperture", "tangential_force"):
@@ -56,13 +57,16 @@ def test_ranges_and_a_rig_are_taken():
     write(SCENE.replace("displacement = 1.5e-7", "tangential_force = 3.0"))
     found = told("--normal-force 5:20 --displacement 1e-7:1e-5 --rig-stiffness 1e7")
     its = scene.load("mine.toml").build_contact()
-    assert found["normal_force"][0] == 5.0 and found["displacement_amplitude"][-1] == pytest.approx(1e-5)
+    assert found["normal_force"][0] == 5.0
+    assert_allclose(found["displacement_amplitude"][-1], 1e-5, rtol=1e-6)
     moved = float(its.steady(Force(3.0, 1e7)).displacement_amplitude)
-    assert found["load"]["displacement_amplitude"] == [pytest.approx(moved, rel=1e-12)]
-    assert found["onset"]["energy_ratio"] == pytest.approx(float(its.steady(Force(0.0, 1e7)).gross_slip_energy_ratio))
+    assert_allclose(found["load"]["displacement_amplitude"], [moved], rtol=1e-12)
+    assert_allclose(found["onset"]["energy_ratio"], its.steady(Force(0.0, 1e7)).gross_slip_energy_ratio, rtol=1e-6)
     write(SCENE.replace("displacement = 1.5e-7", "displacement = 1.5e-6, rig_stiffness = 1e7"))
     own = told()
-    assert own["rig_stiffness"] == 1e7 and own["onset"] == pytest.approx(found["onset"], rel=1e-9)  # in gross slip
+    # in gross slip
+    assert own["rig_stiffness"] == 1e7
+    assert_allclose([*own["onset"].values()], [*found["onset"].values()], rtol=1e-9)
     table = printed()
     assert "of the rig" in table and ["1.5 µm", "gross"] in [row[:2] for row in commands.table_rows(table)]
 
@@ -70,7 +74,7 @@ def test_ranges_and_a_rig_are_taken():
 @compiled
 def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     write(SCENE.replace("k = 0.5", "k = 0.0").replace("0.4 }", "0.4, indenter = { E = 210e9, nu = 0.3 } }"))
-    assert told()["onset"]["energy_ratio"] == pytest.approx(0.2, rel=1e-12)
+    assert_allclose(told()["onset"]["energy_ratio"], 0.2, rtol=1e-12)
     assert "the energy ratio is 0.2 at 589.5 nm, at the transition" in printed()
 
 

@@ -15,12 +15,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends, quantities
 from functions import FUNCTIONS, arguments
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
-from plgwear_jax.contact.gross_slip_contact import SteadyPunch
-from plgwear_jax.steady.solution import Steady
 
 GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}
 RANGE = {
@@ -206,9 +205,6 @@ def test_under_grad_the_slope_is_nan(name, key):
 
 # --- the material and the contacts ----------------------------------------------------------------------------------
 
-MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
-FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
-GROSS_SLIP = {"radius": 2e-3, "depth": 1e-6}
 NOT_POSITIVE = [0.0, -1.0, math.inf, -math.inf, math.nan]
 FIELDS = [
     *((PowerLawGraded, name, value) for name in ("E0", "z0") for value in NOT_POSITIVE),
@@ -216,14 +212,6 @@ FIELDS = [
     *((FrettingContact, name, value) for name in FRETTING for value in NOT_POSITIVE),
     *((GrossSlipContact, name, value) for name in GROSS_SLIP for value in NOT_POSITIVE),
 ]
-
-
-def build(cls, **changed):
-    graded = PowerLawGraded(**{**MATERIAL, **{k: v for k, v in changed.items() if k in MATERIAL}})
-    if cls is PowerLawGraded:
-        return graded
-    fields = FRETTING if cls is FrettingContact else GROSS_SLIP
-    return cls(graded, **{**fields, **{k: v for k, v in changed.items() if k in fields}})
 
 
 @pytest.mark.parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
@@ -259,18 +247,6 @@ def test_depths_below_zero_are_refused():
             build(PowerLawGraded).modulus(value)
     with pytest.raises(ValueError, match=r"^z = -1.0 at index 1\b"):
         build(PowerLawGraded).modulus(np.array([0.0, -1.0]))
-
-
-def quantities(cls):
-    """What the steady state of a contact answers, and the names of the arguments that it takes."""
-    found = {}
-    for name, one in inspect.getmembers(Steady if cls is FrettingContact else SteadyPunch):
-        if name[0] != "_" and isinstance(one, property):
-            found[name] = []
-        elif name[0] != "_" and inspect.isfunction(one):
-            parameters = inspect.signature(one).parameters.items()
-            found[name] = [key for key, one in parameters if key != "self" and one.kind != one.KEYWORD_ONLY]
-    return found
 
 
 INSIDE = {
@@ -330,33 +306,6 @@ def test_wrong_digits_are_refused(cls):
     for wrong in (0, 16, 2.5, "a"):
         with pytest.raises((ValueError, TypeError), match="digits"):
             build(cls).steady(*given, digits=wrong)
-
-
-# Which fields a result depends on: only those can make it NaN.
-UNWORN, LOADED = {*MATERIAL, *FRETTING} - {"friction"}, {"normal_force", "friction", "tangential_force"}
-DEPENDS = {
-    "amplitude": LOADED,
-    "tangential_force": set(),
-    **dict.fromkeys(("contact_radius", "peak_initial_pressure"), UNWORN),
-    **dict.fromkeys(("initial_pressure", "initial_displacement"), UNWORN | {"r"}),
-    **{key: {"k"} for key in ("gross_slip_energy_ratio", "gross_slip_aperture")},
-    **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
-    "gross_slip_displacement": {*MATERIAL, *FRETTING},
-    "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-}
-OF_PUNCH = {
-    **{key: {"k"} for key in ("force_ratio", "force_drop")},
-    "volume_change": {"k", "radius", "depth"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-    **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
-}
-
-
-def depends(cls, name):
-    if cls is GrossSlipContact:
-        return OF_PUNCH.get(name, {*MATERIAL, *GROSS_SLIP, *quantities(cls)[name]})
-    return DEPENDS.get(name, {*MATERIAL, *FRETTING, "tangential_force", *quantities(cls)[name]})
 
 
 TRACED = {

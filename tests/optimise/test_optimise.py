@@ -140,7 +140,7 @@ def test_the_rival_is_the_other_valley(between):
     found, alone = (entry(between, row) for row in (0, 1))
     assert float(found.variables["x"]) == pytest.approx(-0.7308931031862214, abs=1e-9)  # 4x^3 - 2x + 0.1 = 0
     assert float(found.rival["x"]) == pytest.approx(RIGHT, abs=1e-9)
-    assert found.rival_value == pytest.approx(two_valleys({"x": RIGHT}))
+    assert_allclose(found.rival_value, two_valleys({"x": RIGHT}), rtol=1e-6)
     assert bool(found.scan_found_nothing_better)
     assert np.isnan(alone.rival["x"]) and np.isinf(alone.rival_value)
 
@@ -148,10 +148,11 @@ def test_the_rival_is_the_other_valley(between):
 def test_a_bound_is_hit_exactly_and_has_a_multiplier(in_square):
     found = in_square["linear"]
     assert found.variables["x"] == -2.0 and found.side["x"] == -1
-    assert float(found.variables["y"]) == pytest.approx(np.exp(-1.0))
+    assert_allclose(found.variables["y"], np.exp(-1.0), rtol=1e-6)
     assert found.bound_multipliers == pytest.approx({"x": 1.0, "y": 0.0})
     found = in_square["logarithm"]
-    assert found.variables["y"] == 0.1 and float(found.bound_multipliers["y"]) == pytest.approx(1.0)
+    assert found.variables["y"] == 0.1
+    assert_allclose(found.bound_multipliers["y"], 1.0, rtol=1e-6)
 
 
 def test_limits_are_kept_and_weighed_or_it_is_said(in_square):
@@ -161,7 +162,8 @@ def test_limits_are_kept_and_weighed_or_it_is_said(in_square):
     assert_allclose(found.multipliers, [2.0, 0.0], atol=1e-8)
     assert_allclose(found.limits, [0.0, -1.5], atol=1e-9)
     assert [bool(x) for one in (found, hopeless) for x in (one.converged, one.certified)] == [True, True, False, False]
-    assert float(hopeless.limits[0]) == pytest.approx(3.0)  # broken as little as can be
+    # broken as little as can be
+    assert_allclose(hopeless.limits[0], 3.0, rtol=1e-6)
 
 
 @compiled
@@ -327,7 +329,7 @@ def test_the_tail_is_the_cvar_by_its_definition(table, level, k):
         assert found >= expected * (1.0 - 1e-6)
     else:
         at = [t + np.dot(share, np.maximum(losses - t, 0.0)) / (1.0 - level) for t in losses]
-        assert found == pytest.approx(min(at), rel=1e-6)
+        assert_allclose(found, min(at), rtol=1e-6)
 
 
 # --- designs --------------------------------------------------------------------------------------------------------
@@ -349,12 +351,10 @@ def held():
 def test_design_at_held_contact_radius(held):
     exact = optima(0.25, bounds=(-0.9, 0.9))
     assert held.variables["k"] == pytest.approx(float(exact.k[0]), abs=1e-9)
-    assert float(held.contact.steady(0.0).contact_radius) == pytest.approx(
-        float(CONTACT.steady(0.0).contact_radius), rel=1e-13
-    )
+    assert_allclose(held.contact.steady(0.0).contact_radius, CONTACT.steady(0.0).contact_radius, rtol=1e-13)
     assert held.reference is CONTACT and held.objective == "wear_volume"
-    assert held.value == pytest.approx(float(held.contact.steady(1.0).wear_volume))
-    assert held.reference_value == pytest.approx(float(CONTACT.steady(1.0).wear_volume), rel=1e-13)
+    assert_allclose(held.value, held.contact.steady(1.0).wear_volume, rtol=1e-6)
+    assert_allclose(held.reference_value, CONTACT.steady(1.0).wear_volume, rtol=1e-13)
     assert 0.0 < held.saving < 1.0 and held.at_bound == {"k": None} and held.rival is None
     assert held.converged and held.certified and held.scan_found_nothing_better and held.keeps_limits
 
@@ -393,9 +393,9 @@ def test_what_python_prints_of_a_design_fits_a_screen(held):
 def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
     told = optimise.under_other_load(held, 1.1)
     again = optimise.design(CONTACT, 1.1, **HELD)
-    assert told.value == pytest.approx(float(held.contact.steady(1.1).wear_volume))
+    assert_allclose(told.value, held.contact.steady(1.1).wear_volume, rtol=1e-6)
     assert told.best.variables["k"] == pytest.approx(again.variables["k"], abs=1e-9)
-    assert told.loss == pytest.approx(float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rel=1e-6)
+    assert_allclose(told.loss, float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rtol=1e-6)
     assert told.loss > 0.0
     with pytest.raises(ValueError, match="beyond which the slip is gross"):
         optimise.under_other_load(held, 4.0)
@@ -452,15 +452,15 @@ def test_sensitivities_are_those_of_other_scenes(held):
     step = 1e-4
     ahead, behind = (optimise.design(CONTACT, np.exp(h), **HELD) for h in (step, -step))
     slope = (ahead.variables["k"] - behind.variables["k"]) / (2 * step)
-    assert told.variables["tangential_force"]["k"] == pytest.approx(slope, rel=1e-6)
-    assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
+    assert_allclose(told.variables["tangential_force"]["k"], slope, rtol=1e-6)
+    assert_allclose(told.saving["tangential_force"], (ahead.saving - behind.saving) / (2 * step), rtol=1e-6)
     # phi = F_x/(mu F_N), and at a held radius nothing else counts.
-    assert told.variables["friction"]["k"] == pytest.approx(-slope, rel=1e-6)
+    assert_allclose(told.variables["friction"]["k"], -slope, rtol=1e-6)
     assert told.variables["radius"]["k"] == pytest.approx(0.0, abs=1e-12)
     # The wear of the reference depends on its k; the best design, at the same contact radius, does not.
     by_k = jax.grad(lambda k: fretting.wear_volume(k, 0.25))(0.0) / fretting.wear_volume(0.0, 0.25)
     assert told.variables["k"]["k"] == pytest.approx(0.0, abs=1e-12)
-    assert told.saving["k"] == pytest.approx((1.0 - held.saving) * float(by_k), rel=1e-6)
+    assert_allclose(told.saving["k"], (1.0 - held.saving) * float(by_k), rtol=1e-6)
     bounds = {"lowest k", "highest k"}
     assert told.saving.keys() == bounds | {
         "E0", "z0", "k", "nu", "radius", "normal_force", "friction", "tangential_force",
@@ -473,12 +473,12 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     tight = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9 * free))
     state = tight.limits["edge_pressure"]
     assert tight.converged and tight.certified and tight.keeps_limits and state.active
-    assert float(tight.contact.steady(1.0).edge_pressure(distance)) == pytest.approx(0.9 * free, rel=1e-9)
+    assert_allclose(tight.contact.steady(1.0).edge_pressure(distance), 0.9 * free, rtol=1e-9)
     assert tight.value > held.value
     # The multiplier is what a looser limit saves.
     looser = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9001 * free))
     gain = -np.log(float(looser.value / tight.value)) / np.log(0.9001 / 0.9)
-    assert float(state.multiplier) == pytest.approx(gain, rel=1e-2)
+    assert_allclose(state.multiplier, gain, rtol=1e-2)
     loose = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(1.1 * free))
     assert not loose.limits["edge_pressure"].active
     assert loose.variables["k"] == pytest.approx(held.variables["k"], abs=1e-9)
@@ -489,7 +489,7 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     a_0 = float(CONTACT.steady(0.0).contact_radius)
     pressure = fretting.edge_pressure(distance / a_0, k, 0.25) * 10.0 / (np.pi * a_0**2)
     assert why is not None and why.allowed == {"edge_pressure": 1e-3 * free}
-    assert why.reachable["edge_pressure"] == pytest.approx(float(np.min(pressure)), rel=1e-5)
+    assert_allclose(why.reachable["edge_pressure"], np.min(pressure), rtol=1e-5)
     assert optimise.conflict(tight) is optimise.conflict(held) is None
 
 
@@ -504,7 +504,7 @@ def test_limits_that_cannot_be_kept_are_told_with_what_is_reachable():
     steady = dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=k, E0=E0)).steady(1.0)
     pressure, depth = np.asarray(steady.edge_pressure(1e-6)), np.asarray(steady.penetration)
     scanned = {"edge_pressure": pressure[depth <= 1e-6].min(), "penetration": depth[pressure <= 2e8].min()}
-    assert why.reachable == pytest.approx(scanned, rel=1e-2)
+    assert_allclose([why.reachable[name] for name in scanned], [*scanned.values()], rtol=1e-2)
     assert all(why.reachable[name] <= best * (1.0 + 1e-9) for name, best in scanned.items())
 
 
@@ -540,7 +540,7 @@ def test_each_limit_limits_what_it_says_on_the_side_it_says():
     for one, over in zip(question.limits, excess, strict=True):
         assert one.value == allowed[one.name]
         ratio = float(exact[one.name]) / one.value
-        assert np.exp(-over if one.lowest else over) == pytest.approx(ratio, rel=1e-12), one.name
+        assert_allclose(np.exp(-over if one.lowest else over), ratio, rtol=1e-12, err_msg=one.name)
         assert (over > 0.0) == (ratio < 1.0 if one.lowest else ratio > 1.0), one.name
     assert 0 < np.sum(excess > 0.0) < excess.size
 
@@ -550,8 +550,9 @@ def test_gross_slip_hangs_on_the_exponent():
     found = optimise.design(punch, None, {"k": (-0.5, 0.9)})
     ends = gross_slip.volume_change(jnp.array([-0.5, 0.9]))
     assert found.variables["k"] == [-0.5, 0.9][int(jnp.argmin(ends))] and found.rival is not None
-    assert found.value == pytest.approx(float(found.contact.steady().volume_change))
+    assert_allclose(found.value, found.contact.steady().volume_change, rtol=1e-6)
     drop = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
-    assert drop.variables["k"] == 0.9 and drop.rival_value == pytest.approx(float(gross_slip.force_drop(-0.5)))
+    assert drop.variables["k"] == 0.9
+    assert_allclose(drop.rival_value, gross_slip.force_drop(-0.5), rtol=1e-6)
     with pytest.raises(ValueError, match="no amplitude to misjudge"):
         optimise.under_other_load(drop)

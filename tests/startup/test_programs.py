@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import jax
 import pytest
+from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends
 from functions import FUNCTIONS, arguments
 from marks import compiled
-from test_border import FRETTING, GROSS_SLIP, MATERIAL, build, depends
 
 import plgwear_jax
 from plgwear_jax import FrettingContact, GrossSlipContact, fretting, optimise, scene
