@@ -298,10 +298,7 @@ def in_si(names: tuple[str, ...], r: Any, k: Any, force: Any) -> dict[str, Any]:
     return {name: law(r) if name in OF_RADIUS else law for name, law in found.items()}
 
 
-Bars = dict[str, dict[str, float]]  # ns a point, by units and quantity
-
-
-def quantities(report: Report, quick: bool) -> Figure:
+def quantities(report: Report, quick: bool) -> None:
     """Cost of each fretting quantity, alone and together."""
     k, phi = harness.bulk(100_000 if quick else 500_000, 0)
     r = harness.generator().uniform(0.0, 1.25, k.size) * np.asarray(jax.jit(fretting.worn_radius)(k, phi))
@@ -316,44 +313,13 @@ def quantities(report: Report, quick: bool) -> Figure:
         for name in (*names, TOGETHER):
             calls[units, name] = partial(jax.jit(partial(by, names if name == TOGETHER else (name,))), *given)
     taken = {key: Timing(x / k.size * 1e9) for key, x in interleave(calls, 3 if quick else 9).items()}
-    bars: Bars = {}
     for units in asked:
         alone = Timing(sum((taken[units, name].ns for name in names), np.zeros(1)))
         those = {name: taken[units, name] for name in names} | {SUM: alone, TOGETHER: taken[units, TOGETHER]}
-        bars[units] = {name: one.median for name, one in those.items()}
         rows: list[tuple[str, ...]] = [(name, short(one.median), one.quartiles) for name, one in those.items()]
         rows.insert(len(names), ())
         rows.append(("sum over together", short(median_ratio(alone, taken[units, TOGETHER])), ""))
         report.table(f"{k.size:,} points, {units}", ("", "ns a point", "quartiles"), rows)
-    return _as_bars(bars)
-
-
-def quantities_again() -> Figure:
-    tables = zip((WITHOUT_UNITS, SI), harness.committed("quantities"), strict=True)
-    return _as_bars({units: {row[0]: harness.number(row[1]) for row in rows if row[2]} for units, (_, rows) in tables})
-
-
-def _as_bars(bars: Bars) -> Figure:
-    figure = harness.figure(6.4, 4.4)
-    axes: Any = figure.subplots()
-    rows = list(bars[SI])
-    for units, colour, marker, beside in ((WITHOUT_UNITS, COLOURS[0], "o", -5), (SI, COLOURS[1], "s", 5)):
-        if units in bars:
-            times = list(bars[units].values())
-            axes.plot(times, range(len(rows)), marker, color=colour, markersize=4, label=units)
-            for y, time in enumerate(times):
-                words, side = f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", "left" if beside > 0 else "right"
-                place = {"textcoords": "offset points", "va": "center", "ha": side}
-                axes.annotate(words, (time, y), (beside, 0), fontsize=6.5, **place)
-    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time per point (ns), one core")
-    axes.set_xlim(np.array(axes.get_xlim()) * (0.7, 2.5))
-    axes.axhline(len(rows) - 2.5, color="0.5", linewidth=0.6)
-    saved = short(bars[SI][SUM] / bars[SI][TOGETHER])
-    axes.set_title(f"{SI}, all quantities together take {saved} times less than one by one")
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
-    axes.legend(loc="upper right")
-    return figure
 
 
 # --- size -----------------------------------------------------------------------------------------------------------
@@ -378,7 +344,7 @@ def cost_over_size(sizes: list[int]) -> dict[str, Any]:
     return found | {"call": float(np.median(eager)) * 1e6, "others": harness.taken_by_others()}
 
 
-def size(report: Report, quick: bool) -> Figure:
+def size(report: Report, quick: bool) -> None:
     """Time a point over the number of points."""
     sizes = [1, 100, 10_000, MILLION] if quick else [10**n for n in range(9)]
     found = {"one core": harness.in_new_process(cost_over_size, sizes, on="1")}
@@ -389,30 +355,13 @@ def size(report: Report, quick: bool) -> Figure:
     report.table("wear_volume, ns a point (quartiles)", columns, rows)
     report.print(f"a call with Python floats: {found['one core']['call']:.1f} us (one core)")
     report.others = max(one["others"] for one in found.values())
-    return _over_size(columns, rows)
-
-
-def size_again() -> Figure:
-    return _over_size(*harness.committed("size")[0])
-
-
-def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
-    figure = harness.figure(6.4, 4.0)
-    axes = figure.subplots()
-    for n, label in enumerate(columns[1:]):
-        at = [(harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows]
-        look: dict[str, Any] = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
-        axes.plot(*np.transpose(at), markersize=3, label=label, **look)
-    axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")
-    axes.legend()
-    return figure
 
 
 PARTS = {
     "digits": Part("Speed against accuracy, one core", digits, digits_again),
     "kernels": Part("Special functions, one core", kernels),
-    "quantities": Part("The fretting quantities, one core, float64", quantities, quantities_again),
-    "size": Part("Cost against size", size, size_again),
+    "quantities": Part("The fretting quantities, one core, float64", quantities),
+    "size": Part("Cost against size", size),
 }
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from refusals import cases, is_told
 from scipy import stats
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fitting, scene
+from plgwear_jax import FrettingContact, PowerLawGraded, fitting
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import PressurePower
 
@@ -261,17 +261,3 @@ def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
     told()  # nothing changes over the depth
     write("material = { thickness = [1e-6], modulus = [200e9, 110e9], nu = 0.3 }\n" + both[both.index("contact =") :])
     assert "of the 1 µm over which its modulus changes" in refused()
-
-
-@compiled
-@pytest.mark.parametrize("load", ["displacement = 1e-5", 'history = "h.csv"'])
-def test_the_command_fits_gross_slip_and_blocks(load):
-    written("h.csv", "cycles,displacement", [2e5, 2e5], [1e-7, 1e-5])
-    write(SCENE.replace("tangential_force = 2.0", load))
-    at = np.array([1e4, 2e5, 3e5])
-    written("v.csv", "cycles,volume", at, np.asarray(scene.load("mine.toml").over_cycles().volume(at)))
-    write(FITTED.replace("tangential_force = 2.0", load))
-    found = told("--fit v.csv")
-    assert found["steady_volume"] is None
-    assert_allclose(found["wear_coefficient"], COEFFICIENT, rtol=0.01)
-    assert "wear coefficient: " in printed("--fit v.csv")

@@ -198,9 +198,8 @@ _FAR: dict[str, Any] = {"derivatives_from": 0.1}
 _NEAR: dict[str, Any] = {"regions": NEAR}
 _SI: dict[str, Any] = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
 QUANTITIES = (
-    *_of(fretting, k_phi, "wear_volume", twin="fretting_point", order=2),
-    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", twin="fretting_point"),
-    *_of(fretting, k_phi, "deepest_wear", "edge_intensity"),
+    *_of(fretting, k_phi, "wear_volume", order=2),
+    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "deepest_wear", "edge_intensity"),
     *_of(fretting, inside_edge, "edge_pressure"),
     *_of(fretting, beside_indenter, "initial_displacement", **_FAR),
     *_of(fretting, beside_stick, "steady_displacement", **_FAR),
@@ -267,11 +266,6 @@ class Worst:
         )
 
 
-@functools.lru_cache(maxsize=4)
-def _exact(name: str, points: bytes, arguments: int, processes: int, order: int) -> list[Any]:
-    return oracle.map_points(name, np.frombuffer(points).reshape(-1, arguments).tolist(), processes, order=order)
-
-
 def measure(
     quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1, order: int = 2
 ) -> list[Worst]:
@@ -282,13 +276,9 @@ def measure(
     points = tuple(x[:count] for x in points)
     promised = PROMISED[dtype, region]
     kept = SHORT.get((quantity.name, dtype, region), promised)
-    needed = min(order, max(q.order for q in (quantity, *QUANTITIES) if q.oracle == quantity.oracle))
     order = min(order, quantity.order, len(promised) - 1)
     near = region in NEAR
-    # What several quantities have in common is computed once, to the order that the most demanding of them needs.
-    exact = _exact(quantity.oracle, np.stack(points, 1).astype(float).tobytes(), len(points), processes, needed)
-    if quantity.oracle == "fretting_point":
-        exact = [getattr(point, quantity.name.rpartition(".")[2]) for point in exact]
+    exact = oracle.map_points(quantity.oracle, np.stack(points, 1).astype(float).tolist(), processes, order=order)
 
     worst: list[Worst] = []
     measured = np.array([name not in quantity.with_unit for name in quantity.arguments], float)  # by the value
