@@ -107,8 +107,6 @@ def digits(report: Report, quick: bool) -> Figure:
         columns = ["dtype, digits", "ns a point", "quartiles", "worst error", *(f"x {name}" for name, _ in others)]
         report.table(kind, columns, rows)
     report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
-    report.print("\nThe value, for a page:\n")
-    report.markdown(*_summary(found))
     return _over_errors(_points(found))
 
 
@@ -127,20 +125,6 @@ def _times(found: Mapping[Any, Compared], slow: Any, fast: Any) -> float:
 def _error(found: Mapping[Any, Compared], name: Any) -> float:
     """The worst error of what a program is about: of its highest derivative."""
     return found[name].errors[max(found[name].errors)]
-
-
-def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
-    """The value in few columns, for a page."""
-    columns = ["digits"]
-    for dtype in DTYPES:
-        columns += [f"{dtype}: worst error", "ns a point"]
-    rows = []
-    for asked in (case.digits for case in found if isinstance(case, Case) and case[:2] == (VALUE, "float64")):
-        row = [f"{asked or 'all'}"]
-        for case in (Case(VALUE, dtype, asked) for dtype in DTYPES):
-            row += [f"{_error(found, case):.0e}", short(found[case].timing.median)] if case in found else ["", ""]
-        rows.append(row)
-    return columns, rows
 
 
 Drawn = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns

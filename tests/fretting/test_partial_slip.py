@@ -44,21 +44,6 @@ def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
     assert_allclose(steady.displacement_amplitude, moved, rtol=1e-13)
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("rig", [None, 1e4, 1e7, 1e12])
-@pytest.mark.parametrize("k", [-0.6, 0.3])
-def test_force_and_displacement_turn_each_other(k, rig):
-    contact, force = dome(k), LIMIT * np.array([0.0, 1e-9, 0.1, 0.5, 0.99, 1.0 - 1e-9])
-    moved = np.asarray(contact.steady(Force(force, rig)).displacement_amplitude)
-    assert_allclose(contact.steady(Displacement(moved, rig)).tangential_force, force, rtol=1e-13)
-    limit = float(contact.steady(Force(0.0, rig)).gross_slip_displacement)
-    alone = float(contact.steady(0.0).gross_slip_displacement)
-    assert_allclose(limit, alone + (LIMIT / rig if rig else 0.0), rtol=1e-14)
-    forth = jax.grad(lambda force: contact.steady(Force(force, rig)).displacement_amplitude)(force[3])
-    back = jax.grad(lambda moved: contact.steady(Displacement(moved, rig)).tangential_force)(moved[3])
-    assert_allclose(forth * back, 1.0, rtol=1e-12)
-
-
 def test_a_displacement_of_gross_slip_has_no_steady_state():
     contact = dome(0.3)
     onset = contact.steady(0.0).gross_slip_displacement

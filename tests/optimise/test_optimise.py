@@ -214,6 +214,9 @@ def test_derivatives_follow_the_implicit_function_theorem():
         ]
         for slopes in (forward(a, c), reverse(a, c)):
             assert_allclose(slopes, numeric, atol=1e-7)
+    second = jax.jit(jax.hessian(lambda a: best(a, 0.7)[0]))(0.3)
+    slopes = [forward(0.3 + h, 0.7)[0][0] for h in (step, -step)]
+    assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
 
 
 def test_a_known_minimum_moves_with_what_its_function_depends_on():

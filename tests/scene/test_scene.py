@@ -309,26 +309,18 @@ def said_by(steady, name, radii):
     return found(radii) if radii is not None else found(**places) if places else found
 
 
-@compiled
 def test_a_table_is_solved_for_its_mean():
-    wanted = [name for name, law in FRETTING_LAWS.items() if not {"r", "F_x"} <= {*law.arguments}]
-    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5\n{AT_PLACES}"))
-    given = read(with_files(text, 'table = "loads.csv"', loads=LOADS))
-    contact, found = given.build_contact(), given.solve()
-    assert list(found) == wanted
-    for name, quantity in found.items():
-        each = [said_by(contact.steady(force), name, quantity.radii) for force in (0.1, 0.4, 0.2)]
-        if name in WITHOUT_LOAD:
-            assert_allclose(quantity.value, each[0], rtol=1e-14)
-            assert not quantity.description.startswith("mean")
-        elif quantity.radii is None:
-            expected = np.dot([0.25, 0.125, 0.625], each)
-            # Peaks are those of a fine grid: which of its places is the highest, roundings may decide.
-            assert_allclose(quantity.value, expected, rtol=1e-5 if name in catalogue.STRESSES else 1e-14)
-            assert quantity.description.startswith("mean over loads.csv: ")
-        else:  # before any wear, as far as the worn ring reaches at worst
-            assert_allclose(quantity.radii[-1], 1.25 * contact.steady(0.4).worn_radius, rtol=1e-14)
-            assert_allclose(quantity.value, each[0], rtol=1e-12)
+    wanted = 'quantities = ["contact_radius", "wear_volume", "edge_pressure", "initial_pressure"]\ndistance = 1e-6'
+    given = read(with_files(changed(FRETTING, (QUANTITIES, wanted)), 'table = "loads.csv"', loads=LOADS))
+    steady, found = given.build_contact().steady([0.1, 0.4, 0.2]), given.solve()
+    radius, volume, pressure, before = found.values()
+    assert [one.description.startswith("mean over loads.csv: ") for one in found.values()] == [False, True, True, False]
+    assert_allclose(radius.value, steady.contact_radius, rtol=1e-14)
+    for one, each in ((volume, steady.wear_volume), (pressure, steady.edge_pressure(1e-6))):
+        assert_allclose(one.value, np.dot([0.25, 0.125, 0.625], each), rtol=1e-14)
+    # As far as the worn ring reaches at worst.
+    assert_allclose(before.radii[-1], 1.25 * np.max(steady.worn_radius), rtol=1e-14)
+    assert_allclose(before.value, steady.initial_pressure(before.radii[:, None])[:, 0], rtol=1e-12)
     assert list(read(with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == SINGLE
 
 
@@ -429,20 +421,6 @@ def test_refusal_of_what_cannot_be_solved(case):
     Path("loads.csv").write_text(LOADS)
     text = changed(FRETTING, (case["old"], case["new"])) if "old" in case else f"{GROSS_SLIP}{case['more']}"
     assert is_told(refusal(scene.SceneError, read(text).solve), case)
-
-
-@pytest.mark.parametrize("k", [-0.9, -0.25, 0.0, 0.9])
-def test_the_initial_pressure_has_its_peak_in_the_middle(k):
-    unworn = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, 10.0, 0.4).steady(0.0)
-    along = unworn.initial_pressure(unworn.contact_radius * np.linspace(0.0, 1.0, 101))
-    assert_allclose(unworn.peak_initial_pressure, np.max(along), rtol=1e-14)
-
-
-def test_fewer_digits_are_still_right():
-    given = read(FRETTING)
-    few, all_of_them = given.solve(digits=6), given.solve()
-    for name in few:
-        assert_allclose(few[name].value, all_of_them[name].value, rtol=2e-6)
 
 
 # --- whatever a file holds ------------------------------------------------------------------------------------------

@@ -104,7 +104,7 @@ def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
     assert_allclose(steady.initial_pressure(dtype(0.0)) / mean, 0.6 * 1.1 / 0.1, rtol=error)
 
 
-# Numbers that `reference/contact_mechanics.py` prints with 512 cells a side.
+# Numbers that `tools/contact_mechanics.py` prints with 512 cells a side.
 @pytest.mark.parametrize(
     "shape, force, radius, penetration, pressures, error",
     [

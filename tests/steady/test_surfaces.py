@@ -188,7 +188,7 @@ def test_traced_layers_that_are_none_are_nan_and_so_are_their_slopes():
 
 
 @compiled
-def test_slopes_by_the_thickness_in_single_precision_and_of_a_list_of_numbers():
+def test_slopes_by_the_thickness_in_single_precision():
     def slope(layers, force=F_X):
         by = jax.grad(lambda layers: contact_of(layers, STEEL).steady(force).wear_volume)
         return by(layers).thickness
@@ -196,11 +196,6 @@ def test_slopes_by_the_thickness_in_single_precision_and_of_a_list_of_numbers():
     found = slope(jax.tree.map(jnp.float32, LAYERS), jnp.float32(F_X))
     assert found.dtype == np.float32
     assert_allclose(found, slope(LAYERS), rtol=2e-2)
-
-    def volume(thickness):
-        return contact_of(Layered([thickness, 3e-5], MODULUS, NU), STEEL).steady(F_X).wear_volume
-
-    assert_allclose(jax.grad(volume)(2e-5), slope(LAYERS)[0], rtol=1e-12)
 
 
 # --- what is published ------------------------------------------------------------------------------------------------
