@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from commands import plgwear, printed, python, refused, table_rows, told
-from marks import compiled
+from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
@@ -231,7 +231,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("line", [pytest.param(line, marks=compiled) for line in ENDS])
+@parametrize("line", [pytest.param(line, marks=compiled) for line in ENDS])
 def test_a_design_says_how_it_ended(folder, search, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended
@@ -338,7 +338,7 @@ def test_moduli_are_named_by_their_depths(folder, search):
     assert cells(printed("design contact.toml"))["modulus at 1 mm"] == ["90 GPa", "at least 60 GPa", "kept"]
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "replacement, said",
     [
         (higher(-1e-15), "this design is still the best"),
@@ -355,7 +355,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "over, measure",
     [
         ("", "mean"),
@@ -553,8 +553,8 @@ def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
 # --- both, and the script itself ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["solve", "design", "front"])
-@pytest.mark.parametrize("as_json", ["--json", ""])
+@parametrize("command", ["solve", "design", "front"])
+@parametrize("as_json", ["--json", ""])
 def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
     rewrite("friction = 0.4", "fricton = 0.4")
     for file, line in {
@@ -573,7 +573,7 @@ def test_version_and_help():
         assert "Example: plgwear" in plgwear(f"{command} --help").stdout
 
 
-@pytest.mark.parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
+@parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
 def test_usage_errors_exit_with_2(line):
     result = plgwear(line)
     assert result.exit_code == 2 and "Traceback" not in result.output and result.stdout == ""

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused
-from marks import compiled
+from marks import compiled, parametrize
 from matplotlib import image
 from refusals import cases, is_told
 
@@ -118,7 +118,7 @@ HISTORY = 'load = { history = "h.csv" }'
 BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "load, quantity, axis, expected",
     [
         (HELD, "transient.wear_volume", "--k=0.1:0.2:2", {"displacement": 2e-7, "rig_stiffness": 2e7}),

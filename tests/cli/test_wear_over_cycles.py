@@ -7,7 +7,7 @@ import commands
 import numpy as np
 import pytest
 from commands import write
-from marks import compiled
+from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
@@ -79,7 +79,7 @@ CHANGING = "displacement (um),cycles,normal_force (N),friction\n0.1,1e5,10,0.4\n
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "history, blocks, own",
     [
         (PLAIN, [Block(1.0, 5e4), Block(2.0, 5e5), Block(1.0, 0.0)], {"blocks_in_gross_slip": []}),
@@ -140,7 +140,7 @@ def volume() -> np.ndarray:
     return np.asarray(CONTACT.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
 
-@pytest.mark.parametrize("known", [True, False])
+@parametrize("known", [True, False])
 def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
     """By the squared quantile of the normal distribution, or of Student's."""
     noise = 0.05 * np.random.default_rng(1).standard_normal(volume.size)
@@ -154,7 +154,7 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
     assert_allclose(np.array(rise) - least, 1.96**2 if known else stats.t.ppf(0.975, 5) ** 2, rtol=0.05)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "load, change, doubt",
     [
         (FORCE, lambda N, v: (100.0 * N, np.full_like(v, v.max())), "all points lie beyond 9"),

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax.optimise.conditions import solved_by_elimination
@@ -34,7 +34,7 @@ ALL = [
 ]
 
 
-@pytest.mark.parametrize("kind, question", ALL)
+@parametrize("kind, question", ALL)
 def test_a_batch_returns_again_and_again(kind, question):
     digits = 4 if question in ("steady", "unworn") else 2
     command = [sys.executable, batches.__file__, kind, question, *map(str, (digits, COUNT, ROUNDS))]
@@ -51,7 +51,7 @@ def calls_of_lapack(lowered):
     return [re.findall(r"tensor<((?:\d+x)*)f(?:32|64)>", line) for line in lines]
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "kind, question",
     [
         ("layers under steel", "unworn"),
@@ -89,7 +89,7 @@ def plain(matrix, right):
     return jnp.sum(found**3) + jnp.sum(found**2) + jnp.sum(factor**2 @ jnp.linalg.solve(factor, right[:, 0]))
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "transform",
     [
         lambda f: f,
@@ -118,7 +118,7 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
 # --- threads of OpenBLAS ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rows, columns", [(28, 1176), (84, 20), (130, 40)])
+@parametrize("rows, columns", [(28, 1176), (84, 20), (130, 40)])
 def test_lapack_gets_no_more_than_openblas_does_in_one_thread(rows, columns, seed):
     random = np.random.default_rng(seed)
     half, right = random.normal(size=(rows, rows)), random.normal(size=(rows, columns))
@@ -176,8 +176,8 @@ def test_a_matrix_that_is_not_positive_gives_nan():
     assert np.all(np.isnan(cholesky.solve_symmetric(-jnp.eye(3), jnp.ones((3, 1)))))
 
 
-@pytest.mark.parametrize("mapped", [sequential_vmap, sequential_forward_mode])
-@pytest.mark.parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
+@parametrize("mapped", [sequential_vmap, sequential_forward_mode])
+@parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
 def test_one_after_the_other_is_what_vmap_gives(mapped, count):
     def function(numbers, table):
         return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
@@ -206,7 +206,7 @@ def test_derivatives_are_by_what_moves_alone():
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 
 
-@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
+@parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
 def test_elimination_solves_small_systems(n, seed):
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))
@@ -222,7 +222,7 @@ def test_elimination_solves_small_systems(n, seed):
     assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
 
 
-@pytest.mark.parametrize("xp", [np, jnp])
+@parametrize("xp", [np, jnp])
 def test_a_singular_system_is_not_finite(xp):
     matrix = np.stack([np.ones((3, 3)), np.eye(3)])
     found = np.asarray(solved_by_elimination(xp.asarray(matrix), xp.ones((2, 3))))

@@ -13,7 +13,7 @@ import pytest
 import ring_contacts
 from balance import sums
 from functions import by_numpy
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
@@ -22,7 +22,7 @@ from plgwear_jax.loads import Block, Displacement, Force
 RECORDED = ring_contacts.recorded()
 
 
-each_kind = pytest.mark.parametrize("kind", KINDS)
+each_kind = parametrize("kind", KINDS)
 
 
 @functools.cache
@@ -66,7 +66,7 @@ def test_steady_states_are_those_of_rings(kind):
 
 
 @compiled
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if "depth" not in kind])
+@parametrize("kind", [kind for kind in KINDS if "depth" not in kind])
 def test_five_digits_of_a_steady_state_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     steady = contact.steady(force, digits=5)
@@ -87,7 +87,7 @@ def test_a_held_displacement_is_that_of_rings():
     assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
 
 
-@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel"])
+@parametrize("kind", ["layers under steel", "a power law under steel"])
 def test_small_amplitudes_follow_their_limits(kind):
     """Where displacements would cancel, limits stand in: the stiffness does not change, loops open as the amplitude."""
     contact, _, known = asked(kind)
@@ -99,7 +99,7 @@ def test_small_amplitudes_follow_their_limits(kind):
 
 @compiled
 @pytest.mark.filterwarnings("ignore:radius = 1")  # the radius of 1 moves too, beyond what is doubted
-@pytest.mark.parametrize("kind", ["layers under steel", "a table", "a power law under steel", "a shape"])
+@parametrize("kind", ["layers under steel", "a table", "a power law under steel", "a shape"])
 def test_derivatives_are_those_of_differences(kind, seed):
     """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
     contact, force, known = asked(kind)
@@ -140,7 +140,7 @@ LOADS = {
 }
 
 
-@pytest.mark.parametrize("name", LOADS)
+@parametrize("name", LOADS)
 def test_the_fields_of_a_run_balance_its_numbers(name):
     """Pressures carry the normal force, depths add up to the volume, and friction wears off the rate."""
     contact, (load, most), cycles = CLOSED, LOADS[name], WEARS[:, None]

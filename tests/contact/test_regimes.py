@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kinds import FORCE, FRICTION, KINDS, contact_of
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, refusal
 
@@ -28,8 +28,8 @@ def under(contact, forces=FORCES):
     return dataclasses.replace(contact, normal_force=forces[:, None])
 
 
-@pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("k", [pytest.param(-0.8, marks=compiled), 0.0, 0.5])
+@parametrize("rig", RIGS)
+@parametrize("k", [pytest.param(-0.8, marks=compiled), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
     contact = contact_of(law(k))
     whole = np.asarray(under(contact).steady(Force(0.0, rig)).gross_slip_displacement)
@@ -51,7 +51,7 @@ def test_a_map_is_made_of_single_contacts(k, rig):
     assert_allclose((found.loop_aperture * moves)[beyond], opened[beyond], rtol=1e-12)
 
 
-@pytest.mark.parametrize("rig", RIGS)
+@parametrize("rig", RIGS)
 def test_nothing_jumps_at_the_onset(rig):
     onset = float(contact_of(law(0.9)).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
@@ -63,8 +63,8 @@ def test_nothing_jumps_at_the_onset(rig):
 
 
 @compiled
-@pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("k", [-0.6, 0.3])
+@parametrize("rig", RIGS)
+@parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
     closed, numeric = contact_of(law(k)), contact_of(law(k), Elastic(1e20, 0.3))
     onset = float(closed.steady(Force(0.0, rig)).gross_slip_displacement)
@@ -74,7 +74,7 @@ def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
         assert_allclose(getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name)
 
 
-@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=compiled), 0.0, 0.5])
+@parametrize("k", [pytest.param(-0.5, marks=compiled), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
     contact = contact_of(law(k))
     onset = float(contact.steady(0.0).gross_slip_displacement)

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends, quantities
 from functions import FUNCTIONS, arguments
+from marks import compiled, parametrize
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
@@ -42,8 +43,8 @@ BAD = {
 }
 
 
-each_function = pytest.mark.parametrize("name", FUNCTIONS)
-each_argument = pytest.mark.parametrize("name, key", [(name, key) for name in FUNCTIONS for key in arguments(name)])
+each_function = parametrize("name", FUNCTIONS)
+each_argument = parametrize("name, key", [(name, key) for name in FUNCTIONS for key in arguments(name)])
 
 
 def call(name, **changed):
@@ -77,7 +78,7 @@ def test_the_bad_element_of_an_array_is_named_by_its_index(name, key):
 
 
 @each_argument
-@pytest.mark.parametrize("kind", ["complex", "complex array", "string", "string array", "None", "object"])
+@parametrize("kind", ["complex", "complex array", "string", "string array", "None", "object"])
 def test_what_is_no_real_number_is_refused(name, key, kind):
     if key == "nu" and kind == "string":
         pytest.skip("a string is a way to say nu; see the test of it")
@@ -214,7 +215,7 @@ FIELDS = [
 ]
 
 
-@pytest.mark.parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
+@parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
 def test_a_field_outside_is_refused(cls, field, value):
     text = RANGE.get(field, "> 0")
     with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
@@ -227,10 +228,8 @@ def test_a_field_outside_is_refused(cls, field, value):
         dataclasses.replace(build(cls), **{field: value})
 
 
-@pytest.mark.parametrize("given", [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j])], ids=repr)
-@pytest.mark.parametrize(
-    "cls, field", sorted({(c, f) for c, f, _ in FIELDS}, key=str), ids=lambda x: getattr(x, "__name__", x)
-)
+@parametrize("given", [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j])], ids=repr)
+@parametrize("cls, field", sorted({(c, f) for c, f, _ in FIELDS}, key=str), ids=lambda x: getattr(x, "__name__", x))
 def test_a_field_that_is_no_real_number_is_refused(cls, field, given):
     with pytest.raises((TypeError, ValueError)):
         build(cls, **{field: given})
@@ -262,7 +261,7 @@ INSIDE = {
     },
     GrossSlipContact: {"r": 1e-3, "z": 1e-5},
 }
-each_contact = pytest.mark.parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
+each_contact = parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 
 
 def ask(contact, name, **changed):
@@ -309,16 +308,10 @@ def test_wrong_digits_are_refused(cls):
 
 
 TRACED = {
-    "E0": NOT_POSITIVE,
-    "z0": NOT_POSITIVE,
     "k": [-1.0, 1.0, 2.0, math.nan],
     "nu": [-1.0, -2.0, 0.6, math.nan],
-    "radius": NOT_POSITIVE,
-    "normal_force": NOT_POSITIVE,
-    "friction": NOT_POSITIVE,
-    "depth": NOT_POSITIVE,
-    "r": [-1e-9, -1.0, math.nan],
-    **{key: [-1e-9, -1.0, math.nan] for key in ("distance", "z", "least", "most")},
+    **dict.fromkeys(("E0", "z0", "radius", "normal_force", "friction", "depth"), NOT_POSITIVE),
+    **dict.fromkeys(("r", "distance", "z", "least", "most"), [-1e-9, -1.0, math.nan]),
     "x": [math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
     "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],
@@ -343,11 +336,11 @@ def traced_results(cls, names):
     return rows, {name: np.asarray(result) for name, result in results.items()}
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "cls, names",
     [
         pytest.param(FrettingContact, quantities(FrettingContact).keys() - STRESSES, id="fretting"),
-        pytest.param(FrettingContact, STRESSES, id="stresses", marks=pytest.mark.compiled),
+        pytest.param(FrettingContact, STRESSES, id="stresses", marks=compiled),
         pytest.param(GrossSlipContact, quantities(GrossSlipContact).keys(), id="gross slip"),
     ],
 )

@@ -7,7 +7,7 @@ import functions
 import jax
 import numpy as np
 import pytest
-from marks import compiled, long
+from marks import compiled, long, parametrize
 
 # What the full results themselves are promised to.
 FULL = {"float64": (2e-14, 1e-13), "float32": (5e-6, 1e-5)}
@@ -66,7 +66,7 @@ def each(marks):
         for dtype, most in MOST.items()
         for n in range(3, most + 1)
     ]
-    return pytest.mark.parametrize("quantity,dtype,digits", rows)
+    return parametrize("quantity,dtype,digits", rows)
 
 
 def when_slopes(quantity, dtype, digits):
@@ -92,7 +92,7 @@ def test_slopes_have_the_digits_asked_for(quantity, dtype, digits):
     assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][1]
 
 
-@pytest.mark.parametrize("quantity", [q for q in BULK if in_series(q)], ids=lambda quantity: quantity.name)
+@parametrize("quantity", [q for q in BULK if in_series(q)], ids=lambda quantity: quantity.name)
 def test_fewer_digits_are_really_fewer(quantity):
     full = values(quantity, "float64", None)
     errors = [np.max(np.abs(values(quantity, "float64", n) - full) / np.abs(full)) for n in (3, 6, 9, 12)]

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from functions import COMPILED, FUNCTIONS, arguments
 from kinds import COEFFICIENT, KINDS, LAW
+from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from test_border import GOOD
 
@@ -49,7 +50,7 @@ def shape_of(function):
 # --- functions --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@parametrize("name", FUNCTIONS)
 def test_functions_take_lists_tuples_and_nothing(name):
     function, good = FUNCTIONS[name], [GOOD[key] for key in arguments(name)]
     two = [[x, 0.9 * x] for x in good]
@@ -98,7 +99,7 @@ QUANTITIES = [name for name, one in vars(Steady).items() if isinstance(one, prop
 BEFORE = {"contact_radius", "peak_initial_pressure", *(name for name in QUANTITIES if name.startswith("gross_slip"))}
 
 
-@pytest.mark.parametrize("name", [*QUANTITIES, *PLACES])
+@parametrize("name", [*QUANTITIES, *PLACES])
 def test_a_steady_state_takes_lists_and_nothing(name):
     def read(force, at):
         steady = CLOSED.steady(force, digits=np.int64(3))
@@ -133,7 +134,7 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize("kind", RUNS)
+@parametrize("kind", RUNS)
 def test_a_run_of_nothing_is_nothing(kind):
     run = RUNS[kind](np.zeros((0, 2)))
     for name in ("volume", "rate", "contact_radius", "stick_radius", "energy_per_cycle"):
@@ -188,7 +189,7 @@ RECORDS = [
 ]
 
 
-@pytest.mark.parametrize("make", RECORDS)
+@parametrize("make", RECORDS)
 def test_fields_of_records_are_arrays(make):
     """A list that stayed one would be as many leaves as it has numbers."""
     of_list = make([0.25, 0.5])

@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
@@ -29,7 +29,7 @@ from plgwear_jax.catalogue import QUANTITIES
 EPS = float(np.finfo(np.float64).eps)
 EPS32 = float(np.finfo(np.float32).eps)
 
-each_function = pytest.mark.parametrize("name", FUNCTIONS)
+each_function = parametrize("name", FUNCTIONS)
 
 
 BULK = 40
@@ -91,7 +91,7 @@ def test_arguments_broadcast_as_in_numpy(name):
     assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
 
 
-@pytest.mark.parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
+@parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
 def test_shapes_that_do_not_broadcast_are_refused(name):
     values = [np.full(2 + i, scalar(key)) for i, key in enumerate(arguments(name))]
     with pytest.raises((TypeError, ValueError), match=r"shape|broadcast"):
@@ -274,7 +274,7 @@ LONG_TWICE = (
     "partial_slip.loop_aperture",
 )
 COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
-slow_twice = pytest.mark.parametrize(
+slow_twice = parametrize(
     "name",
     [
         pytest.param(name, marks=getattr(pytest.mark, "long" if name in LONG_TWICE else "compiled"))
@@ -376,9 +376,7 @@ def test_jit_and_vmap_equal_the_plain_call(name):
     assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
 
 
-@pytest.mark.parametrize(
-    "name", ["fretting.stick_radius", "fretting.wear_depth", "gross_slip.force_ratio", "material.h_N"]
-)
+@parametrize("name", ["fretting.stick_radius", "fretting.wear_depth", "gross_slip.force_ratio", "material.h_N"])
 def test_alone_under_jit_the_bits_are_the_same(name):
     under_jit = functions.in_rounds(jax.jit(FUNCTIONS[name], compiler_options=functions.AS_USERS), *bulk(name))
     assert_array_equal(under_jit, functions.values(name, *bulk(name)))
@@ -400,9 +398,7 @@ MEASURED_IN_SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.
 
 
 def long_but_for(names):
-    return pytest.mark.parametrize(
-        "name", [pytest.param(name, marks=() if name in names else long) for name in FUNCTIONS]
-    )
+    return parametrize("name", [pytest.param(name, marks=() if name in names else long) for name in FUNCTIONS])
 
 
 @long_but_for(CHEAP_IN_SINGLE + MEASURED_IN_SINGLE)
@@ -479,14 +475,11 @@ compiled_results = jax.jit(all_results, static_argnames="names")
 MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "pressure", "displacement_amplitude")
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "kind, nu, names",
     [
         ("fretting", 0.3, MIDDLING),
         pytest.param("gross_slip", "holl", None, marks=compiled),
-        pytest.param("gross_slip", 0.3, None, marks=long),
-        pytest.param("fretting", 0.3, None, marks=long),
-        pytest.param("fretting", "holl", None, marks=long),
     ],
 )
 def test_contacts_are_arguments_of_compiled_functions(kind, nu, names):
@@ -502,7 +495,7 @@ SOME = ("contact_radius", "stick_radius", "initial_displacement")  # of the cont
 
 
 @compiled
-@pytest.mark.parametrize("kind, names", [("fretting", SOME), ("gross_slip", None)], ids=KINDS)
+@parametrize("kind, names", [("fretting", SOME), ("gross_slip", None)], ids=KINDS)
 def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     scale, contact = np.array([1.0, 1.1, 0.9]), reference_contact(kind, k=np.array([-0.6, 0.0, 0.45]))
     material = dataclasses.replace(contact.material, E0=110e9 * scale)
@@ -518,8 +511,8 @@ def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
 
 
 @long
-@pytest.mark.parametrize("nu", [0.3, "holl"])
-@pytest.mark.parametrize("kind", KINDS)
+@parametrize("nu", [0.3, "holl"])
+@parametrize("kind", KINDS)
 def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
     contact = reference_contact(kind, nu)
 

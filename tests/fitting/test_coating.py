@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused, told
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
 
@@ -47,7 +47,7 @@ def power_law(depth: np.ndarray, k: float) -> np.ndarray:
 # --- the fit --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("k", [-0.7, 0.0, 0.4])
+@parametrize("k", [-0.7, 0.0, 0.4])
 def test_a_power_law_is_found_again(k):
     depth = RADIUS * np.array([0.004, 0.07, 0.2, 0.9, 1.5, 8.0])
     found = coating.fit_power_law(depth, power_law(depth, k), 0.3, RADIUS)

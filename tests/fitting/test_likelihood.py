@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, LAW, contact_of
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases
 
@@ -45,7 +45,7 @@ def test_the_likelihood_is_that_of_normal_errors():
 
 
 @compiled
-@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
+@parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
 def test_radii_and_depths(what, r):
     run = ONE.over_cycles(FORCE, COEFFICIENT)
     value = np.asarray(run.contact_radius(CYCLES) if r is None else run.depth(r, CYCLES))
@@ -73,7 +73,7 @@ def test_derivatives_are_differences():
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "load, exponent",
     [
         (FORCE, 1.0),

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases
 
@@ -28,7 +28,7 @@ def law_with(exponent: float) -> tuple[float, WearLaw]:
     return K, law_of(K, exponent)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "one, load, exponent",
     [
         (ONE, GROSS, 1.0),
@@ -79,7 +79,7 @@ HALF = 2e5  # cycles to half of the final volume, about
 LATE = [3.0 * HALF, 6.0 * HALF, 20.0 * HALF]
 
 
-@pytest.mark.parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
+@parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
 def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycles, share):
     volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(np.array(cycles)))
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import transient_oracle
 from kinds import FORCE, FRICTION, contact_of
+from marks import parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, PowerLawGraded, fretting, material, partial_slip
@@ -22,7 +23,7 @@ def dome(k=0.0):
     return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3))
 
 
-@pytest.mark.parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
+@parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
 def test_theta_is_that_of_the_equations_of_plane_strain(k, nu):
     assert_allclose(material.tangential_ratio(k, nu), transient_oracle.tangential_ratio(k, nu), rtol=1e-9)
 
@@ -65,7 +66,7 @@ def test_the_smallest_displacements_go_with_the_smallest_forces():
     assert_allclose(partial_slip.amplitude(k, moved, compliance), expected, rtol=1e-14)
 
 
-@pytest.mark.parametrize("k", [-0.5, 0.0, 0.5])
+@parametrize("k", [-0.5, 0.0, 0.5])
 def test_the_displacement_of_the_worn_contact_is_larger(k):
     """In the steady state by c^2 Lambda/2 over (1 - c^2)/(1+k); Mindlin's relation before any wear."""
     alone, rig = (dome(k).steady(Force(0.5 * LIMIT, stiffness)) for stiffness in (None, 1e6))
@@ -87,8 +88,8 @@ def loop(contact, force, rig=0.0, points=4001):
     return np.trapezoid(back + back[::-1], forces), np.interp(0.0, forces, back)
 
 
-@pytest.mark.parametrize("k", EXPONENTS)
-@pytest.mark.parametrize("rig", [None, 1e7])
+@parametrize("k", EXPONENTS)
+@parametrize("rig", [None, 1e7])
 def test_energy_ratio_and_aperture_are_those_of_the_loop(k, rig):
     contact, force = dome(k), 0.7 * LIMIT
     energy, opened = loop(contact, force, 0.0 if rig is None else 1.0 / rig)
@@ -111,7 +112,7 @@ def test_at_the_onset_of_gross_slip():
         assert_allclose(steady.gross_slip_aperture, (part * aperture)[places], **same)
 
 
-@pytest.mark.parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])
+@parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])
 def test_both_vanish_with_the_force(name, part):
     function, slope = getattr(partial_slip, name), (1.0 + EXPONENTS) / (3.0 + EXPONENTS) / part
     for phi in (0.0, 1e-300, 1e-100, 1e-9):
@@ -122,7 +123,7 @@ def test_both_vanish_with_the_force(name, part):
     assert_allclose(at_rest, slope[3] / LIMIT * moved / (moved + 1e-9 / 1e7), rtol=1e-9)
 
 
-@pytest.mark.parametrize("stiffness", [0.0, -1.0, np.nan])
+@parametrize("stiffness", [0.0, -1.0, np.nan])
 def test_a_rig_that_is_none_is_refused(stiffness):
     with pytest.raises(ValueError, match="rig_stiffness"):
         dome().steady(Force(2.0, stiffness))

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from marks import compiled, long
+from marks import compiled, long, parametrize
 
 import plgwear_jax
 from plgwear_jax import (
@@ -120,7 +120,7 @@ COMPILED = [
 ]
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name",
     [
         pytest.param(name, marks=compiled if name in COMPILED else ())
@@ -136,7 +136,7 @@ SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "batches", "tradeoff
 SLOW |= {f"plgwear_jax.{name}" for name in ("loads", "fitting", "shapes.splines", "contact.regimes", "wear_laws")}
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name",
     [pytest.param(name, marks=compiled if name in SLOW else ()) for name in MODULES if not name.endswith("__main__")],
 )
@@ -278,7 +278,7 @@ def understood(line: str) -> None:
         command.make_context(words[0], words[1:])
 
 
-@pytest.mark.parametrize("name, line", command_lines())
+@parametrize("name, line", command_lines())
 def test_command_lines_are_understood(name, line):
     understood(line)
 
@@ -292,7 +292,7 @@ def test_a_wrong_command_line_is_not():
 
 
 @compiled
-@pytest.mark.parametrize("name", [name for name, text in PAGES.items() if "<!-- printed by: " in text])
+@parametrize("name", [name for name, text in PAGES.items() if "<!-- printed by: " in text])
 def test_commands_print_what_the_pages_show(name):
     assert generated.printed(PAGES[name], (ROOT / name).parent) == PAGES[name]
 
@@ -300,7 +300,7 @@ def test_commands_print_what_the_pages_show(name):
 # --- numbers come from one place --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name, text in TEXTS.items() if generated.QUOTED.search(text)])
+@parametrize("name", [name for name, text in TEXTS.items() if generated.QUOTED.search(text)])
 def test_quoted_numbers_are_those_of_the_tables(name):
     """Where this fails, `make numbers` writes them."""
     assert generated.quoted(TEXTS[name]) == TEXTS[name]
@@ -316,9 +316,7 @@ def test_a_number_is_quoted_with_the_digits_that_it_is_shown_with():
 
 
 @long
-@pytest.mark.parametrize(
-    "name", ["hip_taper", "blade_root", "steam_generator_tube", "railway_axle", "electrical_contact"]
-)
+@parametrize("name", ["hip_taper", "blade_root", "steam_generator_tube", "railway_axle", "electrical_contact"])
 def test_the_gallery_has_the_savings_of_the_designs(name):
     row = re.search(
         rf"^\| {name.replace('_', ' ')} \| .* \| (\S+) % \| (\S+) % \|.*$", PAGES["docs/gallery.md"], re.MULTILINE
@@ -402,7 +400,7 @@ def test_messages_that_the_pages_explain_are_printed_by_the_library():
             assert part.strip() in source, message
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@parametrize("name", TEXTS)
 def test_words_that_promise_too_much_are_gone(name):
     text = " ".join(re.sub(r"`[^`]*`|```.*?```", "", TEXTS[name], flags=re.DOTALL).split())
     assert not re.search(r"\bnothing better can exist\b|\bis proven\b|\bto the last bit on GPU", text)
@@ -428,7 +426,7 @@ READ = [path for folder in ("plgwear_jax", "design", "notebooks") for path in (R
 READ = [path for path in READ if path.suffix in (".py", ".toml", ".ipynb")]
 
 
-@pytest.mark.parametrize("word", WORDS)
+@parametrize("word", WORDS)
 def test_words_are_those_of_tribologists(word):
     names = re.compile(r"\]\([^)]*\)|`[^`\n]*`|```.*?```", re.DOTALL)
     texts = {name: names.sub("", text) for name, text in TEXTS.items()}
@@ -445,7 +443,7 @@ hundredth of the contact radius; on layers of 1 to 3 contact radii the compliant
 amplitude."""
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/index.md", "docs/gallery.md", "docs/tutorial/rig_to_coating.md"])
+@parametrize("name", ["README.md", "docs/index.md", "docs/gallery.md", "docs/tutorial/rig_to_coating.md"])
 def test_the_rule_is_said_in_the_same_words(name):
     assert " ".join(RULE.split()) in " ".join(TEXTS[name].split())
 
@@ -510,7 +508,7 @@ SAID_TWICE = {
 }
 
 
-@pytest.mark.parametrize("what", SAID_TWICE)
+@parametrize("what", SAID_TWICE)
 def test_a_number_is_the_same_in_all_pages(what):
     assert len({number_in(*place) for place in SAID_TWICE[what]}) == 1
 
@@ -531,7 +529,7 @@ def test_the_tutorial_shows_each_command_and_says_where_displacements_are_measur
     assert abs(float(at_actuator) - float(at_contact) - 30.0 / 20.0) < 2e-3  # mu F_N over the stiffness, in µm
 
 
-@pytest.mark.parametrize("name", sorted(name for name, text in TEXTS.items() if BLOCK.search(text)))
+@parametrize("name", sorted(name for name, text in TEXTS.items() if BLOCK.search(text)))
 def test_the_first_sample_computes_in_float64(name):
     assert "jax_enable_x64" in BLOCK.findall(TEXTS[name])[0]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from marks import compiled, long
+from marks import compiled, long, parametrize
 
 from plgwear_jax import FrettingContact, scene
 
@@ -14,7 +14,7 @@ DESIGN = Path(__file__).resolve().parents[2] / "design"
 SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@parametrize("name", SCENES)
 def test_scenes_have_the_sizes_of_their_applications(name):
     given = SCENES[name]
     contact = given.build_contact()
@@ -29,7 +29,7 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     assert 1e-19 < contact.steady(force).wear_volume < 1e-11  # m^3
 
 
-@pytest.mark.parametrize("name", SCENES)
+@parametrize("name", SCENES)
 def test_scenes_can_be_made(name):
     """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space

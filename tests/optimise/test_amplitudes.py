@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimum_oracle
 import pytest
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from mpmath import mp, mpf
 from numpy.testing import assert_allclose
 
@@ -120,7 +120,7 @@ def test_traced_bounds_out_of_range_give_nan(with_derivatives):
 # --- what the three numbers say -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("samples", [201, pytest.param(2001, marks=long)])
+@parametrize("samples", [201, pytest.param(2001, marks=long)])
 def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent(samples):
     """dV/dk over phi has the signs +, -, +."""
     k = np.linspace(-1.0, 1.0, samples)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from functions import fretting
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -41,7 +41,7 @@ def test_the_formulas_agree():
 
 
 @compiled
-@pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
+@parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
 def test_no_search_by_scipy_finds_a_better_design(program):
     for number in range(4):
         problem = random_designs.draw(program, SEED, number)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from coated import RIGID as CONTACT
 from commands import told
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, optimise
@@ -48,7 +48,7 @@ def test_every_quantity_can_be_limited_while_any_number_varies():
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "contact, deepest, pressure",
     [(CONTACT, 2e-8, 8.5e8), (dataclasses.replace(CONTACT, indenter=STEEL), 2.8e-8, 6e8)],
     ids=["closed", "pair"],

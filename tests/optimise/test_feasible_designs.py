@@ -3,10 +3,9 @@
 import dataclasses
 
 import numpy as np
-import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, optimise
@@ -135,7 +134,7 @@ def test_many_designs_that_exist_are_found():
     settings(max_examples=100)(asks_at_random(2, 101))()
 
 
-@pytest.mark.parametrize("lowest", [0.1, 0.22, 0.3])
+@parametrize("lowest", [0.1, 0.22, 0.3])
 def test_a_limit_that_is_not_monotone(lowest):
     """The worn radius first falls with k; the objective pulls to where no step would lead to contacts that keep it."""
     contact = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)
@@ -169,9 +168,9 @@ def test_limits_that_few_contacts_keep_are_found_by_a_descent():
 
 
 @compiled
-@pytest.mark.parametrize("log_share", [-2.5, -1.0])
-@pytest.mark.parametrize("above", [False, True])
-@pytest.mark.parametrize("name", ["worn_radius", "deepest_wear", "penetration"])
+@parametrize("log_share", [-2.5, -1.0])
+@parametrize("above", [False, True])
+@parametrize("name", ["worn_radius", "deepest_wear", "penetration"])
 def test_designs_of_an_elastic_pair_that_exist_are_found(name, above, log_share):
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.3))
     grid = dataclasses.replace(contact, material=PowerLawGraded(110e9, 1e-4, np.linspace(-0.5, 0.1, 61), 0.3))

@@ -3,10 +3,9 @@
 import dataclasses
 
 import numpy as np
-import pytest
 from coated import HOLD, LIFE, RIGID, held
 from commands import told
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from test_designs_of_any_quantity import SCENE
 
@@ -52,7 +51,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "x, y, larger",
     [
         ("penetration", {"edge_pressure": {"distance": 1e-6}}, ""),

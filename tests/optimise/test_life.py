@@ -8,7 +8,7 @@ from marks import compiled, long
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced
 
-from plgwear_jax import material, optimise, sweep
+from plgwear_jax import material, optimise
 from plgwear_jax.optimise.afterwards import overtaken_at
 
 FORCE = 2.0
@@ -34,16 +34,6 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
     assert optimise.in_steady_state(long).flips_at is None
     with pytest.raises(ValueError, match="in_steady_state takes a design for a number of cycles"):
         optimise.in_steady_state(steady)
-
-
-def test_what_no_sweep_over_cycles_takes():
-    of_contact = {"contact": CONTACT, "tangential_force": FORCE, "cycles": [-1.0, 1.0], "wear_coefficient": COEFFICIENT}
-    for axes, said in (
-        ({"k": [0.1, 0.2], "phi": 0.5}, "transient.wear_volume: there is no such quantity"),
-        (of_contact, "cycles = -1.0 at index 0: must be >= 0 and finite"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            sweep.sweep(["transient.wear_volume"], **axes)
 
 
 @compiled

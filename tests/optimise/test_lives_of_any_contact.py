@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 from coated import COEFFICIENT, HOLD, LIFE, RIGID, STEEL, held, is_least, on
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import (
@@ -61,7 +61,7 @@ TESTS = {
 
 
 @compiled
-@pytest.mark.parametrize("name", TESTS)
+@parametrize("name", TESTS)
 def test_loads_other_than_the_force(name):
     found = optimise.design(RIGID, TESTS[name], RANGE, **LIFE)
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
@@ -122,7 +122,7 @@ def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
 
 
 @long  # to compile
-@pytest.mark.parametrize("contact, life", [(RIGID, LIFE), (STEEL, {}), (LAYERS, {})])
+@parametrize("contact, life", [(RIGID, LIFE), (STEEL, {}), (LAYERS, {})])
 def test_designs_within_a_program(contact, life):
     bounds = {"material.modulus[0]": (40e9, 200e9)} if contact is LAYERS else RANGE
     single = optimise.design(contact, FORCE, bounds, **life)

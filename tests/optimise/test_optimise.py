@@ -15,7 +15,7 @@ from coated import RIGID as CONTACT
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
@@ -46,7 +46,7 @@ def two_valleys(v):
 RIGHT = 0.6806392764236684  # where the higher valley lies
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "solver",
     [
         None,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from coated import RIGID, on
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
@@ -119,7 +119,7 @@ def test_a_table_of_many_amplitudes_is_interpolated_between_sixteen():
     assert_allclose(evaluate(asked_of, {"k": k}).objective, mean, rtol=1e-6)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name",
     [
         pytest.param("blade_root", marks=compiled),  # several amplitudes, a limit at each end of the contact
@@ -152,7 +152,7 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
         assert_allclose(*compared["contact_radius"], rtol=1e-9)
 
 
-@pytest.mark.parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
+@parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
 def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(indenter, stiff):
     found: Any = SimpleNamespace(
         contact=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, -0.4, 0.3)),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on
 from commands import told
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, is_told, refusal
 from test_designs_of_any_quantity import SCENE
@@ -52,7 +52,7 @@ def scenarios_with(k: np.ndarray, **fields: Any) -> Any:
 K = np.linspace(-0.6, 0.6, 601)
 
 
-@pytest.mark.parametrize("level", [*(pytest.param(x, marks=compiled) for x in (0.0, 0.7)), 1.0])
+@parametrize("level", [*(pytest.param(x, marks=compiled) for x in (0.0, 0.7)), 1.0])
 def test_the_best_over_uncertain_friction_and_force(level):
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, level=level, scenarios=SCENARIOS)
     volumes = np.asarray(scenarios_with(K, E0=held(K).material.E0).steady(FORCE).wear_volume)
@@ -105,7 +105,7 @@ def test_limits_hold_in_every_scenario():
     assert_allclose(state.multiplier, (values[0] - values[1]) / (2.0 * step), rtol=1e-3)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "contact, asked",
     [
         (RIGID, {"hold": HOLD, "limits": {"edge_pressure": {"below": 6e8, "distance": 1e-6}}}),
@@ -169,7 +169,7 @@ def test_uncertain_punches():
     is_least(found, np.asarray(grid.steady().volume_change).max(0), within=1e-3)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "scenarios, said",
     [
         (STEEL, "scenarios: takes contacts of the same bodies"),
@@ -286,7 +286,7 @@ def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
         moved(tmp_path, 0.7, 1e-6, cycles="").arguments()
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "friction, displacement, cycles",
     [
         (0.5, 2e-7, ""),

@@ -6,9 +6,8 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from coated import RIGID as CONTACT
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
@@ -53,7 +52,7 @@ def ended(plan, problem, state, next_state):
     return state, sorted(set(phases))
 
 
-@pytest.mark.parametrize("n", [1, 2])
+@parametrize("n", [1, 2])
 def test_it_needs_no_more_than_to_be_told(n, seed):
     problem, plan = Polynomial(n, seed), plan_of(n, 1, samples=33)
     state, phases = ended(plan, problem, begin(plan), functools.partial(tell, plan))
@@ -96,7 +95,7 @@ def test_values_that_are_not_finite_are_dealt_with():
 
 
 @compiled
-@pytest.mark.parametrize("bounds", [(-0.95, 0.95), (-0.4, 0.6)])
+@parametrize("bounds", [(-0.95, 0.95), (-0.4, 0.6)])
 def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     phi = np.array([1e-3, 0.05, 0.1, 0.2, 0.3, 0.36, 0.6, 0.97, 0.997, 0.9999])
     few, many = optimise.optimal_exponent(phi, bounds), optima(phi, bounds)

@@ -10,7 +10,7 @@ import numpy as np
 import oracle
 import paper_numbers
 import pytest
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from matplotlib import image
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -90,7 +90,7 @@ LONG = [pytest.param(key, marks=long) for key in ("3", "5", "8", "9", "10")]
 
 
 @pytest.mark.usefixtures("known")
-@pytest.mark.parametrize("key", ["2", "4", "7", *LONG])
+@parametrize("key", ["2", "4", "7", *LONG])
 def test_curves_are_those_of_the_equations(key):
     figure = figures.FIGURES[key].draw()
     for line, (lower, upper), equation in curves(key, figure.axes):
@@ -150,7 +150,7 @@ def test_numbers_are_printed_as_the_paper_prints_them(exact):
 
 
 @compiled
-@pytest.mark.parametrize("number, words, ratio", paper_numbers.EQUATIONS)
+@parametrize("number, words, ratio", paper_numbers.EQUATIONS)
 def test_equations_agree_but_for_two_misprints(number, words, ratio):
     expected = 1
     if "as printed" in words:

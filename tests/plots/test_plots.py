@@ -7,7 +7,7 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from matplotlib import image
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -197,7 +197,7 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert figure.axes[0].get_ylim()[1] > 6e-18  # nothing is cut, and the legend has room
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "size, unit, expected",
     [
         (6.8e-5, "m", (1e-6, "µm")),
@@ -230,14 +230,14 @@ def test_png_of_a_design_is_valid(held, tmp_path):
     assert os.listdir(tmp_path) == ["design.png"]
 
 
-@pytest.mark.parametrize("name, start", [("a.PNG", b"\x89PNG"), ("a.pdf", b"%PDF"), ("a.svg", b"<?xml")])
+@parametrize("name, start", [("a.PNG", b"\x89PNG"), ("a.pdf", b"%PDF"), ("a.svg", b"<?xml")])
 def test_suffix_makes_the_format(small, tmp_path, name, start):
     plots.save(small, tmp_path / name)
     assert (tmp_path / name).read_bytes().startswith(start)
     assert os.listdir(tmp_path) == [name]
 
 
-@pytest.mark.parametrize("write", [lambda figure, path: plots.check_target(path), plots.save])
+@parametrize("write", [lambda figure, path: plots.check_target(path), plots.save])
 def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write):
     monkeypatch.chdir(tmp_path)
     Path("folder.png").mkdir()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from functions import values
+from marks import compiled, parametrize
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
@@ -77,7 +78,7 @@ def ticks(axis) -> list[str]:
 # --- maps -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "across, upwards", [("phi", "k"), ("k", "nu"), ("r", "k"), ("r", "phi"), ("tangential_force", "z0"), ("k", "E0")]
 )
 def test_a_map_shows_the_values_in_either_order_of_its_axes(across, upwards):
@@ -122,7 +123,7 @@ def test_contour_lines_run_where_the_values_are_those_of_their_numbers():
 _SHARE = PLANE - 2.5
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shown, units, norm, ends",
     [
         (10.0 ** (3.0 * (_SHARE + 0.5)), "Pa", LogNorm, (1.0, 1e6)),
@@ -159,7 +160,7 @@ def test_zero_has_the_lowest_colour_and_infinite_values_those_of_the_ends():
     assert np.isfinite(found.get_array()).all()
 
 
-@pytest.mark.parametrize("unfinished, said", [(None, "undefined"), (0, "undefined"), (3, "not computed yet")])
+@parametrize("unfinished, said", [(None, "undefined"), (0, "undefined"), (3, "not computed yet")])
 def test_what_is_no_number_is_grey_and_said_to_be(unfinished, said):
     shown = PLANE.copy()
     shown[2:5, 3] = np.nan
@@ -182,7 +183,7 @@ def test_yes_and_no_are_two_colours():
 # --- scales ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "axis, text, scale",
     [
         ("phi", "0.1:0.9:9", "linear"),
@@ -193,7 +194,7 @@ def test_yes_and_no_are_two_colours():
         ("nu", "0:0.5:2", "linear"),
     ],
 )
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@parametrize("dtype", [np.float64, np.float32])
 def test_an_axis_is_stretched_as_its_values_are_spaced(axis, text, scale, dtype):
     row = read_axis(axis, text).astype(dtype)
     figure = drawn(plane(row), **{axis: row})
@@ -331,8 +332,8 @@ def test_a_map_of_the_wear_volume_is_over_that_of_no_gradient():
     assert without.axes[1].get_ylabel() == r"wear volume $\Delta V$ ($a_0^4/R$)"
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize(
+@compiled
+@parametrize(
     "k, phi",
     [
         (np.linspace(-0.9, 0.9, 25), np.linspace(0.0, 0.99, 20)),
@@ -410,7 +411,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     assert curve.axes[0].get_ylabel() == "contact radius $a_0$ (µm)"
 
 
-@pytest.mark.parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])
+@parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])
 def test_labels_of_axes_are_formulas_that_can_be_drawn(axis):
     figure = drawn(plane(K), **{axis: np.linspace(0.1, 0.2, K.size)})
     figure.draw_without_rendering()

@@ -1,5 +1,5 @@
-"""The marks of tests that the default run leaves out."""
+"""The marks of tests: those that the default run leaves out, and cases."""
 
 import pytest
 
-compiled, long = pytest.mark.compiled, pytest.mark.long
+compiled, long, parametrize = pytest.mark.compiled, pytest.mark.long, pytest.mark.parametrize

@@ -4,6 +4,7 @@ import itertools
 
 import oracle
 import pytest
+from marks import long, parametrize
 from mpmath import mp, mpf
 
 EXPONENTS = (-1 + 1e-9, -0.5, -1e-14, 0.0, 1e-14, 0.3, 1 - 1e-9)
@@ -54,7 +55,7 @@ DIMENSIONLESS = sorted(
 )
 
 
-@pytest.mark.parametrize("name", DIMENSIONLESS)
+@parametrize("name", DIMENSIONLESS)
 def test_values_do_not_change_with_precision(name):
     f = oracle.QUANTITIES[name]
     for point in points(name):
@@ -62,7 +63,7 @@ def test_values_do_not_change_with_precision(name):
             assert same(x, y, 49), (point, x, y)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name, point",
     [
         ("wear_volume", (-0.5, 0.9)),
@@ -103,7 +104,7 @@ def test_quantities_are_their_parts():
     assert oracle.worn_radius(0.3, 0) == 1 and oracle.wear_volume(0.3, 0) == oracle.deepest_wear(0.3, 0) == 0
 
 
-@pytest.mark.parametrize("k, phi", list(itertools.product(EXPONENTS, (*AMPLITUDES, 0.8))))
+@parametrize("k, phi", list(itertools.product(EXPONENTS, (*AMPLITUDES, 0.8))))
 def test_no_radius_is_worn_deeper_than_the_deepest(k, phi):
     """The depth falls by the square of a relative step of 1e-9 in y on either side, and no other root is there."""
     with mp.workdps(120):
@@ -119,8 +120,8 @@ def test_no_radius_is_worn_deeper_than_the_deepest(k, phi):
         assert steps[8] == 0 and steps[:9] == sorted(steps[:9], reverse=True) and steps[8:] == sorted(steps[8:])
 
 
-@pytest.mark.parametrize("k", [-0.7, pytest.param(0, marks=pytest.mark.long), 0.4])  # 0 has closed forms
-@pytest.mark.parametrize("r", [1.01, 1.5, 20])
+@parametrize("k", [-0.7, pytest.param(0, marks=long), 0.4])  # 0 has closed forms
+@parametrize("r", [1.01, 1.5, 20])
 def test_displacements_are_those_of_the_pressures(k, r):
     """w(r)/w(0) from the Green's function of the half-space, distance^-(1+k), without Eqs. (3), (5), (14), (24).
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
@@ -34,7 +35,7 @@ def read(load, contact=CONTACT, **files):
 # --- the displacement -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("load, stiffness", [(MOVED, None), (OF_RIG, 1e7)])
+@parametrize("load, stiffness", [(MOVED, None), (OF_RIG, 1e7)])
 def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
     given = read(load)
     assert given.load.of_displacement
@@ -132,7 +133,7 @@ def test_gross_slip_names_the_row_of_a_table():
 # --- the wear coefficient ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "keys, archard",
     [
         ("coefficient = 1e-14", 1e-14),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
@@ -284,7 +284,7 @@ def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch):
     assert line.endswith("from the stick-slip boundary in m must be a finite number > 0")
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "text, load, content, said, rtol",
     [
         (FRETTING, 'history = "few.csv"', CYCLES, "", 0.0),
@@ -324,7 +324,7 @@ def test_a_table_is_solved_for_its_mean():
     assert list(read(with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == SINGLE
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "text, names",
     [
         (FRETTING, UNSTRESSED),
@@ -384,7 +384,7 @@ def test_a_life_is_solved_for_what_is_worn_by_then():
 LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "changes, distance",
     [
         ((), None),
@@ -431,7 +431,7 @@ WHOLE = [tomllib.loads(file.read_text()) for file in DESIGNS.glob("*.toml")]
 WHOLE += [tomllib.loads(text) for text in (FRETTING, f"{GROSS_SLIP}{PUNCH_DESIGN}")]
 
 
-@pytest.mark.parametrize("sections", WHOLE, ids=lambda sections: sections["contact"]["kind"])
+@parametrize("sections", WHOLE, ids=lambda sections: sections["contact"]["kind"])
 def test_a_scene_holds_what_its_file_holds(sections):
     found = scene.scene_of(sections, folder=DESIGNS)
     for name, body in sections.items():

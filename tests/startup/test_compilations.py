@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 import optima
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from test_kernels import PINNED, Size
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
@@ -149,9 +149,7 @@ def size_of(lowered) -> Size:
     return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
 
 
-@pytest.mark.parametrize(
-    "limits, most", [({}, Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"]
-)
+@parametrize("limits, most", [({}, Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"])
 def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], **HELD, limits=limits)
     evaluator = evaluation.Evaluator(question, lanes=plan_of(1, len(question.limits)).lanes)

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, PowerLawGraded, fretting
@@ -30,7 +30,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     return found
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name",
     [
         pytest.param(name, marks=() if name in ("fretting.stick_radius", "fretting.wear_volume") else long)

@@ -17,7 +17,7 @@ import functions
 import jax
 import jax.numpy as jnp
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import fretting, gross_slip, material
@@ -88,7 +88,7 @@ AT_MOST = {
 }
 
 
-@pytest.mark.parametrize("name", AT_MOST)
+@parametrize("name", AT_MOST)
 def test_a_program_grows_no_further(name):
     function, ends, most = AT_MOST[name]
     found = plain_size(function, *ends)
@@ -115,7 +115,7 @@ TRICKS = {
 
 
 @compiled
-@pytest.mark.parametrize("name", TRICKS)
+@parametrize("name", TRICKS)
 def test_a_trick_still_does_good(monkeypatch, name):
     modules, trick, nothing, function = TRICKS[name]
     with_it = plain_size(function, K, PHI)

@@ -14,7 +14,7 @@ import jax
 import pytest
 from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends
 from functions import FUNCTIONS, arguments
-from marks import compiled
+from marks import compiled, parametrize
 
 import plgwear_jax
 from plgwear_jax import FrettingContact, GrossSlipContact, fretting, optimise, scene
@@ -96,7 +96,7 @@ def of_function(name: str) -> Made:
     return made_of(program.lower(**{key: at[key] for key in arguments(name)}))
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@parametrize("name", FUNCTIONS)
 def test_a_function_is_made_of_no_other_one(name):
     made = of_function(name)
     module, _, own = name.partition(".")
@@ -107,7 +107,7 @@ def test_a_function_is_made_of_no_other_one(name):
     assert made.arguments == set(arguments(name))
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@parametrize("name", FUNCTIONS)
 def test_gamma_functions_and_series_are_only_where_the_formula_has_them(name):
     made = of_function(name)
     assert ("special/gamma.py" in made.files) == (name in GAMMA)
@@ -130,7 +130,7 @@ def operations(function, *at: float) -> int:
 
 
 @compiled
-@pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
+@parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
 def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
     function = getattr(fretting, name)
     by_k, by_phi, by_both = (operations(jax.grad(function, i), 0.3, 0.4) for i in (0, 1, (0, 1)))
@@ -190,7 +190,7 @@ def of_quantity(contact, name: str, **given: float) -> Made:
     return made_of(program.lower(contact, Force(0.3), **given))
 
 
-@pytest.mark.parametrize("contact, name", ASKED, ids=[about(*one) for one in ASKED])
+@parametrize("contact, name", ASKED, ids=[about(*one) for one in ASKED])
 def test_only_what_a_result_depends_on_enters_its_program(contact, name):
     known = enters(contact, name)
     made = of_quantity(contact, name, **{key: 1e-5 for key in ("r", "distance") if key in known})
@@ -248,7 +248,7 @@ def program_of(monkeypatch, given: scene.Scene) -> Made:
     return programs[0]
 
 
-@pytest.mark.parametrize("contact, name", OF_SCENES, ids=[about(*one) for one in OF_SCENES])
+@parametrize("contact, name", OF_SCENES, ids=[about(*one) for one in OF_SCENES])
 def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, contact, name):
     made, stiffness = program_of(monkeypatch, asking_for(contact, name)), has_stiffness(contact, name)
     along_radius = "r" in enters(contact, name)
@@ -262,7 +262,7 @@ def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, contact, na
     assert made.arguments == enters(contact, feels) - {"r"}
 
 
-@pytest.mark.parametrize("contact, name", [(DOME, "wear_volume"), (PUNCH, "force_ratio")])
+@parametrize("contact, name", [(DOME, "wear_volume"), (PUNCH, "force_ratio")])
 def test_solving_compiles_nothing(caplog, contact, name):
     given = asking_for(contact, name)
     with jax.log_compiles(), caplog.at_level(logging.WARNING):

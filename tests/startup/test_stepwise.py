@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax._startup import programs
@@ -113,7 +114,7 @@ def steps_of(function, *at) -> SteppedProgram | None:
     return stepwise(jax.jit(function).trace(*at))
 
 
-@pytest.mark.parametrize("function, at, relative, absolute", CASES)
+@parametrize("function, at, relative, absolute", CASES)
 def test_every_operation_is_that_of_xla(function, at, relative, absolute):
     x, y = at, np.roll(at, 5)
     steps = steps_of(function, x, y)
@@ -137,7 +138,7 @@ def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_progra
     assert steps(2.0).dtype == jnp.float32
 
 
-@pytest.mark.parametrize("shape, other", [((300, 40), (40, 700)), ((3, 90, 90), (3, 90, 90)), ((600, 600), (600,))])
+@parametrize("shape, other", [((300, 40), (40, 700)), ((3, 90, 90), (3, 90, 90)), ((600, 600), (600,))])
 def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, monkeypatch, seed):
     random = np.random.default_rng(seed)
     x, y = random.normal(size=shape), random.normal(size=other)
@@ -157,7 +158,7 @@ def repeated(x):
     return jax.lax.while_loop(lambda count: count < 1000.0, lambda count: count + 1.0, 0.0 * x[0])
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "function",
     [
         pytest.param(lambda x: x.astype(int) // 3, id="quotient of integers"),

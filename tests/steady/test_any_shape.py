@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_with, exact, steady
@@ -48,7 +48,7 @@ def on(body: str, shape: Shape) -> FrettingContact:
 # --- against the oracle -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name, k, phi",
     [
         *(pytest.param(name, 0.3, 0.4, marks=compiled if name in SLOW else ()) for name in SHAPES | OWN),
@@ -68,7 +68,7 @@ def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
     assert_allclose(steady(contact_with(shape, k), phi * FRICTION * FORCE), known, rtol=rtol)
 
 
-@pytest.mark.parametrize("name", [name for name in SHAPES if name != "table"])
+@parametrize("name", [name for name in SHAPES if name != "table"])
 def test_heights_are_those_of_their_slopes(name):
     shape, (piece,), _ = SHAPES[name]
     r, begin = np.array([2e-5, 7e-5, 2e-4]), float(piece.begin)
@@ -78,7 +78,7 @@ def test_heights_are_those_of_their_slopes(name):
 
 
 @long
-@pytest.mark.parametrize("phi", [0.01, 0.5])
+@parametrize("phi", [0.01, 0.5])
 def test_a_narrow_ring_of_a_truncated_sphere(phi):
     """At k = -0.9 its contact ends close to the flat face; at phi = 0.99 closer than floating-point numbers tell."""
     found = steady(contact_with(SHAPES["truncated sphere"][0], -0.9), phi * FRICTION * FORCE)
@@ -95,7 +95,7 @@ def test_the_pressure_of_a_cone_is_that_of_textbooks():
     assert np.isinf(steady.initial_pressure(0.0))
 
 
-@pytest.mark.parametrize("dtype, error", [(np.float64, 1e-9), (np.float32, 1e-5)])
+@parametrize("dtype, error", [(np.float64, 1e-9), (np.float32, 1e-5)])
 def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
     """For k > 0 it is finite: s (p + s)/(s + p - 1) times the mean, with s = (1+k)/2 and f like T^p."""
     contact = jax.tree.map(dtype, contact_with(Cone(0.01), 0.2))
@@ -105,7 +105,7 @@ def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
 
 
 # Numbers that `tools/contact_mechanics.py` prints with 512 cells a side.
-@pytest.mark.parametrize(
+@parametrize(
     "shape, force, radius, penetration, pressures, error",
     [
         (Cone(0.1), 0.15, 0.97785, 0.15350, [0.11451, 0.078303, 0.054888, 0.034589], 3e-3),
@@ -140,8 +140,8 @@ class Third(Shape):
 
 
 @compiled
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize(
+@parametrize("body", BODIES)
+@parametrize(
     "own, known", [(Third(), PowerShape(3.0)), (Blend(flat=5e-5), RoundedFlat(5e-5))], ids=["power", "rounded flat"]
 )
 def test_a_shape_of_ones_own_is_that_of_its_closed_forms(own, known, body):
@@ -187,7 +187,7 @@ def work_of_friction(state):
     return 8.0 * np.pi * FRICTION * width * np.sum(state.initial_pressure(r) * state.slip_amplitude(r) * r * weights)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shape",
     [*KINKED[:2], pytest.param(KINKED[2], marks=compiled)],  # which is computed as the second one is
     ids=lambda shape: type(shape).__name__,
@@ -212,7 +212,7 @@ def test_the_energy_of_a_kink_in_the_ring_is_the_area_of_its_loop():
 NARROW = np.array([1e-3, 1e-6, 1e-9])
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, indenter, known",
     [
         (-0.3, Elastic(1e22, 0.3), (None, None)),
@@ -258,7 +258,7 @@ MOVED = [
 
 
 @compiled
-@pytest.mark.parametrize("shape, along, body", MOVED, ids=lambda x: x if isinstance(x, str) else type(x).__name__)
+@parametrize("shape, along, body", MOVED, ids=lambda x: x if isinstance(x, str) else type(x).__name__)
 def test_derivatives_are_those_of_differences(shape, along, body):
     def of(x):
         moved = {name: getattr(shape, name) * (1.0 + way * x) for name, way in along.items()}
@@ -302,7 +302,7 @@ def ball(rows):
 
 
 @compiled
-@pytest.mark.parametrize("rows", [120, 2000])
+@parametrize("rows", [120, 2000])
 def test_tables_of_many_heights_are_the_ball_that_they_describe(rows):
     one, force = contact_with(ball(rows)), 1.6
     closed = dataclasses.replace(one, shape=None)
@@ -334,7 +334,7 @@ def largest(jaxpr):
     return max([*sizes, 0, *(largest(getattr(part, "jaxpr", part)) for part in inner if hasattr(part, "jaxpr"))])
 
 
-@pytest.mark.parametrize("name", ["wear_volume", "deepest_wear", "energy_per_cycle"])
+@parametrize("name", ["wear_volume", "deepest_wear", "energy_per_cycle"])
 def test_the_memory_of_tables_does_not_grow_with_their_rows(name):
     """A table of 121 heights took 12 GB, one of 601 asked for 290 GB."""
     for body in ("a power law", "layers"):
@@ -388,7 +388,7 @@ class Nothing(Shape):
     """Without a height."""
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shape, told",
     [
         (Nothing(), r"Nothing has no height\(r, radius\)"),
@@ -442,7 +442,7 @@ def built(folder, shape, table=""):
     return scene.load(folder / "scene.toml").build_contact()
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "words, shape",
     [
         ("kind = 'cone', slope = 0.01", Cone(0.01)),

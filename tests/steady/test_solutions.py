@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads
@@ -20,8 +20,8 @@ from plgwear_jax.steady.closed import ClosedSteady
 F_X, CYCLES = 1.5, 1e5
 RADII = np.array([0.0, 3e-5, 7e-5])
 CLOSED, LAYERED = KINDS["closed forms"], KINDS["layers under steel"]
-each_engine = pytest.mark.parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
-each_engine_one_compiled = pytest.mark.parametrize(
+each_engine = parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
+each_engine_one_compiled = parametrize(
     "contact", [CLOSED, pytest.param(LAYERED, marks=compiled)], ids=["closed forms", "numeric"]
 )
 
@@ -57,7 +57,7 @@ ASKED = {
 }
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "contact, asked, same",
     [
         (CLOSED, "steady", 1e-9),
@@ -138,7 +138,7 @@ def test_repr_says_what_was_asked():
 # --- the engines ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
+@parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
 def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
     def volume(contact):
         return contact.steady(F_X).wear_volume

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import surface_oracle
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 from scipy.interpolate import PchipInterpolator
@@ -82,7 +82,7 @@ def test_second_derivatives_by_the_thicknesses_are_symmetric_and_those_of_differ
     assert_allclose(found, np.swapaxes(found, 1, 2), atol=1e-11)
 
 
-@pytest.mark.parametrize("factor, modulus", [(1e9, MODULUS[0]), (1e-9, MODULUS[-1])])
+@parametrize("factor, modulus", [(1e9, MODULUS[0]), (1e-9, MODULUS[-1])])
 def test_very_thick_and_very_thin_layers_are_homogeneous(factor, modulus):
     """The surface's compliance over 2/q is that of the layer, or of the substrate."""
     found = (1.0 + by_layers(factor * np.array([0.3, 0.7]), MODULUS)) / MODULUS[0]
@@ -138,7 +138,7 @@ def test_layers_are_a_table_with_jumps():
     assert_allclose(every(contact_of(LAYERS, STEEL)), every(contact_of(table, STEEL)), rtol=2e-6)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "layers",
     [pytest.param(Layered([], [110e9], NU), marks=compiled), Layered([1e-5, 3e-5], [110e9] * 3, NU)],
 )

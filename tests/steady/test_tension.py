@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, Shape, optimise
@@ -53,7 +53,7 @@ def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
     return FrettingContact(material, 5e-3, force, 0.4, indenter, Dimple(q * RADIUS**2)), share
 
 
-@pytest.mark.parametrize("body", ["a power law", pytest.param("a power law under steel", marks=compiled), "layers"])
+@parametrize("body", ["a power law", pytest.param("a power law under steel", marks=compiled), "layers"])
 def test_a_dimple_is_refused_once_its_middle_would_pull(body):
     presses, share = dimpled(body, 0.87)
     assert 0.0 < share < 0.1
@@ -68,7 +68,7 @@ def test_a_dimple_is_refused_once_its_middle_would_pull(body):
     assert told == pytest.approx(share, abs=0.02)
 
 
-@pytest.mark.parametrize("body", ["a power law", "layers"])
+@parametrize("body", ["a power law", "layers"])
 def test_where_less_force_would_pull_nothing_is_said_of_more(body):
     """(1 - phi) F_N, that presses the stick area, has less area than the dimple."""
     contact, _ = dimpled(body, 0.8)
@@ -123,7 +123,7 @@ def test_runs_in_rings_are_refused():
         SKIN.over_cycles(0.9 * LIMIT, 1e-14).volume(1e5)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "load",
     [
         pytest.param(Force(0.9 * LIMIT), marks=compiled),

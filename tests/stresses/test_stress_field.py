@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
@@ -38,7 +38,7 @@ def test_stresses_on_the_axis_are_those_of_huber():
         assert_allclose(got / steady.peak_initial_pressure, want, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+@parametrize("nu", [0.0, 0.3, 0.49])
 def test_the_tension_at_the_edge_is_that_of_hamilton(nu):
     steady = steady_of(PowerLawGraded(210e9, 1e-4, 0.0, nu), 1.0 - 1e-9)
     a, p_0 = steady.contact_radius, steady.peak_initial_pressure
@@ -67,7 +67,7 @@ def rule(a, count=100):
     return a * np.sin(0.5 * np.pi * u), a * 0.25 * np.pi * np.cos(0.5 * np.pi * u) * weight
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "material, more",
     [
         pytest.param(STEEL, {}, id="one modulus"),
@@ -103,7 +103,7 @@ def test_stresses_in_layers(material, more):
         assert_allclose(np.array(steady.stress(X * a, z * a)) / p_0, want, rtol=0, atol=5e-4)
 
 
-@pytest.mark.parametrize("k", [0.4, pytest.param(-0.5, marks=compiled)])
+@parametrize("k", [0.4, pytest.param(-0.5, marks=compiled)])
 def test_stresses_in_power_laws_before_and_after_wear(k):
     phi, mu, nu = 0.6, FRICTION, 0.3
     steady = steady_of(PowerLawGraded(210e9, 1e-4, k, nu), phi)
@@ -142,7 +142,7 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
 # --- what is special at the surface -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("material", [STEEL, LAYERS, PowerLawGraded(210e9, 1e-4, 0.4, 0.3)])
+@parametrize("material", [STEEL, LAYERS, PowerLawGraded(210e9, 1e-4, 0.4, 0.3)])
 def test_the_surface_carries_the_pressure_and_the_traction(material):
     steady = steady_of(material, 0.6)
     a, p_0 = steady.contact_radius, float(steady.peak_initial_pressure)
@@ -175,7 +175,7 @@ def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(see
 # --- peaks and derivatives --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("material", [STEEL, LAYERS, pytest.param(TABLE, marks=compiled)])
+@parametrize("material", [STEEL, LAYERS, pytest.param(TABLE, marks=compiled)])
 def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
     steady = steady_of(material, 0.6)
     a, p_0 = steady.contact_radius, steady.peak_initial_pressure
@@ -196,7 +196,7 @@ def test_peaks_of_each_part_of_a_coating():
 
 
 @compiled
-@pytest.mark.parametrize("name", ["peak_tension", "peak_mises"])
+@parametrize("name", ["peak_tension", "peak_mises"])
 def test_derivatives_of_peaks_by_all_numbers(name):
     contact = FrettingContact(LAYERS, RADIUS, FORCE, FRICTION)
 

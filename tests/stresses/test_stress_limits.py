@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
@@ -55,7 +55,7 @@ def given(tmp_path, *changes):
 
 
 @compiled
-@pytest.mark.parametrize("modulus", [30e9, 600e9])
+@parametrize("modulus", [30e9, 600e9])
 def test_an_interface_belongs_to_neither_part(modulus):
     """The depths of a layer are given as they are, with what rounding makes of them."""
     steady = dataclasses.replace(CONTACT, material=dataclasses.replace(SOFT, modulus=[modulus, 210e9])).steady(2.5)

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
@@ -96,13 +96,13 @@ FIELDS = [name for name, law in FRETTING.items() if "r" in law.arguments]
 
 
 @compiled
-@pytest.mark.parametrize("names", [STEADY, FIELDS], ids=["numbers", "over the radius"])
+@parametrize("names", [STEADY, FIELDS], ids=["numbers", "over the radius"])
 def test_every_quantity_of_a_closed_contact_can_be_swept(names):
     check_all(names, CLOSED, tangential_force=FORCE, z0=np.array([1e-5, 1e-3]), k=np.array([-0.3, 0.4]))
 
 
 @compiled
-@pytest.mark.parametrize("name", [name for name in laws_of(CLOSED) if name.startswith("transient.")])
+@parametrize("name", [name for name in laws_of(CLOSED) if name.startswith("transient.")])
 def test_every_quantity_over_cycles_can_be_swept(name):
     check_all([name], CLOSED, tangential_force=FORCE)
 
@@ -125,7 +125,7 @@ def of_shape(shape):
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "contact, path, values",
     [
         (LAYERED, "material.modulus[1]", [60e9, 150e9]),

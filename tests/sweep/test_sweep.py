@@ -15,7 +15,7 @@ import xarray as xr
 from functions import FUNCTIONS, arguments, fretting, gross_slip, values
 from hypothesis import given
 from hypothesis import strategies as st
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
 from refusals import cases, is_told, refusal
@@ -48,7 +48,7 @@ SWEPT = [name for name in FUNCTIONS if name in OF_A_SWEEP]
 FIRST = {arguments(name): name for name in reversed(SWEPT)}.values()
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in FIRST else long) for name in SWEPT])
+@parametrize("name", [pytest.param(name, marks=() if name in FIRST else long) for name in SWEPT])
 def test_every_function_can_be_swept(name):
     needs = arguments(name)
     (found,) = sweep.sweep(name, **{axis: VALUES[axis] for axis in needs}).values()
@@ -206,14 +206,6 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
 
-@compiled
-def test_the_size_of_chunks_changes_rounding_at_most():
-    whole = sweep.sweep("wear_volume", **AXES)
-    for chunk in (1, 3, 34, 35, 1000):
-        parts = sweep.sweep("wear_volume", **AXES, chunk=chunk)
-        assert_allclose(parts.wear_volume, whole.wear_volume, rtol=1e-14)
-
-
 def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):
     # Nothing wears at phi = 0; and what is no number there is no reason to compute it again.
     asked = {"k": [0.1, 0.2], "phi": [0.0], "r": [0.0, 1.0], "chunk": 1, "out": tmp_path / "map.zarr"}
@@ -260,7 +252,7 @@ def test_more_than_memory_holds_is_refused_with_what_to_do():
     assert complaint(WEAR, k=k, phi=phi) == "5000000000000 points take 4e+04 GB of memory; name a Zarr store, out"
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "module, package, what, extra",
     [
         ("plgwear_jax.sweep", "xarray", "sweeps", "sweep"),

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from marks import parametrize
 from stores import into, refused
 from sweep_process import KEYWORDS
 
@@ -282,8 +283,8 @@ def test_a_cluster_whose_scheduler_dies(start, cluster, targets, alone):
 # --- many devices ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("wide", [True, False], ids=["float64", "float32"])
-@pytest.mark.parametrize("chunk, k, phi", [(1000, 131, 97), (200_000, 2001, 301)], ids=["small_chunks", "large_chunks"])
+@parametrize("wide", [True, False], ids=["float64", "float32"])
+@parametrize("chunk, k, phi", [(1000, 131, 97), (200_000, 2001, 301)], ids=["small_chunks", "large_chunks"])
 def test_eight_devices_compute_what_one_does(start, tmp_path, wide, chunk, k, phi):
     """Bit for bit, with chunks that eight devices cannot share evenly, and one program for all of them."""
     quantities = ["wear_volume", "wear_volume.dk", "optimal_exponent.k"]
@@ -327,7 +328,7 @@ def disk(tmp_path):
     subprocess.run(["umount", str(folder)], capture_output=True, check=False)
 
 
-@pytest.mark.parametrize("size", ["size=4k", "size=20k", "nr_inodes=2", "nr_inodes=6", "nr_inodes=12"])
+@parametrize("size", ["size=4k", "size=20k", "nr_inodes=2", "nr_inodes=6", "nr_inodes=12"])
 def test_no_room_to_begin(disk, size):
     """A sweep that cannot even be created leaves nothing, and begins once there is room."""
     folder = disk(size)
@@ -338,7 +339,7 @@ def test_no_room_to_begin(disk, size):
     assert small(folder / "map.zarr").attrs["unfinished"] == 0
 
 
-@pytest.mark.parametrize("size", ["size=40k", "size=80k", "nr_inodes=26"])
+@parametrize("size", ["size=40k", "size=80k", "nr_inodes=26"])
 def test_a_disk_that_is_full(disk, tmp_path, size):
     """What was written stays, and with room again the sweep goes on to the same arrays."""
     folder = disk(size)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases
 
@@ -31,7 +31,7 @@ def run_of(name, law=COEFFICIENT):
     return one.over_cycles(load, law)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name", ["closed", "held", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "blocks"))]
 )
 def test_a_run_has_worn_that_much_by_then(name):
@@ -80,7 +80,7 @@ def test_blocks_end():
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "name, goals, most",
     [
         ("closed", {"depth": 5e-8}, 1e-6),

@@ -9,7 +9,7 @@ import pytest
 from balance import sums
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, RADIUS, STEEL, contact_of
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
-from marks import compiled
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
@@ -53,7 +53,7 @@ def errors(one, force):
     return (volume[0] - volume[1]) / last, end, radius[0] / radius[1] - 1.0, stick[0] / stick[1] - 1.0
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "ks, shares",
     [
         ((-0.6, 0.7), (0.02, 0.8)),
@@ -70,7 +70,7 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
 
 
 @compiled
-@pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
+@parametrize("kind", ["layers under steel", "a shape"])
 def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
     volume, end, radius, stick = errors(KINDS[kind], 2.0)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
@@ -87,7 +87,7 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
 
 
 @compiled
-@pytest.mark.parametrize("k, phi", [(0.6, 0.95), (-0.3, 0.8)])
+@parametrize("k, phi", [(0.6, 0.95), (-0.3, 0.8)])
 def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     """Of a fine ring around the radius that sticks at first nothing is left where it sticks in the end."""
     one = dome(k)
@@ -106,7 +106,7 @@ def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
 # --- against rings ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, history",
     [
         (0.0, "from gross to partial slip"),
@@ -153,7 +153,7 @@ def test_less_is_worn_at_a_held_displacement_since_more_sticks():
     assert np.all(sticks > 0.995 * fretting.stick_radius(k, phi))
 
 
-@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=compiled), 0.6])
+@parametrize("k", [pytest.param(-0.5, marks=compiled), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
     rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
@@ -218,7 +218,7 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     assert 0.5 * by > slope > 2.0 * by
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, load, law",
     [
         (-0.3, "displacement", COEFFICIENT),
@@ -241,7 +241,7 @@ def test_equal_blocks_are_one(k, load, law):
 
 
 @compiled
-@pytest.mark.parametrize("kind", ["a table under steel", "a cone"])
+@parametrize("kind", ["a table under steel", "a cone"])
 def test_any_contact_in_a_rig_carries_its_force(kind):
     one, stiffness = KINDS.get(kind) or contact_of(LAYERS, STEEL, Cone(0.01)), 1e7
     onset = float(one.steady(Force(0.0, stiffness)).gross_slip_displacement)
@@ -271,7 +271,7 @@ def worn(load, law=COEFFICIENT):
     return ONE.over_cycles(load, law)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "ask, told",
     [
         (lambda: worn(["2.0"]), r"a list of Block\(load, cycles\), not of '2.0'"),
@@ -306,7 +306,7 @@ def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "ask, bad",
     [
         (lambda u: worn(Displacement(u)).volume(CYCLES), np.inf),
@@ -350,7 +350,7 @@ class WithThreshold(WearLaw):
 HIGH = WithThreshold(COEFFICIENT, 2e9)  # twice the largest pressure
 
 
-@pytest.mark.parametrize("load", [pytest.param(2.0, marks=compiled), pytest.param(HELD, marks=compiled), GROSS])
+@parametrize("load", [pytest.param(2.0, marks=compiled), pytest.param(HELD, marks=compiled), GROSS])
 def test_nothing_wears_below_the_threshold_of_a_law(load):
     run = worn(load, HIGH)
     cycles = np.array([0.0, 1e5])
@@ -362,7 +362,7 @@ def test_nothing_wears_below_the_threshold_of_a_law(load):
 
 
 @compiled
-@pytest.mark.parametrize("load", [2.0, HELD, GROSS])
+@parametrize("load", [2.0, HELD, GROSS])
 def test_where_nothing_wears_slopes_are_zero(load):
     slope = jax.grad(lambda K: worn(load, WithThreshold(K, HIGH.threshold)).volume(CYCLES))(COEFFICIENT)
     assert slope == 0.0
@@ -442,9 +442,7 @@ MOVED = [
 ]
 
 
-@pytest.mark.parametrize(
-    "run, at, most", [MOVED[0], *(pytest.param(*x, marks=compiled) for x in MOVED[1:])], ids=range(len(MOVED))
-)
+@parametrize("run, at, most", [MOVED[0], *(pytest.param(*x, marks=compiled) for x in MOVED[1:])], ids=range(len(MOVED)))
 def test_derivatives_are_differences(run, at, most):
     volume = jax.jit(lambda x: run(x).volume(CYCLES))
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
@@ -453,7 +451,7 @@ def test_derivatives_are_differences(run, at, most):
 
 
 @compiled
-@pytest.mark.parametrize("load", [HELD, GROSS, Displacement(1.01 * ONSET, 1e7)], ids=["held", "gross", "in a rig"])
+@parametrize("load", [HELD, GROSS, Displacement(1.01 * ONSET, 1e7)], ids=["held", "gross", "in a rig"])
 def test_derivatives_of_all_numbers_and_quantities_are_finite(load):
     """Also at pressures so small that their squares are nothing."""
 
@@ -469,7 +467,7 @@ def test_derivatives_of_all_numbers_and_quantities_are_finite(load):
 
 
 @compiled
-@pytest.mark.parametrize("load", [HELD, GROSS], ids=["held", "gross"])
+@parametrize("load", [HELD, GROSS], ids=["held", "gross"])
 def test_single_precision_keeps_two_digits(load):
     double, cycles = (ONE, load, COEFFICIENT), np.array([1e3, 1e5, 1e6])
     single = jax.tree.map(jnp.float32, double)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import transient_oracle
 from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of
-from marks import compiled, long
+from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced, first_rate, unit_of
 
@@ -41,7 +41,7 @@ def volumes(resolution, k, phi, n):
     return np.asarray(volume_of(curves, phi, jnp.asarray(n)))
 
 
-@pytest.mark.parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
+@parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
 def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
     run, final, first, unit = of(amplitudes)
     times = unit * np.concatenate([[0.0, early], np.geomspace(1e-4, 10.0, 13), [1e3]])
@@ -66,7 +66,7 @@ def test_the_rate_is_the_slope_of_the_volume():
 EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, phi, parts, rings, off",
     [
         (-0.5, 0.8, LATER, 80, 2e-4),
@@ -169,9 +169,7 @@ READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn
 
 
 # The derivatives of the march are in the programs of all of them.
-@pytest.mark.parametrize(
-    "name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ]
-)
+@parametrize("name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ])
 def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     at = ["r", "n"] if READ[name] == "rn" else [READ[name]]
     names = ["k", "phi", *at]
@@ -194,7 +192,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 
 
 @compiled
-@pytest.mark.parametrize("phi", [0.3, 0.9])
+@parametrize("phi", [0.3, 0.9])
 def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     """The cells of A p_0 = H: in too coarse cells inside c the ones next to c would have pressures of any size."""
     one = contact_of(PowerLawGraded(110e9, 1e-4, -0.8, 0.3), STEEL)
@@ -214,7 +212,7 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
 
 
 @compiled
-@pytest.mark.parametrize("body", ["layers", "a power law"])
+@parametrize("body", ["layers", "a power law"])
 def test_narrow_rings_beside_a_flat_face_wear_to_their_steady_state(body):
     """The modes have no pressure beside a kink: where that gave no wear in the first cycle, all was NaN."""
     grid = np.meshgrid(np.array([3.0, 4.5, 6.0, 8.0, 10.0]) * 1e-5, [0.02, 0.035, 0.05], indexing="ij")
