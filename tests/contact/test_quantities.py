@@ -49,7 +49,7 @@ def places(known):
     return inside | beside | {"initial_displacement": A * np.array([0.5, 1.5, 3.0])}
 
 
-@each_kind
+@parametrize("kind", [pytest.param(kind, marks=compiled) if kind == "a shape" else kind for kind in KINDS])
 def test_steady_states_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     steady = contact.steady(force)

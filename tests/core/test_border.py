@@ -311,7 +311,7 @@ TRACED = {
     "k": [-1.0, 1.0, 2.0, math.nan],
     "nu": [-1.0, -2.0, 0.6, math.nan],
     **dict.fromkeys(("E0", "z0", "radius", "normal_force", "friction", "depth"), NOT_POSITIVE),
-    **dict.fromkeys(("r", "distance", "z", "least", "most"), [-1e-9, -1.0, math.nan]),
+    **{key: [-1e-9, -1.0, math.nan] for key in ("r", "distance", "z", "least", "most")},
     "x": [math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
     "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],

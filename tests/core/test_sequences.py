@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from functions import COMPILED, FUNCTIONS, arguments
-from kinds import COEFFICIENT, KINDS, LAW
-from marks import parametrize
+from kinds import COEFFICIENT, KINDS, LAW, Linear
+from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from test_border import GOOD
 
@@ -26,7 +26,6 @@ from plgwear_jax import (
     Profile,
     RoundedFlat,
     Shape,
-    WearLaw,
     coating,
     fitting,
     fretting,
@@ -114,6 +113,7 @@ def test_a_steady_state_takes_lists_and_nothing(name):
         assert shape_of(lambda: read(1.0, [])) == (0,)
 
 
+@compiled
 def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
     steady, other = NUMERIC.steady([1.0, 2.0]), NUMERIC.steady(np.array([1.0, 2.0]))
     assert_array_equal(steady.wear_volume, other.wear_volume)
@@ -163,15 +163,6 @@ class Steep(Shape):
 
     def height(self, r, radius):
         return self.steep * r
-
-
-class Linear(WearLaw):
-    """A wear law of a user."""
-
-    coefficient: float
-
-    def rate(self, pressure, slip):
-        return self.coefficient * pressure * slip
 
 
 RECORDS = [

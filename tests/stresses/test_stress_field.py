@@ -222,6 +222,7 @@ def test_bad_places_are_refused():
     assert np.isnan(jax.jit(steady.mises)(0.0, -1e-6))
 
 
+@compiled
 def test_holl_ratio_is_that_of_the_exponent():
     named, given = (steady_of(PowerLawGraded(210e9, 1e-4, 0.4, nu), 0.6) for nu in ("holl", 1.0 / 2.4))
     assert_allclose(named.stress(X * A, 1e-6), given.stress(X * A, 1e-6), rtol=1e-9)
