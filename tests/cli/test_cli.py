@@ -14,10 +14,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from commands import plgwear, printed, python, refused, table_rows, told
+from commands import plgwear, printed, refused, table_rows, told
 from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
+from processes import python
 from refusals import cases, is_told
 
 import plgwear_jax

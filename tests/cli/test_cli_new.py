@@ -9,8 +9,9 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from commands import plgwear, printed, python, refused
+from commands import plgwear, printed, refused
 from marks import parametrize
+from processes import python
 
 from plgwear_jax import scene
 from plgwear_jax._core.units import text_cells

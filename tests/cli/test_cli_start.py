@@ -9,8 +9,8 @@ from pathlib import Path
 
 import jax
 import pytest
-from commands import python
 from marks import compiled, parametrize
+from processes import python
 from typer.testing import CliRunner
 
 import plgwear_jax

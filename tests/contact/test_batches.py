@@ -5,11 +5,8 @@ ever: a question of chance, so what is lowered is looked at as well as run.
 """
 
 import json
-import os
 import re
-import subprocess
 import sys
-from pathlib import Path
 
 import batches
 import jax
@@ -19,12 +16,13 @@ import pytest
 from kinds import KINDS
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 
 from plgwear_jax.optimise.conditions import solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
-COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
+COUNT, ROUNDS = 100, 12
 
 QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
 ALL = [
@@ -37,10 +35,7 @@ ALL = [
 @parametrize("kind, question", ALL)
 def test_a_batch_returns_again_and_again(kind, question):
     digits = 4 if question in ("steady", "unworn") else 2
-    command = [sys.executable, batches.__file__, kind, question, *map(str, (digits, COUNT, ROUNDS))]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
-    assert ran.returncode == 0, ran.stderr
-    told = json.loads(ran.stdout.splitlines()[-1])
+    told = json.loads(output(batches.__file__, kind, question, digits, COUNT, ROUNDS).splitlines()[-1])
     assert told["program in GB"] < 1.4
     assert told["away"] < (1e-4 if digits == 4 else 2e-2)
 
@@ -166,10 +161,7 @@ print(taken() - begin)
 @compiled
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what its threads have done")
 def test_the_threads_of_openblas_stay_idle():
-    more = {"OPENBLAS_NUM_THREADS": "4", "PYTHONPATH": str(Path(batches.__file__).parent)}
-    command = [sys.executable, "-c", IDLE]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=True, env=os.environ | more)
-    assert float(ran.stdout) < 0.1  # s of the processor
+    assert float(output("-c", IDLE, OPENBLAS_NUM_THREADS="4")) < 0.1  # s of the processor
 
 
 def test_a_matrix_that_is_not_positive_gives_nan():

@@ -9,9 +9,6 @@ import dataclasses
 import functools
 import json
 import os
-import subprocess
-import sys
-from pathlib import Path
 
 import functions
 import jax
@@ -21,6 +18,7 @@ import pytest
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
@@ -167,18 +165,8 @@ print(json.dumps(dict(changed=changed, dtypes=list(dtypes), refused=refused, hal
 
 
 def test_without_64_bits_everything_is_single_and_importing_changes_no_setting():
-    environment = {k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}
-    root = Path(fretting.__file__).parents[2]
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-W", os.environ["PYTHONWARNINGS"], "-c", DEFAULT_SINGLE],
-        cwd=root,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stderr
-    seen = json.loads(done.stdout)
+    strict = "-W", "error", "-W", os.environ["PYTHONWARNINGS"]
+    seen = json.loads(output(*strict, "-c", DEFAULT_SINGLE, without=("JAX_ENABLE_X64",)))
     assert seen["changed"] == []
     assert seen["dtypes"] == ["float32"] and seen["half"] == "float16"
     assert seen["refused"]  # float32 holds 6 digits

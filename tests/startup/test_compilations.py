@@ -7,8 +7,6 @@ import json
 import logging
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import jax
@@ -17,6 +15,7 @@ import numpy as np
 import optima
 import pytest
 from marks import compiled, parametrize
+from processes import output
 from test_kernels import PINNED, Size
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
@@ -103,24 +102,8 @@ def tell_compilations() -> None:
 
 @compiled
 def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-W",
-            "error",
-            "-W",
-            os.environ["PYTHONWARNINGS"],
-            "-c",
-            "import test_compilations as t; t.tell_compilations()",
-        ],
-        cwd=Path(__file__).parent,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(optimise.__file__).parents[2]), *sys.path])},
-        capture_output=True,
-        text=True,
-        timeout=1800,
-    )
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    code = "import test_compilations as t; t.tell_compilations()"
+    told = json.loads(output("-W", "error", "-W", os.environ["PYTHONWARNINGS"], "-c", code))
     assert told.keys() == questions().keys()
     for name, programs in told.items():
         large = [program for program in programs if program not in TINY]

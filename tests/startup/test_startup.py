@@ -1,15 +1,11 @@
 """What shortens the start changes no result: a sample of all questions with it, from kept files, and without it."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
-
-import plgwear_jax
+from processes import output
 
 QUESTIONS = """
 import json, sys
@@ -54,17 +50,8 @@ ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 
 def told(folder: Path, **variables: str) -> dict[str, list[float]]:
-    own = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "PLGWEAR_", "XLA_"))}
-    root = Path(plgwear_jax.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, "-c", QUESTIONS, str(folder), str(root / "design")],
-        env=own | {"PYTHONPATH": os.pathsep.join([str(root), *sys.path])} | variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    scenes = Path(__file__).parents[2] / "design"
+    return json.loads(output("-c", QUESTIONS, folder, scenes, without=("JAX_", "PLGWEAR_", "XLA_"), **variables))
 
 
 @pytest.mark.compiled

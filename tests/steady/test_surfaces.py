@@ -1,8 +1,6 @@
 """Elastic indenters, layers and any E(z): against the plane-strain equations, similarity and closed forms."""
 
 import dataclasses
-import subprocess
-import sys
 from pathlib import Path
 
 import jax
@@ -13,6 +11,7 @@ import surface_oracle
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 from refusals import cases, is_told
 from scipy.interpolate import PchipInterpolator
 
@@ -281,4 +280,4 @@ def test_closed_forms_pay_nothing_for_numerical_solutions():
         "p.FrettingContact(p.Elastic(1e11, 0.3), 5e-3, 10.0, 0.4, p.Elastic(2e11, 0.3)).steady(2.0).wear_volume\n"
         "assert not {'plgwear_jax.steady.numeric'} & set(sys.modules)\n"
     )
-    subprocess.run([sys.executable, "-c", program], check=True)
+    output("-c", program)

@@ -1,8 +1,6 @@
 """The catalogue: all that stands in it can be swept, over any leaf of a contact, in its units."""
 
 import dataclasses
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ import numpy as np
 import pytest
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import (
@@ -246,4 +245,4 @@ def test_what_a_name_differentiates():
 
 def test_the_catalogue_does_without_jax():
     code = "import sys, plgwear_jax.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
-    subprocess.run([sys.executable, "-c", code], check=True)
+    output("-c", code)

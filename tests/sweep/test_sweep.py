@@ -5,7 +5,6 @@ import importlib
 import json
 import math
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from hypothesis import strategies as st
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
+from processes import output
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
@@ -277,4 +277,4 @@ def test_the_core_loads_nothing_of_the_extra():
         "assert not {'xarray', 'zarr', 'dask', 'distributed', 'matplotlib'} & sys.modules.keys()\n"
         "assert plgwear_jax.sweep.sweep and 'xarray' in sys.modules\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "JAX_PLATFORMS": "cpu"})
+    output("-c", code, JAX_PLATFORMS="cpu")
