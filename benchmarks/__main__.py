@@ -18,7 +18,7 @@ import typer
 HERE = Path(__file__).resolve().parent
 DOCS, BUILD = HERE.parent / "docs" / "benchmarks", HERE.parent / "build" / "benchmarks"
 PROGRAMS = {  # with the tables of each
-    "closed_forms": "digits kernels quantities size",
+    "closed_forms": "digits kernels size",
     "waits": "first_answer waits matrix startup",
     "extremes": "extremes",
     "designs": "designs",

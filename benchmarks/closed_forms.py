@@ -1,4 +1,4 @@
-"""What closed forms cost and how exact they are, on one core beside SciPy and jax.scipy: four tables.
+"""What closed forms cost and how exact they are, on one core beside SciPy and jax.scipy: three tables.
 
     python benchmarks/closed_forms.py
     python benchmarks/closed_forms.py digits kernels --quick
@@ -19,11 +19,6 @@ The displacement under and beside the uniformly pressed disc, Eq. (5), 0 <= r <=
 SciPy and jax get one hypergeometric function a point, its arguments chosen by r. Those that take long get the first of
 the points. The iteration in jax.scipy ends with the slowest point of a batch, so it takes longer on more points.
 
-quantities: what each fretting quantity costs, alone and all in one program, without units and in SI units. Radii are
-from 0 to 1.25 times the worn radius of each point. "Together" is one compiled program that returns every quantity of
-its column, in which what they share is computed once as far as the compiler sees it; against it stands the sum of the
-programs that return one.
-
 size: what a point costs by the number of points, 1 to 10^8, on one core and on all.
 """
 
@@ -42,7 +37,7 @@ import scipy_programs
 from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, median_ratio, short
 from matplotlib.figure import Figure
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip
+from plgwear_jax import fretting, gross_slip
 from plgwear_jax.plots import COLOURS
 from plgwear_jax.special.arcsine import arcsine_tail, fold
 
@@ -107,6 +102,8 @@ def digits(report: Report, quick: bool) -> Figure:
         columns = ["dtype, digits", "ns a point", "quartiles", "worst error", *(f"x {name}" for name, _ in others)]
         report.table(kind, columns, rows)
     report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
+    report.print("\nThe value, for a page:\n")
+    report.markdown(*_summary(found))
     return _over_errors(_points(found))
 
 
@@ -125,6 +122,20 @@ def _times(found: Mapping[Any, Compared], slow: Any, fast: Any) -> float:
 def _error(found: Mapping[Any, Compared], name: Any) -> float:
     """The worst error of what a program is about: of its highest derivative."""
     return found[name].errors[max(found[name].errors)]
+
+
+def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
+    """The value in few columns, for a page."""
+    columns = ["digits"]
+    for dtype in DTYPES:
+        columns += [f"{dtype}: worst error", "ns a point"]
+    rows = []
+    for asked in (case.digits for case in found if isinstance(case, Case) and case[:2] == (VALUE, "float64")):
+        row = [f"{asked or 'all'}"]
+        for case in (Case(VALUE, dtype, asked) for dtype in DTYPES):
+            row += [f"{_error(found, case):.0e}", short(found[case].timing.median)] if case in found else ["", ""]
+        rows.append(row)
+    return columns, rows
 
 
 Drawn = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns
@@ -158,7 +169,7 @@ def _over_errors(points: Drawn) -> Figure:
             for asked in labelled:
                 if asked in own:
                     panel.annotate(asked, own[asked], (0, shift), textcoords="offset points", ha="center", fontsize=7)
-        for name, marker in zip(scipy_programs.VALUES, "sDv^", strict=True):
+        for name, marker in zip(scipy_programs.VALUES, "s^", strict=True):
             if f"SciPy: {name}" in programs:
                 panel.plot(*programs[f"SciPy: {name}"], marker, color="0.4", markersize=4, label=f"SciPy: {name}")
         panel.set(xscale="log", yscale="log", title=kind, xlabel="worst relative error")
@@ -254,58 +265,6 @@ def kernels(report: Report, quick: bool) -> None:
     report.print("Errors are relative; inf stands for a result that is no finite number. x: times as long as plgwear.")
 
 
-# --- quantities -----------------------------------------------------------------------------------------------------
-
-SCALARS = ("wear_volume", "worn_radius", "stick_radius", "penetration")
-OF_RADIUS = ("profile", "wear_depth", "initial_displacement", "steady_displacement", "initial_pressure")
-OF_RADIUS += ("steady_pressure", "steady_traction")
-QUANTITIES = (*SCALARS, *OF_RADIUS, "edge_intensity")
-NAMED = {"steady_pressure": "pressure", "steady_traction": "traction"}  # of a contact
-WITHOUT_UNITS, SI = "without units", "in SI units"
-SUM, TOGETHER = "sum of the above", "all together"
-FORCE, FRICTION = 10.0, 0.4
-
-
-def without_units(names: tuple[str, ...], r: Any, k: Any, phi: Any) -> dict[str, Any]:
-    """The quantities named, radii in a_0."""
-    found = {}
-    for name in names:
-        given = {"r": r} if name in OF_RADIUS else {}
-        found[name] = getattr(fretting, name)(k=k, **given, **({} if name.startswith("initial") else {"phi": phi}))
-    return found
-
-
-def in_si(names: tuple[str, ...], r: Any, k: Any, force: Any) -> dict[str, Any]:
-    """The same of a dome on coatings of these exponents, radii in m."""
-    solved = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(force)
-    found = {name: getattr(solved, NAMED.get(name, name)) for name in names}
-    return {name: law(r) if name in OF_RADIUS else law for name, law in found.items()}
-
-
-def quantities(report: Report, quick: bool) -> None:
-    """Cost of each fretting quantity, alone and together."""
-    k, phi = harness.bulk(100_000 if quick else 500_000, 0)
-    r = harness.generator().uniform(0.0, 1.25, k.size) * np.asarray(jax.jit(fretting.worn_radius)(k, phi))
-    radius = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(0.0).contact_radius
-    names = ("wear_volume", "worn_radius", "wear_depth", "steady_pressure") if quick else QUANTITIES
-    asked = {SI: (in_si, r * radius, k, FRICTION * FORCE * phi)}
-    if not quick:
-        asked = {WITHOUT_UNITS: (without_units, r, k, phi)} | asked
-    calls = {}
-    for units, (by, *points) in asked.items():
-        given = [jnp.asarray(x) for x in points]
-        for name in (*names, TOGETHER):
-            calls[units, name] = partial(jax.jit(partial(by, names if name == TOGETHER else (name,))), *given)
-    taken = {key: Timing(x / k.size * 1e9) for key, x in interleave(calls, 3 if quick else 9).items()}
-    for units in asked:
-        alone = Timing(sum((taken[units, name].ns for name in names), np.zeros(1)))
-        those = {name: taken[units, name] for name in names} | {SUM: alone, TOGETHER: taken[units, TOGETHER]}
-        rows: list[tuple[str, ...]] = [(name, short(one.median), one.quartiles) for name, one in those.items()]
-        rows.insert(len(names), ())
-        rows.append(("sum over together", short(median_ratio(alone, taken[units, TOGETHER])), ""))
-        report.table(f"{k.size:,} points, {units}", ("", "ns a point", "quartiles"), rows)
-
-
 # --- size -----------------------------------------------------------------------------------------------------------
 
 MILLION = 1_000_000
@@ -344,7 +303,6 @@ def size(report: Report, quick: bool) -> None:
 PARTS = {
     "digits": Part("Speed against accuracy, one core", digits, digits_again),
     "kernels": Part("Special functions, one core", kernels),
-    "quantities": Part("The fretting quantities, one core, float64", quantities),
     "size": Part("Cost against size", size),
 }
 

@@ -290,6 +290,11 @@ class Report:
         least = Measurement.get(self.console, self.console.options.update(width=1000), table).minimum
         self.console.print(table, width=max(self.console.width, least), crop=False)
 
+    def markdown(self, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """A table for a page: "table of" this file in docs/generated.py takes it."""
+        for row in (columns, ["---", *["---:"] * (len(columns) - 1)], *rows):
+            self.console.print(f"| {' | '.join(row)} |", soft_wrap=True)
+
     def close(self, figure: Figure | None = None) -> None:
         share = max(self.others, taken_by_others())
         if share > 0.05:  # the short ones among the timed calls may escape that, so not even ratios hold
