@@ -104,12 +104,12 @@ def wrong_answers(asked):
     return len(answers), [question for question, right in answers if not right]
 
 
-FEW = ("closed forms", "layers under steel", "a table under steel")  # of two programs
 
 
 def test_threads_have_the_answers_of_one_thread():
-    asked = 4 * questions(FEW, STEADY, 3) + 4 * questions(FEW[1:2], (over_cycles,), 2)
-    assert wrong_answers(asked) == (116, [])
+    few = "closed forms", "layers under steel"
+    asked = 4 * questions(few, STEADY, 3) + 4 * questions(few[1:], (over_cycles,), 2)
+    assert wrong_answers(asked) == (80, [])
 
 
 @compiled

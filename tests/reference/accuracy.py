@@ -278,7 +278,8 @@ def measure(
     kept = SHORT.get((quantity.name, dtype, region), promised)
     order = min(order, quantity.order, len(promised) - 1)
     near = region in NEAR
-    exact = oracle.map_points(quantity.oracle, np.stack(points, 1).astype(float).tolist(), processes, order=order)
+    at = np.stack(points, 1).astype(float).tolist()
+    exact = oracle.map_points(quantity.oracle, at, processes, order=max(order, 1))  # near an edge a value needs a slope
 
     worst: list[Worst] = []
     measured = np.array([name not in quantity.with_unit for name in quantity.arguments], float)  # by the value

@@ -51,19 +51,19 @@ def test_numbers_of_blocks_and_their_scale_are_axes():
 
 
 def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
-    names = ["wear_volume", "displacement_amplitude"]
+    names = ["penetration", "displacement_amplitude"]
     found = sweep.sweep(names, contact=CONTACT, displacement=MOVED, rig_stiffness=RIGS)
     steady = CONTACT.steady(Displacement(MOVED[0], RIGS))
-    assert_allclose(found.wear_volume[0], CONTACT.steady(steady.tangential_force).wear_volume, rtol=1e-12)
+    assert_allclose(found.penetration[0], CONTACT.steady(steady.tangential_force).penetration, rtol=1e-12)
     assert_allclose(found.displacement_amplitude[0], MOVED[0], rtol=1e-12)
-    assert np.isnan(found.wear_volume[1]).all()  # the contact slips as a whole
+    assert np.isnan(found.penetration[1]).all()  # the contact slips as a whole
     table = {"calm": ([1.0, 2.0], [1.0, 3.0])}
-    found = sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[0.5, 1.0])
-    mean = [0.25 * CONTACT.steady(x).wear_volume + 0.75 * CONTACT.steady(2.0 * x).wear_volume for x in (0.5, 1.0)]
-    assert_allclose(found.wear_volume, mean, rtol=1e-12)
+    found = sweep.sweep("penetration", contact=CONTACT, loads=table, factor=[0.5, 1.0])
+    mean = CONTACT.steady(np.array([[0.5, 1.0], [1.0, 2.0]])).penetration @ np.array([0.25, 0.75])
+    assert_allclose(found.penetration, mean, rtol=1e-12)
     with pytest.raises(sweep.AxisError, match=r"^tangential_force = 4.0: this is gross slip"):
-        sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[1.0, 2.0])
-    found = sweep.sweep("wear_volume", contact=CONTACT, load=loads.Force([1.0, 2.0]))
+        sweep.sweep("penetration", contact=CONTACT, loads=table, factor=[1.0, 2.0])
+    found = sweep.sweep("penetration", contact=CONTACT, load=loads.Force([1.0, 2.0]))
     assert_array_equal(found.tangential_force, [1.0, 2.0])
 
 
