@@ -104,8 +104,6 @@ def wrong_answers(asked):
     return len(answers), [question for question, right in answers if not right]
 
 
-
-
 def test_threads_have_the_answers_of_one_thread():
     few = "closed forms", "layers under steel"
     asked = 4 * questions(few, STEADY, 3) + 4 * questions(few[1:], (over_cycles,), 2)
