@@ -34,8 +34,9 @@ class Power(NamedTuple):
         """See `Image`."""
         return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
-    def rate(self, T: Array) -> Array:
+    def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
+        del above
         return self.fall * (jnp.ones_like(T) if self.power is None else jnp.exp((self.power - 1.0) * jnp.log(T)))
 
 

@@ -45,8 +45,8 @@ class Image(Protocol):
         """G(1 + y) - G(1) at y of shape (m,)."""
         ...
 
-    def rate(self, T: Array) -> Array:
-        """The slope of G by T, shape (m,)."""
+    def rate(self, T: Array, above: Array) -> Array:
+        """The slope of G by T, which may be singular above a kink: with T come its differences from those of kinks."""
         ...
 
 
@@ -205,8 +205,12 @@ def stacked(kinks: Any, dtype: Any) -> Array | np.ndarray:
 
 def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
     """`Image.bends` of these radii."""
-    kinks, c = jax.lax.stop_gradient((stacked(kinks, c.dtype), c))
-    return (kinks - c) * (kinks + c) / (c * c)
+    return jax.lax.stop_gradient(-inwards(stacked(kinks, c.dtype), c))
+
+
+def inwards(kinks: Any, c: Array) -> Array:
+    """1 - T at these radii."""
+    return (c - kinks) * (c + kinks) / (c * c)
 
 
 def _places_below(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
@@ -235,8 +239,9 @@ class Computed(NamedTuple):
         """See `Image`."""
         return _image_at(self.outline, self.c, self.a, 1.0 + y) - self.first
 
-    def rate(self, T: Array) -> Array:
+    def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
+        del above
         return jax.jvp(lambda T: _image_at(self.outline, self.c, self.a, T), (T,), (jnp.ones_like(T),))[1]
 
 

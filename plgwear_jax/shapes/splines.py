@@ -59,16 +59,26 @@ class Spline(NamedTuple):
 
     def fallen(self, y: Array) -> Array:
         """See `Image`."""
-        return self._at(1.0 + y) - self.first
+        return self.at(1.0 + y) - self.first
 
-    def rate(self, T: Array) -> Array:
+    def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
-        return jax.jvp(self._at, (T,), (jnp.ones_like(T),))[1]
+        first, last = ((self.knots.size + sign * above.shape[1]) // 2 for sign in (-1, 1))
 
-    def _at(self, T: Array) -> Array:
+        def at(T: Array, above: Array) -> Array:
+            r = self.c * jnp.sqrt(T)[:, None]
+            apart = r - self.knots  # of which roundings would be most where the slope of G is largest
+            near = self.c * self.c * above / (r + self.knots[first:last])
+            return self.at(T, jnp.concatenate([apart[:, :first], near, apart[:, last:]], 1))
+
+        return jax.jvp(at, (T, above), (jnp.ones_like(T), jnp.ones_like(above)))[1]
+
+    def at(self, T: Array, apart: Array | None = None) -> Array:
+        """G, from how far the radii are beyond each knot."""
         r = self.c * jnp.sqrt(T)[:, None]
-        beyond = r > self.knots
-        left = jnp.where(beyond, r - self.knots, r) / r
+        apart = r - self.knots if apart is None else apart
+        beyond = apart > 0.0
+        left = jnp.where(beyond, apart, r) / r
         x = (0.5 * left)[..., None]
         powers = jnp.ones_like(x)
         for _ in range(3):
@@ -104,8 +114,9 @@ class Sampled(NamedTuple):
         """See `Image`."""
         return self.cubics.at(y / (1.0 + jnp.sqrt(1.0 + y)))
 
-    def rate(self, T: Array) -> Array:
+    def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
+        del above
         return jax.jvp(self.fallen, (T - 1.0,), (jnp.ones_like(T),))[1]
 
 
@@ -135,7 +146,7 @@ class _Splined(Shape):
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
         given = stacked(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
-        first, second = Spline(*given, c, c)._at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
+        first, second = Spline(*given, c, c).at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
         return Spline(*given, first, (second - first) / NEAR)
 
 

@@ -40,6 +40,7 @@ class Pieces(NamedTuple):
 
     x: Array
     left: Array  # 1 - x
+    ahead: Array  # the end of the piece less x
     weight: Array
     last: Array | float  # the length of the last piece
     places: int  # in a piece
@@ -53,28 +54,27 @@ class Pieces(NamedTuple):
         whole = jnp.exp(power * jnp.log(self.last)) / power
         return weight, whole - jnp.sum(weight[-self.places :])
 
-    def up_to_end(self, values: Array, power: Array) -> Array:
-        """The integral of values at x times (1-x)^(power-1), where they may be singular at 1 as a power of 1 - x."""
-        terms = values * self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
-        # In equal steps of log(1-x) what is left out goes on as a geometric series: no difference of large numbers.
-        some = (values[-1] != 0.0) & (values[-2] != 0.0)
-        grown = jnp.where(some, values[-1] / jnp.where(some, values[-2], 1.0), 1.0)
-        decay = power * jnp.log(self.left[-2] / self.left[-1]) - jnp.log(jnp.abs(grown))
-        return jnp.sum(terms) + terms[-1] / jnp.expm1(jnp.maximum(decay, _SLOWEST))
-
-
-_SLOWEST = 1e-6  # a series that does not decay has no sum
+    def ended(self, terms: Array, power: Array) -> Array:
+        """Terms of an integral of what is at the end of each piece as a power of `ahead`, of `power` - 1 or more."""
+        terms = terms.reshape(-1, self.places)
+        # In equal steps of a logarithm what is left out goes on as a geometric series, of which the last term gets all.
+        before, last = terms[:, -2], terms[:, -1]
+        some = before * last > 0.0
+        decay = jnp.log(jnp.where(some, before, 2.0) / jnp.where(some, last, 1.0))
+        last = -last / jnp.expm1(-jnp.maximum(decay, power * jnp.log(self.ahead[-2] / self.ahead[-1])))
+        return jnp.concatenate([terms[:, :-1], last[:, None]], 1).ravel()
 
 
 def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
     """The rule between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
     inside, outside, weight = (jnp.asarray(x, like.dtype) for x in rule)
     if not inner.size:
-        return Pieces(inside, outside, weight, 1.0, weight.size)
+        return Pieces(inside, outside, outside, weight, 1.0, weight.size)
     # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
     inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
     begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
     length = (ends - begins)[:, None]
     x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)
     left = jnp.where(length > 0.0, (1.0 - ends)[:, None] + length * outside, outside)
-    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)
+    ahead = length * outside
+    return Pieces(x.ravel(), left.ravel(), ahead.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)

@@ -189,7 +189,12 @@ class Steady(Solution, abc.ABC):
     @property
     @abc.abstractmethod
     def edge_intensity(self) -> Array:
-        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
+        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20).
+
+        Of a power law under an elastic indenter the body that gives way most at the edge decides: for k < 0 the
+        exponent is that of k = 0. At k = 0 both bodies count and the factor jumps, so that its slope by k means nothing
+        there; `edge_pressure` does not jump.
+        """
 
     @property
     @abc.abstractmethod

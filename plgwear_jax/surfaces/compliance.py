@@ -285,7 +285,9 @@ class Graded(NamedTuple):
         last = int(np.sum(constants.x < 0.5 * effort.modes**2))
         real, imaginary = (jnp.exp(-edge[0]) * jnp.stack([jnp.cos(edge[1]), -jnp.sin(edge[1])]))[:, :, None]
         near = jnp.stack([real * alone[0] - imaginary * alone[1], real * alone[1] + imaginary * alone[0]])
-        size = jnp.sqrt(jnp.sum(found[:, last] ** 2, 0) / jnp.sum(near[:, last] ** 2, 0))
+        squares = jnp.sum(near[:, last] ** 2, 0)
+        some = squares > 0.0  # none where the contact ends at the edge of a flat face, to all digits
+        size = jnp.where(some, jnp.sqrt(jnp.sum(found[:, last] ** 2, 0) / jnp.where(some, squares, 1.0)), 0.0)
         return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.powers import Power
-from plgwear_jax.shapes.shape import Outline, stacked
+from plgwear_jax.shapes.shape import Image, Outline, inwards, stacked
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
-from plgwear_jax.special.quadrature import logistic, pieces
+from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, OnTheLaw
 from plgwear_jax.surfaces.effort import Effort
@@ -162,9 +162,19 @@ def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Ou
     own = (rest - punch.bowl).at[0].add(image.first * flat)
     if isinstance(image, Power) and image.power is None:
         return OnTheLaw(flat, own, None)
+    parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * effort.nodes)
+    return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s)))
+
+
+def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
+    """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
-    parts = pieces((stacked(outline.kinks, s.dtype) / c) ** 2, s, logistic(3 * effort.nodes, 26.0))
-    return OnTheLaw(flat, own, (parts.x, parts.left, parts.weight * image.rate(parts.x)))
+    ends = inwards(stacked(outline.kinks, c.dtype), c) / z
+    parts = pieces(ends[::-1], c, logistic(count, 26.0))
+    piece, own = np.arange(parts.x.size)[:, None] // parts.places, np.arange(ends.size)[::-1]
+    ahead = jnp.where(piece == own, parts.ahead[:, None], ends - parts.x[:, None])
+    ahead = jnp.where((piece > own) & (ends < 1.0), 0.0, ahead)
+    return parts, image.rate((1.0 - z) + z * parts.left, z * ahead)
 
 
 def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:
@@ -174,9 +184,12 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
-        parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
-        rates = image.rate((1.0 - z) + z * parts.left)
-        return jnp.exp((s + half) * jnp.log(z)) * parts.up_to_end(rates, s + half)
+        parts, rates = _risen(outline, image, c, z, 100)
+        power = s + half
+        terms = parts.weight * rates * jnp.exp((power - 1.0) * jnp.log(parts.left))
+        # Nearer to a tip than the places are its own power counts.
+        least = jnp.where(1.0 - z < parts.left[-1], 1e-6, s)
+        return jnp.exp(power * jnp.log(z)) * jnp.sum(parts.ended(terms, least))
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jax.lax.map(jax.checkpoint(at), z)
