@@ -1,7 +1,7 @@
 """Hankel integrals of axisymmetric tractions over exp(-q zeta), in closed form, and responses as sums of these.
 
-A traction t(r) is a sum of b^2 - r^2 under square roots, each up to its radius b, and of one flat punch: what lies in
-a strip across it, P(t) in t^(q) = integral of P(t) cos(q t) dt, is then piecewise linear in t^2.
+A traction t(r) is a sum of (b^2 - r^2)^(n - 1/2), each up to its radius b: what lies in a strip across it, P(t) in
+t^(q) = integral of P(t) cos(q t) dt, is then a sum of (b^2 - t^2)^n, a quadratic spline of t^2.
 """
 
 import functools
@@ -17,18 +17,37 @@ from jax.custom_derivatives import SymbolicZero
 
 
 class Tractions(NamedTuple):
-    """Sums of tractions with P(t) = weight (b^2 - t^2) where t < b, and of one with P(t) = flat where t < end."""
+    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b; those with n < 2 at the edges, the last of each b."""
 
-    b: Array  # (n,)
-    weight: Array  # (n, tractions)
-    end: Array
-    flat: Array | None  # (tractions,)
+    b: Array  # (edges, radii)
+    weight: Array  # with n = 1 and with n = 2 for each b, (edges, 1 + radii, tractions)
+    flat: Array | None  # with n = 0, (edges, tractions)
 
 
-def bends(t: np.ndarray) -> np.ndarray:
-    """The matrix that makes the weights of b = t[1:] of a P that is given at t, which begins with 0."""
-    slope = np.diff(np.eye(t.size), axis=0) / np.diff(t * t)[:, None]
-    return np.diff(slope, axis=0, append=0.0)
+class Strips(NamedTuple):
+    """Where P is asked, as shares of its radius, and what makes of it the spline, whose bends are dense at the edge."""
+
+    b: np.ndarray  # (radii,)
+    inside: np.ndarray  # 1 - t^2, (samples,)
+    fit: np.ndarray  # (1 + radii, samples), of n = 1 and of n = 2
+    singular: np.ndarray  # (2 + radii, samples), of n = 0 as well
+
+
+@functools.cache
+def strips(radii: int) -> Strips:
+    """So many radii; the spline is that of least squares."""
+    grade, samples = 4.0, 3 * radii
+    left = ((np.arange(samples) + 0.5) / samples) ** grade  # 1 - t
+    inside, b = left * (2.0 - left), 1.0 - (np.arange(radii)[::-1] / radii) ** grade
+    above = np.maximum((b - 1.0 + left[:, None]) * (b + 1.0 - left[:, None]), 0.0)
+    every = np.column_stack([np.ones_like(left), inside, above**2])
+    felt = np.sqrt(inside)[:, None]  # of a pressure that is infinite at the edge
+    return Strips(b, inside, _inverse(every[:, 1:]), _inverse(felt * every) * felt.T)
+
+
+def _inverse(a: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(a, axis=0)
+    return np.linalg.pinv(a / size) / size[:, None]
 
 
 def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
@@ -42,19 +61,19 @@ def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
     Returns:
         An array of shape (2, 4, places, tractions).
     """
-    found = _of_bowls(tractions.b, tractions.weight, zeta, x)
-    if tractions.flat is None:
+    b, weight, flat = tractions
+    found = _of_bowls(b, weight, zeta, x)
+    if flat is None:
         return found
-    wave, rate, _ = _waves(tractions.end[None], zeta, x)
-    return found + jnp.stack([-wave.imag, rate.imag])[:, :4] * tractions.flat
+    wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
+    return found + jnp.stack([-wave.imag, rate.imag])[:, :4] @ flat
 
 
-def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-    """(G_i = e^i/D for i < 5 with Z = zeta + i b, D = (Z^2 + x^2)^(1/2), e = x/(D + Z), its slope by Z, (e^i, D, T)).
+def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array]:
+    """(G_i = e^i/D for i < 5 with Z = zeta + i b, D = (Z^2 + x^2)^(1/2), e = x/(D + Z), its slope by Z, Re e^i, T_i).
 
     G_i is the integral of exp(-q Z) J_i(q x) dq, and T_i that of its real part over b from 0. Shapes (5, places, n).
     """
-    zeta, x = zeta[:, None], x[:, None]
     # The root by real numbers, so that none of its parts cancels.
     real, imaginary = (x - b) * (x + b) + zeta * zeta, 2.0 * zeta * b
     size = jnp.sqrt(real * real + imaginary * imaginary)
@@ -67,46 +86,62 @@ def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, tuple[Array, 
     powers = jnp.stack([jnp.ones_like(e), e, e * e, e * e * e, (e * e) * (e * e)])
     over = jnp.append(jnp.arctan2(total.imag, total.real)[None], powers[1:].imag / -_ORDER[1:], 0)
     wave = powers * inverse
-    rate = -wave * (depth + _ORDER * distance) * (inverse * inverse)
-    return wave, rate, (powers, distance, over)
+    return wave, -wave * (depth + _ORDER * distance) * (inverse * inverse), powers.real, over
 
 
 _ORDER = np.arange(5)[:, None, None]
+_SIGN = 1 - 2 * (_ORDER > 0)
 
 
-def _bowls(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, tuple[Array, Array]]:
-    """The integrals for half of P = b^2 - t^2 for i < 4, those with another factor q for i < 5, and of `_waves`."""
-    wave, rate, (powers, distance, over) = _waves(b, zeta, x)
-    first = distance.imag - zeta[:, None] * over[0]
-    others = 0.5 * x[:, None] * (over[:-2] + over[2:]) - b * powers[1:-1].real
-    return jnp.append(first[None], others / _ORDER[1:-1], 0), over - b * wave.real, (wave, rate)
+def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
+    """The integrals for n = 0, 1 and 2, and those with one and, but for n = 0, with two factors q more, for i < 5."""
+    zeta, x, square = zeta[:, None], x[:, None], 4.0 * b * b
+    wave, rate, real, over = _waves(b, zeta, x)
+
+    def turned(more: Array) -> Array:
+        return x * jnp.concatenate([-more[1:2], more[:-1]]) - zeta * more
+
+    # Each is a homogeneous function of lengths, of which `more` are the slopes; nothing has to cancel at the edge.
+    first = 2.0 * (turned(over) + _SIGN * b * real) / (1 + _ORDER)
+    more = (2 * (1 - _ORDER) * square * over + 12.0 * turned(first)) / (2 + _ORDER)
+    second = (square * first + turned(more)) / (3 + _ORDER)
+    flat, most = -wave.imag, 12.0 * first + 2.0 * square * wave.imag
+    return [[flat, first, second], [rate.imag, 2.0 * (over - b * wave.real), more], [2.0 * (flat + b * rate.real), most]]
+
+
+def _total(first: Array, second: Array, weight: Array) -> Array:
+    """The sum of integrals for n = 1, of which the edges count, and n = 2."""
+    _, radii, tractions = weight[:, 1:].shape
+    return second @ weight[:, 1:].reshape(-1, tractions) + first[..., radii - 1 :: radii] @ weight[:, 0]
 
 
 @jax.custom_jvp
 def _of_bowls(b: Array, weight: Array, zeta: Array, x: Array) -> Array:
-    value, more, _ = _bowls(b, zeta, x)
-    return jnp.stack([value, more[:4]]) @ (2.0 * weight)
+    return jnp.stack([_total(*rows[-2:], weight)[:4] for rows in _bowls(b.ravel(), zeta, x)[:2]])
 
 
 def _of_bowls_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> tuple[Array, Array]:
     b, weight, zeta, x = primals
-    value, more, (wave, rate) = _bowls(b, zeta, x)
-    rows = jnp.stack([value, more[:4]])
-    found = rows @ (2.0 * weight)
-    # With another factor q.
-    steeper = jnp.stack([more, b * rate.real - wave.imag]) @ (2.0 * weight)
+    value, more, most = _bowls(b.ravel(), zeta, x)
+
+    def sums(pair: tuple[list[Array], ...], weight: Array, which: slice = np.s_[-2:]) -> Array:
+        return jnp.stack([_total(*rows[which], weight) for rows in pair])
+
+    steeper = sums((more, most), weight)
     by_b, by_weight, by_zeta, by_x = tangents
-    along = jnp.zeros_like(found)
+    along = jnp.zeros_like(steeper[:, :4])
     if not isinstance(by_b, SymbolicZero):
-        along += jnp.stack([-wave.imag, rate.imag])[:, :4] @ (2.0 * (b * by_b)[:, None] * weight)
+        moved = 2.0 * b * by_b
+        moved = jnp.concatenate([moved[:, -1:], 2.0 * moved], 1)[..., None] * weight
+        along += sums((value, more), moved, np.s_[:2])[:, :4]
     if not isinstance(by_weight, SymbolicZero):
-        along += rows @ (2.0 * by_weight)
+        along += sums((value, more), by_weight)[:, :4]
     if not isinstance(by_zeta, SymbolicZero):
         along -= steeper[:, :4] * by_zeta[:, None]
     if not isinstance(by_x, SymbolicZero):
         lower = jnp.concatenate([-steeper[:, 1:2], steeper[:, :3]], 1)
         along += 0.5 * (lower - steeper[:, 1:]) * by_x[:, None]
-    return found, along
+    return sums((value, more), weight)[:, :4], along
 
 
 _of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
@@ -124,9 +159,9 @@ class Grid(NamedTuple):
 
 
 @functools.cache
-def grid(double: bool) -> Grid:
+def grid(spacing: float, double: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    zeta, q = np.exp(np.arange(-11.5, 6.0, 0.4)), np.exp(np.arange(-6.0, 11.6, 0.3))
+    zeta, q = np.exp(np.arange(-11.5, 3.6 if double else 3.0, spacing)), np.exp(np.arange(-6.0, 11.6, 0.75 * spacing))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
     # Larger weights would cancel in float32.
     fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9 if double else 1e-5)
