@@ -60,7 +60,7 @@ class Fineness(NamedTuple):
     digits: int  # of the responses
 
 
-_FINENESS = {2: Fineness(6, 0.8, 2), 3: Fineness(10, 0.6, 3), 4: Fineness(16, 0.4, 4), 5: Fineness(32, 0.4, 5)}
+_FINENESS = {2: Fineness(6, 0.8, 1), 3: Fineness(10, 0.6, 1), 4: Fineness(16, 0.5, 1), 5: Fineness(32, 0.4, 2)}
 
 
 def fineness(digits: int | None) -> Fineness:

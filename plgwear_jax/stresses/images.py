@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 from jax.custom_derivatives import SymbolicZero
+from scipy.interpolate import BSpline
 
 # --- tractions --------------------------------------------------------------------------------------------------------
 
@@ -33,21 +34,21 @@ class Strips(NamedTuple):
     singular: np.ndarray  # (2 + radii, samples), of n = 0 as well
 
 
+_GRADE = 3.5  # a steeper one has larger weights, which cancel in float32
+
+
 @functools.cache
 def strips(radii: int) -> Strips:
     """So many radii; the spline is that of least squares."""
-    grade, samples = 4.0, 3 * radii
-    left = ((np.arange(samples) + 0.5) / samples) ** grade  # 1 - t
-    inside, b = left * (2.0 - left), 1.0 - (np.arange(radii)[::-1] / radii) ** grade
-    above = np.maximum((b - 1.0 + left[:, None]) * (b + 1.0 - left[:, None]), 0.0)
-    every = np.column_stack([np.ones_like(left), inside, above**2])
-    felt = np.sqrt(inside)[:, None]  # of a pressure that is infinite at the edge
-    return Strips(b, inside, _inverse(every[:, 1:]), _inverse(felt * every) * felt.T)
-
-
-def _inverse(a: np.ndarray) -> np.ndarray:
-    size = np.linalg.norm(a, axis=0)
-    return np.linalg.pinv(a / size) / size[:, None]
+    left = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** _GRADE  # 1 - t
+    inside, b = left * (2.0 - left), 1.0 - (np.arange(radii)[::-1] / radii) ** _GRADE
+    edges = np.append(1.0 - b[::-1] ** 2, 1.0)
+    each = BSpline(np.pad(edges, 2, mode="edge"), np.eye(radii + 2), 2)
+    bend = 0.5 * np.diff(each(0.5 * (edges[1:] + edges[:-1]), 2), axis=0, prepend=0.0)
+    weight, every = np.concatenate([each(0.0)[None], each(0.0, 1)[None], bend[::-1]]), each(inside)
+    felt = left[:, None] ** 0.3  # of a pressure that is infinite at the edge
+    fit = weight[1:, 1:] @ np.linalg.pinv(every[:, 1:])
+    return Strips(b, inside, fit, weight @ np.linalg.pinv(felt * every) * felt.T)
 
 
 def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
