@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise, horner
-from plgwear_jax.stresses.images import Grid, Tractions, grid, strips, transforms
+from plgwear_jax.stresses.images import NEAR, Grid, Tractions, grid, strips, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -103,16 +103,18 @@ class Pressed(NamedTuple):
 
         def spline(p: Array) -> Array:
             middle = p[-1] / inside[-1]  # of the parabola, whose pressure stays exact
-            return (fit @ (p - middle * inside)).at[0].add(middle)
+            return (fit @ (p - middle * inside)).at[-1].add(middle)[:, None]
 
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], b.dtype)
-        powers = jnp.append(1.0 / c, jnp.full_like(b, 1.0 / c**3))[:, None]
-        stuck = spline(self.stuck)[:, None]
-        if worn:
-            flat = (singular @ self.flat)[:, None] * both
-            return Tractions(c * b[None], ((flat[1:] + stuck * normal) * powers)[None], c * flat[:1])
-        own, stuck = spline(self.own)[:, None] * both, stuck * (both * (normal - 1.0)) * powers
-        return Tractions(jnp.stack([b, c * b]), jnp.stack([own, stuck]), None)
+        stuck, n = spline(self.stuck) * jnp.append(jnp.full_like(b, 1.0 / c**3), 1.0 / c)[:, None], b.size
+        if not worn:
+            rows = jnp.stack([spline(self.own) * both, stuck * (both * (normal - 1.0))])
+            return Tractions(jnp.stack([b, c * b]), rows[:, :n], rows[:, n:], None)
+        flat = (singular @ self.flat)[:, None] * both
+        within = n - NEAR
+        second = (stuck[:n] * normal).at[:within].add(flat[:within] / c**3)
+        first = (flat[within:n] / c).at[-1].add(stuck[n] * normal)
+        return Tractions(c * b[None], second[None], first[None], c * flat[n:])
 
 
 def poisson_ratio_of(material: Any) -> Array:

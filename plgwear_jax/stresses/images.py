@@ -12,17 +12,17 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 from jax.custom_derivatives import SymbolicZero
-from scipy.interpolate import BSpline
 
 # --- tractions --------------------------------------------------------------------------------------------------------
 
 
 class Tractions(NamedTuple):
-    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b; those with n < 2 at the edges, the last of each b."""
+    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b, those with n < 2 at the edge, which is the last b."""
 
     b: Array  # (edges, radii)
-    weight: Array  # with n = 1 and with n = 2 for each b, (edges, 1 + radii, tractions)
-    flat: Array | None  # with n = 0, (edges, tractions)
+    second: Array  # the weights of n = 2, (edges, radii, tractions)
+    first: Array  # of n = 1 at the last radii, (edges, some, tractions)
+    flat: Array | None  # of n = 0, (edges, tractions)
 
 
 class Strips(NamedTuple):
@@ -30,25 +30,31 @@ class Strips(NamedTuple):
 
     b: np.ndarray  # (radii,)
     inside: np.ndarray  # 1 - t^2, (samples,)
-    fit: np.ndarray  # (1 + radii, samples), of n = 1 and of n = 2
-    singular: np.ndarray  # (2 + radii, samples), of n = 0 as well
+    fit: np.ndarray  # the weights of n = 2 and one of n = 1, (radii + 1, samples)
+    singular: np.ndarray  # of n = 2 at radii within, of n = 1 at NEAR ones and of n = 0, (radii + 1, samples)
 
 
-_GRADE = 3.5  # a steeper one has larger weights, which cancel in float32
+_LEAST = 1.7e-4  # between radii: with less, weights are so large that roundings of far fields are felt
+NEAR = 5  # radii at the edge, where a singular P is linear between them, for the same reason
 
 
 @functools.cache
 def strips(radii: int) -> Strips:
     """So many radii; the spline is that of least squares."""
-    left = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** _GRADE  # 1 - t
-    inside, b = left * (2.0 - left), 1.0 - (np.arange(radii)[::-1] / radii) ** _GRADE
-    edges = np.append(1.0 - b[::-1] ** 2, 1.0)
-    each = BSpline(np.pad(edges, 2, mode="edge"), np.eye(radii + 2), 2)
-    bend = 0.5 * np.diff(each(0.5 * (edges[1:] + edges[:-1]), 2), axis=0, prepend=0.0)
-    weight, every = np.concatenate([each(0.0)[None], each(0.0, 1)[None], bend[::-1]]), each(inside)
+    grade, samples = min(np.log(_LEAST) / np.log(1.0 / radii), 3.5), 3 * radii
+    left, below = (np.arange(samples) + 0.5) / samples, np.arange(radii)[::-1] / radii
+    left, below = left**grade, below**grade  # 1 - t and 1 - b
+    inside = left * (2.0 - left)
+    above = np.maximum(inside[:, None] - below * (2.0 - below), 0.0)
+    every = above**2, above[:, -NEAR:], np.ones((samples, 1))
     felt = left[:, None] ** 0.3  # of a pressure that is infinite at the edge
-    fit = weight[1:, 1:] @ np.linalg.pinv(every[:, 1:])
-    return Strips(b, inside, fit, weight @ np.linalg.pinv(felt * every) * felt.T)
+    fit = _inverse(np.hstack([every[0], every[1][:, -1:]]))
+    return Strips(1.0 - below, inside, fit, _inverse(felt * np.hstack([every[0][:, :-NEAR], *every[1:]])) * felt.T)
+
+
+def _inverse(a: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(a, axis=0)
+    return np.linalg.pinv(a / size) / size[:, None]
 
 
 def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
@@ -62,8 +68,8 @@ def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
     Returns:
         An array of shape (2, 4, places, tractions).
     """
-    b, weight, flat = tractions
-    found = _of_bowls(b, weight, zeta, x)
+    b, second, first, flat = tractions
+    found = _of_bowls(b, second, first, zeta, x)
     if flat is None:
         return found
     wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
@@ -110,39 +116,43 @@ def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
     return [[flat, first, second], [rate.imag, 2.0 * (over - b * wave.real), more], [2.0 * (flat + b * rate.real), most]]
 
 
-def _total(first: Array, second: Array, weight: Array) -> Array:
-    """The sum of integrals for n = 1, of which the edges count, and n = 2."""
-    _, radii, tractions = weight[:, 1:].shape
-    return second @ weight[:, 1:].reshape(-1, tractions) + first[..., radii - 1 :: radii] @ weight[:, 0]
+def _total(first: Array, second: Array, by_second: Array, by_first: Array) -> Array:
+    """The sum of integrals for n = 1, of which those at the edges count, and n = 2 by their weights."""
+    edges, some, tractions = by_first.shape
+    first = first.reshape(*first.shape[:2], edges, -1)[..., -some:].reshape(*first.shape[:2], -1)
+    return second @ by_second.reshape(-1, tractions) + first @ by_first.reshape(-1, tractions)
 
 
 @jax.custom_jvp
-def _of_bowls(b: Array, weight: Array, zeta: Array, x: Array) -> Array:
-    return jnp.stack([_total(*rows[-2:], weight)[:4] for rows in _bowls(b.ravel(), zeta, x)[:2]])
+def _of_bowls(b: Array, by_second: Array, by_first: Array, zeta: Array, x: Array) -> Array:
+    found = _bowls(b.ravel(), zeta, x)[:2]
+    return jnp.stack([_total(first[:4], second[:4], by_second, by_first) for _, first, second in found])
 
 
 def _of_bowls_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> tuple[Array, Array]:
-    b, weight, zeta, x = primals
+    b, *weights, zeta, x = primals
     value, more, most = _bowls(b.ravel(), zeta, x)
 
-    def sums(pair: tuple[list[Array], ...], weight: Array, which: slice = np.s_[-2:]) -> Array:
-        return jnp.stack([_total(*rows[which], weight) for rows in pair])
+    def sums(pair: tuple[list[Array], ...], weights: list[Array], which: slice = np.s_[-2:]) -> Array:
+        return jnp.stack([_total(*rows[which], *weights) for rows in pair])
 
-    steeper = sums((more, most), weight)
-    by_b, by_weight, by_zeta, by_x = tangents
+    steeper = sums((more, most), weights)
+    by_b, *by_weights, by_zeta, by_x = tangents
     along = jnp.zeros_like(steeper[:, :4])
     if not isinstance(by_b, SymbolicZero):
-        moved = 2.0 * b * by_b
-        moved = jnp.concatenate([moved[:, -1:], 2.0 * moved], 1)[..., None] * weight
-        along += sums((value, more), moved, np.s_[:2])[:, :4]
-    if not isinstance(by_weight, SymbolicZero):
-        along += sums((value, more), by_weight)[:, :4]
+        moved = 2.0 * (b * by_b)[..., None]
+        second, first = weights
+        first = moved[:, -first.shape[1] :] * first
+        along += sums((value, more), [2.0 * moved * second, first], np.s_[:2])[:, :4]
+    if not all(isinstance(by, SymbolicZero) for by in by_weights):
+        known = [jnp.zeros_like(w) if isinstance(by, SymbolicZero) else by for w, by in zip(weights, by_weights, strict=True)]
+        along += sums((value, more), known)[:, :4]
     if not isinstance(by_zeta, SymbolicZero):
         along -= steeper[:, :4] * by_zeta[:, None]
     if not isinstance(by_x, SymbolicZero):
         lower = jnp.concatenate([-steeper[:, 1:2], steeper[:, :3]], 1)
         along += 0.5 * (lower - steeper[:, 1:]) * by_x[:, None]
-    return sums((value, more), weight)[:, :4], along
+    return sums((value, more), weights)[:, :4], along
 
 
 _of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
