@@ -101,7 +101,7 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
 
 def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array]:
     """`own`, `stuck` and `flat` of `Pressed`."""
-    inside = jnp.asarray(samples(effort.digits), state.force.dtype)
+    inside = samples(effort.digits, state.force.dtype)
     own, stuck = (
         state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
         for punch in (state.unworn, state.punch)

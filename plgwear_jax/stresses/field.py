@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise, horner
-from plgwear_jax.stresses.images import NEAR, Grid, Tractions, grid, strips, transforms
+from plgwear_jax.stresses.images import Grid, Tractions, grid, strips, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -53,24 +53,27 @@ def _root(square: Array) -> Array:
 
 
 class Fineness(NamedTuple):
-    """How finely stresses are divided for a number of digits."""
+    """How finely stresses are divided."""
 
     radii: int  # of the spline of a pressure
+    near: int  # of these at the edge, between which it is linear
     spacing: float  # of the logarithms of depths of the exponentials
     digits: int  # of the responses
 
 
-_FINENESS = {2: Fineness(6, 0.8, 1), 3: Fineness(10, 0.6, 1), 4: Fineness(16, 0.5, 1), 5: Fineness(32, 0.4, 2)}
+_FINENESS = {
+    2: Fineness(8, 3, 0.8, 1),
+    3: Fineness(12, 3, 0.6, 1),
+    4: Fineness(16, 3, 0.5, 1),
+    5: Fineness(32, 4, 0.4, 2),
+}
+_SINGLE = Fineness(40, 40, 0.4, 1)  # in float32, where the far field of parabolas would cancel
 
 
-def fineness(digits: int | None) -> Fineness:
-    """That for these digits; 4 by default, at most 5."""
-    return _FINENESS[min(max(4 if digits is None else digits, 2), 5)]
-
-
-def samples(digits: int | None) -> np.ndarray:
-    """1 - t^2 where `Pressed` has P."""
-    return strips(fineness(digits).radii).inside
+def samples(digits: int | None, dtype: Any) -> Array:
+    """1 - t^2 where `Pressed` has P, for digits of 2 to 5, by default 4."""
+    fine = _FINENESS[min(max(4 if digits is None else digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
+    return jnp.asarray(strips(fine.radii, fine.near).inside, dtype)
 
 
 class Pressed(NamedTuple):
@@ -94,27 +97,26 @@ class Pressed(NamedTuple):
     @property
     def fineness(self) -> Fineness:
         """How finely it is divided, which the shape of P tells."""
-        return next(each for each in _FINENESS.values() if 3 * each.radii == self.own.shape[-1])
+        return next(each for each in (_SINGLE, *_FINENESS.values()) if 3 * each.radii == self.own.shape[-1])
 
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        c, given = self.stick, strips(self.fineness.radii)
-        b, inside, fit, singular = (jnp.asarray(each, c.dtype) for each in given)
+        c, (radii, near, *_) = self.stick, self.fineness
+        b, inside, fit, singular = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
 
         def spline(p: Array) -> Array:
             middle = p[-1] / inside[-1]  # of the parabola, whose pressure stays exact
             return (fit @ (p - middle * inside)).at[-1].add(middle)[:, None]
 
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], b.dtype)
-        stuck, n = spline(self.stuck) * jnp.append(jnp.full_like(b, 1.0 / c**3), 1.0 / c)[:, None], b.size
-        if not worn:
-            rows = jnp.stack([spline(self.own) * both, stuck * (both * (normal - 1.0))])
-            return Tractions(jnp.stack([b, c * b]), rows[:, :n], rows[:, n:], None)
-        flat = (singular @ self.flat)[:, None] * both
-        within = n - NEAR
-        second = (stuck[:n] * normal).at[:within].add(flat[:within] / c**3)
-        first = (flat[within:n] / c).at[-1].add(stuck[n] * normal)
-        return Tractions(c * b[None], second[None], first[None], c * flat[n:])
+        powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
+        if worn:
+            flat = (singular @ self.flat)[:, None] * both
+            return Tractions(
+                near, c * b[None], (powers * (spline(self.stuck) * normal + flat[:-1]))[None], c * flat[-1:]
+            )
+        stuck = powers * spline(self.stuck) * (both * (normal - 1.0))
+        return Tractions(near, jnp.stack([b, c * b]), jnp.stack([spline(self.own) * both, stuck]), None)
 
 
 def poisson_ratio_of(material: Any) -> Array:

@@ -17,39 +17,37 @@ from jax.custom_derivatives import SymbolicZero
 
 
 class Tractions(NamedTuple):
-    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b, those with n < 2 at the edge, which is the last b."""
+    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b: n = 2, at the last `near` radii 1, at the edge also 0."""
 
+    near: int
     b: Array  # (edges, radii)
-    second: Array  # the weights of n = 2, (edges, radii, tractions)
-    first: Array  # of n = 1 at the last radii, (edges, some, tractions)
+    weight: Array  # (edges, radii, tractions)
     flat: Array | None  # of n = 0, (edges, tractions)
 
 
 class Strips(NamedTuple):
-    """Where P is asked, as shares of its radius, and what makes of it the spline, whose bends are dense at the edge."""
+    """Where P is asked, as shares of its radius, and what makes of it weights, whose radii are dense at the edge."""
 
     b: np.ndarray  # (radii,)
     inside: np.ndarray  # 1 - t^2, (samples,)
-    fit: np.ndarray  # the weights of n = 2 and one of n = 1, (radii + 1, samples)
-    singular: np.ndarray  # of n = 2 at radii within, of n = 1 at NEAR ones and of n = 0, (radii + 1, samples)
-
-
-_LEAST = 1.7e-4  # between radii: with less, weights are so large that roundings of far fields are felt
-NEAR = 5  # radii at the edge, where a singular P is linear between them, for the same reason
+    fit: np.ndarray  # (radii, samples)
+    singular: np.ndarray  # (radii + 1, samples), the last row of n = 0
 
 
 @functools.cache
-def strips(radii: int) -> Strips:
-    """So many radii; the spline is that of least squares."""
-    grade, samples = min(np.log(_LEAST) / np.log(1.0 / radii), 3.5), 3 * radii
-    left, below = (np.arange(samples) + 0.5) / samples, np.arange(radii)[::-1] / radii
-    left, below = left**grade, below**grade  # 1 - t and 1 - b
-    inside = left * (2.0 - left)
-    above = np.maximum(inside[:, None] - below * (2.0 - below), 0.0)
-    every = above**2, above[:, -NEAR:], np.ones((samples, 1))
+def strips(radii: int, near: int) -> Strips:
+    """So many radii; the spline is that of least squares.
+
+    Between the last ones it is linear: of parabolas that are so narrow the weights would make roundings felt.
+    """
+    grade = min(4.0, 10.4 / np.log(radii))
+    left, below = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** grade, (np.arange(radii)[::-1] / radii) ** grade
+    inside = left * (2.0 - left)  # left is 1 - t, and below 1 - b
+    every = np.maximum(inside[:, None] - below * (2.0 - below), 0.0)
+    every[:, : radii - near] **= 2
     felt = left[:, None] ** 0.3  # of a pressure that is infinite at the edge
-    fit = _inverse(np.hstack([every[0], every[1][:, -1:]]))
-    return Strips(1.0 - below, inside, fit, _inverse(felt * np.hstack([every[0][:, :-NEAR], *every[1:]])) * felt.T)
+    singular = _inverse(felt * np.column_stack([every, np.ones_like(left)])) * felt.T
+    return Strips(1.0 - below, inside, _inverse(every), singular)
 
 
 def _inverse(a: np.ndarray) -> np.ndarray:
@@ -68,8 +66,8 @@ def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
     Returns:
         An array of shape (2, 4, places, tractions).
     """
-    b, second, first, flat = tractions
-    found = _of_bowls(b, second, first, zeta, x)
+    near, b, weight, flat = tractions
+    found = _of_bowls(near, b, weight, zeta, x)
     if flat is None:
         return found
     wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
@@ -113,46 +111,49 @@ def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
     more = (2 * (1 - _ORDER) * square * over + 12.0 * turned(first)) / (2 + _ORDER)
     second = (square * first + turned(more)) / (3 + _ORDER)
     flat, most = -wave.imag, 12.0 * first + 2.0 * square * wave.imag
-    return [[flat, first, second], [rate.imag, 2.0 * (over - b * wave.real), more], [2.0 * (flat + b * rate.real), most]]
+    return [
+        [flat, first, second],
+        [rate.imag, 2.0 * (over - b * wave.real), more],
+        [2.0 * (flat + b * rate.real), most],
+    ]
 
 
-def _total(first: Array, second: Array, by_second: Array, by_first: Array) -> Array:
-    """The sum of integrals for n = 1, of which those at the edges count, and n = 2 by their weights."""
-    edges, some, tractions = by_first.shape
-    first = first.reshape(*first.shape[:2], edges, -1)[..., -some:].reshape(*first.shape[:2], -1)
-    return second @ by_second.reshape(-1, tractions) + first @ by_first.reshape(-1, tractions)
+def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
+    """The sum of integrals, those for n = 1 at the last radii."""
+    within, shape = weight.shape[1] - near, (*first.shape[:2], *weight.shape[:2])
+    first, second = first.reshape(shape), second.reshape(shape)
+    each = jnp.concatenate([second[..., :within], first[..., within:]], -1)
+    return each.reshape(*shape[:2], -1) @ weight.reshape(-1, weight.shape[-1])
 
 
-@jax.custom_jvp
-def _of_bowls(b: Array, by_second: Array, by_first: Array, zeta: Array, x: Array) -> Array:
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _of_bowls(near: int, b: Array, weight: Array, zeta: Array, x: Array) -> Array:
     found = _bowls(b.ravel(), zeta, x)[:2]
-    return jnp.stack([_total(first[:4], second[:4], by_second, by_first) for _, first, second in found])
+    return jnp.stack([_total(near, first[:4], second[:4], weight) for _, first, second in found])
 
 
-def _of_bowls_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> tuple[Array, Array]:
-    b, *weights, zeta, x = primals
+def _of_bowls_jvp(near: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> tuple[Array, Array]:
+    b, weight, zeta, x = primals
     value, more, most = _bowls(b.ravel(), zeta, x)
 
-    def sums(pair: tuple[list[Array], ...], weights: list[Array], which: slice = np.s_[-2:]) -> Array:
-        return jnp.stack([_total(*rows[which], *weights) for rows in pair])
+    def sums(rows: list[list[Array]], weight: Array) -> Array:
+        return jnp.stack([_total(near, *pair, weight) for pair in rows])
 
-    steeper = sums((more, most), weights)
-    by_b, *by_weights, by_zeta, by_x = tangents
-    along = jnp.zeros_like(steeper[:, :4])
+    found, steeper = sums([value[1:], more[1:]], weight)[:, :4], sums([more[1:], most], weight)
+    by_b, by_weight, by_zeta, by_x = tangents
+    along = jnp.zeros_like(found)
     if not isinstance(by_b, SymbolicZero):
-        moved = 2.0 * (b * by_b)[..., None]
-        second, first = weights
-        first = moved[:, -first.shape[1] :] * first
-        along += sums((value, more), [2.0 * moved * second, first], np.s_[:2])[:, :4]
-    if not all(isinstance(by, SymbolicZero) for by in by_weights):
-        known = [jnp.zeros_like(w) if isinstance(by, SymbolicZero) else by for w, by in zip(weights, by_weights, strict=True)]
-        along += sums((value, more), known)[:, :4]
+        # The slope of (b^2 - t^2)^n is that with n - 1, times 2 n b.
+        power = np.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
+        along += sums([value[:2], more[:2]], (power * b * by_b)[..., None] * weight)[:, :4]
+    if not isinstance(by_weight, SymbolicZero):
+        along += sums([value[1:], more[1:]], by_weight)[:, :4]
     if not isinstance(by_zeta, SymbolicZero):
         along -= steeper[:, :4] * by_zeta[:, None]
     if not isinstance(by_x, SymbolicZero):
         lower = jnp.concatenate([-steeper[:, 1:2], steeper[:, :3]], 1)
         along += 0.5 * (lower - steeper[:, 1:]) * by_x[:, None]
-    return sums((value, more), weights)[:, :4], along
+    return found, along
 
 
 _of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
@@ -172,7 +173,7 @@ class Grid(NamedTuple):
 @functools.cache
 def grid(spacing: float, double: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    zeta, q = np.exp(np.arange(-11.5, 3.6 if double else 3.0, spacing)), np.exp(np.arange(-6.0, 11.6, 0.75 * spacing))
+    zeta, q = np.exp(np.arange(-11.5, 6.0, spacing)), np.exp(np.arange(-6.0, 11.6, 0.75 * spacing))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
     # Larger weights would cancel in float32.
     fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9 if double else 1e-5)
