@@ -59,15 +59,16 @@ class Fineness(NamedTuple):
     near: int  # of these at the edge, between which it is linear
     spacing: float  # of the logarithms of depths of the exponentials
     digits: int  # of the responses
+    rounds: int  # of the search for a peak
 
 
 _FINENESS = {
-    2: Fineness(8, 3, 0.8, 1),
-    3: Fineness(12, 3, 0.6, 1),
-    4: Fineness(16, 3, 0.5, 1),
-    5: Fineness(32, 4, 0.4, 2),
+    2: Fineness(8, 3, 0.8, 1, 2),
+    3: Fineness(12, 3, 0.6, 1, 3),
+    4: Fineness(16, 3, 0.5, 1, 3),
+    5: Fineness(32, 4, 0.4, 2, 4),
 }
-_SINGLE = Fineness(40, 40, 0.4, 1)  # in float32, where the far field of parabolas would cancel
+_SINGLE = Fineness(40, 40, 0.4, 1, 3)  # in float32, where the far field of parabolas would cancel
 
 
 def samples(digits: int | None, dtype: Any) -> Array:
@@ -102,21 +103,16 @@ class Pressed(NamedTuple):
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
         c, (radii, near, *_) = self.stick, self.fineness
-        b, inside, fit, singular = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
-
-        def spline(p: Array) -> Array:
-            middle = p[-1] / inside[-1]  # of the parabola, whose pressure stays exact
-            return (fit @ (p - middle * inside)).at[-1].add(middle)[:, None]
+        b, _, fit, singular = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
 
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], b.dtype)
         powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
+        own, stuck = ((fit @ p)[:, None] for p in (self.own, self.stuck))
         if worn:
             flat = (singular @ self.flat)[:, None] * both
-            return Tractions(
-                near, c * b[None], (powers * (spline(self.stuck) * normal + flat[:-1]))[None], c * flat[-1:]
-            )
-        stuck = powers * spline(self.stuck) * (both * (normal - 1.0))
-        return Tractions(near, jnp.stack([b, c * b]), jnp.stack([spline(self.own) * both, stuck]), None)
+            return Tractions(near, c * b[None], (powers * (stuck * normal + flat[:-1]))[None], c * flat[-1:])
+        stuck = powers * stuck * (both * (normal - 1.0))
+        return Tractions(near, jnp.stack([b, c * b]), jnp.stack([own * both, stuck]), None)
 
 
 def poisson_ratio_of(material: Any) -> Array:

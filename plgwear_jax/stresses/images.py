@@ -52,7 +52,8 @@ def strips(radii: int, near: int) -> Strips:
 
 def _inverse(a: np.ndarray) -> np.ndarray:
     size = np.linalg.norm(a, axis=0)
-    return np.linalg.pinv(a / size) / size[:, None]
+    found = np.linalg.pinv(a / size) / size[:, None]
+    return found + (np.eye(size.size) - found @ a) @ found
 
 
 def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
