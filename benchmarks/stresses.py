@@ -136,7 +136,7 @@ def errors(contact: Any, phi: float) -> dict[int, tuple[float, float]]:
 
 def at_the_surface(asked: Any, steady: Any, inner: Any, a: float, p_0: float) -> float:
     """The error of what the surface carries, the pressure and the traction."""
-    x, mu = np.linspace(-1.2, 1.2, 97) * a, float(steady.contact.friction)
+    x, mu = np.linspace(-1.2, 1.2, 96) * a, float(steady.contact.friction)
     found = asked.stress(x, 0.0)
     pressure, stuck = (np.asarray(one.initial_pressure(abs(x))) for one in (steady, inner))
     return float(np.max(abs(np.array([found.zz + pressure, found.xz + mu * (pressure - stuck)]))) / p_0)

@@ -58,23 +58,22 @@ class Fineness(NamedTuple):
     radii: int  # of the spline of a pressure
     near: int  # of these at the edge, between which it is linear
     spacing: float  # of the logarithms of depths of the exponentials
-    digits: int  # of the responses
     rounds: int  # of the search for a peak
 
 
 _FINENESS = {
-    2: Fineness(8, 3, 0.8, 1, 2),
-    3: Fineness(12, 3, 0.6, 1, 3),
-    4: Fineness(16, 3, 0.5, 1, 3),
-    5: Fineness(32, 4, 0.4, 2, 4),
+    2: Fineness(8, 3, 0.8, 2),
+    3: Fineness(12, 3, 0.6, 3),
+    4: Fineness(16, 3, 0.5, 3),
+    5: Fineness(32, 4, 0.4, 4),
 }
-_SINGLE = Fineness(40, 40, 0.4, 1, 3)  # in float32, where the far field of parabolas would cancel
+_SINGLE = Fineness(40, 40, 0.4, 3)  # in float32, where the far field of parabolas would cancel
 
 
 def samples(digits: int | None, dtype: Any) -> Array:
     """1 - t^2 where `Pressed` has P, for digits of 2 to 5, by default 4."""
     fine = _FINENESS[min(max(4 if digits is None else digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
-    return jnp.asarray(strips(fine.radii, fine.near).inside, dtype)
+    return jnp.asarray(strips(fine.radii, fine.near)[1], dtype)
 
 
 class Pressed(NamedTuple):
@@ -103,16 +102,16 @@ class Pressed(NamedTuple):
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
         c, (radii, near, *_) = self.stick, self.fineness
-        b, _, fit, singular = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
-
-        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], b.dtype)
+        b, _, fit = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
+        # Without a singularity of the pressure there must be no trace of one, which is the last weight.
+        own, stuck, flat = ((fit @ p)[:, None] for p in (self.own, self.stuck, self.flat))
+        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], c.dtype)
         powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
-        own, stuck = ((fit @ p)[:, None] for p in (self.own, self.stuck))
         if worn:
-            flat = (singular @ self.flat)[:, None] * both
-            return Tractions(near, c * b[None], (powers * (stuck * normal + flat[:-1]))[None], c * flat[-1:])
-        stuck = powers * stuck * (both * (normal - 1.0))
-        return Tractions(near, jnp.stack([b, c * b]), jnp.stack([own * both, stuck]), None)
+            weight = powers * (stuck[:-1] * normal + flat[:-1] * both)
+            return Tractions(near, c * b[None], weight[None], c * flat[-1:] * both)
+        weight = jnp.stack([own[:-1] * both, powers * stuck[:-1] * (both * (normal - 1.0))])
+        return Tractions(near, jnp.stack([b, c * b]), weight, None)
 
 
 def poisson_ratio_of(material: Any) -> Array:
@@ -217,14 +216,14 @@ def _own_responses(nu: Array, whole: Array, height: Array) -> Array:
     return (first + second * height) * jnp.exp(-height)
 
 
-def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid, digits: int) -> Array:
+def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid) -> Array:
     """Of each exponential in the responses at depths (n,) less `_own_responses`, shape (8, n, exponentials)."""
     q, moved = jnp.asarray(given.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
     fit = jnp.asarray(given.fit.T, z.dtype)
     if isinstance(body, PowerModulus):
         stiff = body.at(z)[:, None] * q**body.k
         return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
-    edges, even = depths_for(body, q, digits)
+    edges, even = depths_for(body, q, 2)
 
     def at(z: Array) -> Array:
         found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
@@ -262,8 +261,7 @@ def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stres
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, fine = pressed.nu, pressed.fineness
-    given = grid(fine.spacing, x.dtype == jnp.float64)
+    nu, given = pressed.nu, grid(pressed.fineness.spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
@@ -277,7 +275,7 @@ def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stres
     stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
     stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
     if body is not None:
-        weights = _image_weights(body, nu, z.ravel(), given, fine.digits).reshape(8, *z.shape, -1)
+        weights = _image_weights(body, nu, z.ravel(), given).reshape(8, *z.shape, -1)
         images = found[0, :, count:].reshape(4, *x.shape, -1, 2)
         stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, images))
     return Stress(*stress)

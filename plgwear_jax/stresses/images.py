@@ -25,35 +25,22 @@ class Tractions(NamedTuple):
     flat: Array | None  # of n = 0, (edges, tractions)
 
 
-class Strips(NamedTuple):
-    """Where P is asked, as shares of its radius, and what makes of it weights, whose radii are dense at the edge."""
-
-    b: np.ndarray  # (radii,)
-    inside: np.ndarray  # 1 - t^2, (samples,)
-    fit: np.ndarray  # (radii, samples)
-    singular: np.ndarray  # (radii + 1, samples), the last row of n = 0
-
-
 @functools.cache
-def strips(radii: int, near: int) -> Strips:
-    """So many radii; the spline is that of least squares.
+def strips(radii: int, near: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(Radii b, 1 - t^2 where P is asked, what makes of P the weights of these and of n = 0), in units of the radius.
 
-    Between the last ones it is linear: of parabolas that are so narrow the weights would make roundings felt.
+    P is the spline of least squares. It is linear between the last radii, where the weights of parabolas would be so
+    large that roundings are felt.
     """
-    grade = min(4.0, 10.4 / np.log(radii))
+    grade = min(4.0, 10.4 / np.log(radii))  # so that both are dense at the edge
     left, below = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** grade, (np.arange(radii)[::-1] / radii) ** grade
     inside = left * (2.0 - left)  # left is 1 - t, and below 1 - b
-    every = np.maximum(inside[:, None] - below * (2.0 - below), 0.0)
+    every = np.maximum(inside[:, None] - np.append(below * (2.0 - below), -1.0), 0.0)
     every[:, : radii - near] **= 2
+    every[:, radii] = 1.0
     felt = left[:, None] ** 0.3  # of a pressure that is infinite at the edge
-    singular = _inverse(felt * np.column_stack([every, np.ones_like(left)])) * felt.T
-    return Strips(1.0 - below, inside, _inverse(every), singular)
-
-
-def _inverse(a: np.ndarray) -> np.ndarray:
-    size = np.linalg.norm(a, axis=0)
-    found = np.linalg.pinv(a / size) / size[:, None]
-    return found + (np.eye(size.size) - found @ a) @ found
+    fit = np.linalg.pinv(felt * every) * felt.T
+    return 1.0 - below, inside, fit + (np.eye(radii + 1) - fit @ every) @ fit
 
 
 def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
