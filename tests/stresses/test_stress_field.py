@@ -188,46 +188,28 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
 # --- sums in closed form ----------------------------------------------------------------------------------------------
 
 
-def bessel_integrals(b, zeta, x, more):
-    """The integrals of q^(1+more) t^(q) exp(-q zeta) J_i(q x) dq of P = (b^2 - t^2)^2, i < 4, by quadrature."""
-    q, weight = (60.0 * each for each in unit_rule(400))
-    t = 15.0 * b**5 * np.where(q * b > 0.02, jv(2.5, q * b), (q * b / 2.0) ** 2.5 / gamma(3.5)) / (q * b) ** 2.5
-    t *= np.sqrt(np.pi / 2.0) * 8.0 / 15.0
-    return np.stack([jv(i, q * x) for i in range(4)]) @ (weight * q ** (1 + more) * t * np.exp(-q * zeta))
-
-
-def unit_rule(count):
-    node, weight = np.polynomial.legendre.leggauss(count)
-    return 0.5 * (1.0 + node), 0.5 * weight
+def bessel_integrals(b, zeta, x):
+    """The integrals of `transforms` for P = (b^2 - t^2)^2 by quadrature."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    q = 30.0 * (1.0 + node)
+    of_p = 8.0 * np.sqrt(np.pi / 2.0) * b**2.5 * jv(2.5, q * b) / q**2.5
+    rows = np.stack([jv(i, q * x) for i in range(4)]) * (30.0 * weight * q * of_p * np.exp(-q * zeta))
+    return np.stack([rows.sum(-1), (rows * q).sum(-1)])
 
 
 def test_integrals_of_squares_of_parabolas_and_their_derivatives():
-    b, zeta, x = np.array([0.4, 1.0]), np.array([0.8, 0.7]), np.array([0.0, 1.2])
-    weight = np.array([[1.0], [0.5]])
-
     def sums(b, zeta, x):
-        return transforms(Tractions(0, b[None], jnp.asarray(weight)[None], None), zeta, x)[..., 0]
+        return transforms(Tractions(0, b[None, None], jnp.ones((1, 1, 1)), None), zeta[None], x[None])[..., 0, 0]
 
-    def known(b, zeta, x):
-        places = [
-            [sum(w * bessel_integrals(*at, more) for w, at in zip(weight[:, 0], [(b[0], z, y), (b[1], z, y)], strict=True))
-             for z, y in zip(zeta, x, strict=True)]
-            for more in (0, 1)
-        ]  # fmt: skip
-        return np.array(places).transpose(0, 2, 1)
-
-    np.testing.assert_allclose(sums(b, zeta, x), known(b, zeta, x), rtol=0, atol=1e-9)
-    for i in range(3):
-        along = [np.zeros(2)] * 3
-        along[i] = np.array([1.0, 0.5])
-        _, slope = jax.jvp(sums, (b, zeta, x), tuple(along))
-        ends = [known(*(at + h * by for at, by in zip((b, zeta, abs(x)), along, strict=True))) for h in (1e-4, 0.0)]
-        if i < 2:
-            ends[1] = known(*(at - 1e-4 * by for at, by in zip((b, zeta, x), along, strict=True)))
-        np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2e-4 if i < 2 else 1e-4), rtol=0, atol=2e-4)
+    for at in (np.array([0.4, 0.8, 0.0]), np.array([1.0, 0.7, 1.2])):
+        along = np.array([1.0, -0.5, 2.0])
+        found, slope = jax.jvp(sums, tuple(map(jnp.asarray, at)), tuple(map(jnp.asarray, along)))
+        ends = [bessel_integrals(*(at + h * along)) for h in (1e-4, -1e-4)]
+        np.testing.assert_allclose(found, bessel_integrals(*at), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(slope, (ends[0] - ends[1]) / 2e-4, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("power", [0.6, 0.9, 1.0, 1.3])
+@pytest.mark.parametrize("power", [0.9, 1.0, 1.3])
 def test_splines_make_the_pressure_of_a_power(power):
     b, inside, fit = strips(16, 3)
     weight = fit @ inside**power
@@ -238,28 +220,29 @@ def test_splines_make_the_pressure_of_a_power(power):
     np.testing.assert_allclose(found, known, rtol=0, atol=5e-4 * known[0])
 
 
-@pytest.mark.parametrize("k", [0.3, -0.3])
-def test_each_digit_is_worth_its_time(k):
-    x, z = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
-    contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
-    for worn in (False, True):
+PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
+
+
+@pytest.mark.parametrize("worn", [False, pytest.param(True, marks=compiled)])
+def test_each_digit_is_worth_its_time(worn):
+    for k in (0.3, -0.3):
+        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
         found = [contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
-        best, *others = (np.array(one.stress(x, z, worn=worn)) for one in found)
+        best, *others = (np.array(one.stress(*PLACES, worn=worn)) for one in found)
         errors = [np.max(abs(one - best)) / float(found[0].peak_initial_pressure) for one in others]
         assert errors[0] < errors[1] < errors[2]
-        assert errors < [5e-4, 2e-3, 2e-2]
+        assert np.all(np.array(errors) < [5e-4, 2e-3, 2e-2])
 
 
-@pytest.mark.parametrize("k", [0.3, -0.3])
-def test_stresses_in_single_precision(k):
-    contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
-    x, z = np.array([-1.5, -0.95, 0.0, 0.5]) * A, np.array([[0.1], [0.5]]) * A
-    known, few = contact.steady(1.5), jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5))
-    for worn, most in ((False, 1e-3), (True, 0.1 if k < 0.0 else 2e-3)):
-        found = few.stress(np.float32(x), np.float32(z), worn=worn)
+@pytest.mark.parametrize("worn", [False, pytest.param(True, marks=compiled)])
+def test_stresses_in_single_precision(worn):
+    for k in (0.3, -0.3):
+        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+        found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5)).stress(*map(np.float32, PLACES), worn=worn)
         assert found.xx.dtype == jnp.float32
-        gap = np.array(found) - np.array(known.stress(x, z, worn=worn))
-        np.testing.assert_allclose(gap / float(known.peak_initial_pressure), 0.0, atol=most)
+        known, most = contact.steady(1.5), 0.1 if worn and k < 0.0 else 2e-3
+        gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / float(known.peak_initial_pressure)
+        np.testing.assert_allclose(gap, 0.0, atol=most)
 
 
 # --- what is special at the surface -----------------------------------------------------------------------------------
