@@ -5,7 +5,7 @@ t^(q) = integral of P(t) cos(q t) dt, is then a sum of (b^2 - t^2)^n, a quadrati
 """
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,9 +17,9 @@ from jax.custom_derivatives import SymbolicZero
 
 
 class Tractions(NamedTuple):
-    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b: n = 2, at the last `near` radii 1, at the edge also 0."""
+    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b."""
 
-    near: int
+    near: int  # of the last radii, where n = 1; else it is 2
     b: Array  # (edges, radii)
     weight: Array  # (edges, radii, tractions)
     flat: Array | None  # of n = 0, (edges, tractions)
@@ -82,7 +82,7 @@ def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array]
     return wave, -wave * (depth + _ORDER * distance) * (inverse * inverse), powers.real, over
 
 
-_ORDER = np.arange(5)[:, None, None]
+_ORDER: Any = np.arange(5)[:, None, None]
 _SIGN = 1 - 2 * (_ORDER > 0)
 
 
@@ -125,14 +125,14 @@ def _of_bowls_jvp(near: int, primals: tuple[Array, ...], tangents: tuple[Array, 
     value, more, most = _bowls(b.ravel(), zeta, x)
 
     def sums(rows: list[list[Array]], weight: Array) -> Array:
-        return jnp.stack([_total(near, *pair, weight) for pair in rows])
+        return jnp.stack([_total(near, first, second, weight) for first, second in rows])
 
     found, steeper = sums([value[1:], more[1:]], weight)[:, :4], sums([more[1:], most], weight)
     by_b, by_weight, by_zeta, by_x = tangents
     along = jnp.zeros_like(found)
     if not isinstance(by_b, SymbolicZero):
         # The slope of (b^2 - t^2)^n is that with n - 1, times 2 n b.
-        power = np.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
+        power = jnp.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
         along += sums([value[:2], more[:2]], (power * b * by_b)[..., None] * weight)[:, :4]
     if not isinstance(by_weight, SymbolicZero):
         along += sums([value[1:], more[1:]], by_weight)[:, :4]
