@@ -260,6 +260,14 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
     np.testing.assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
 
 
+@compiled
+def test_the_surface_of_a_steep_table_carries_the_pressure():
+    steady = steady_of(DepthGraded([0.0, 0.05 * A, 0.12 * A, A], [150e9, 400e9, 120e9, 210e9], 0.3), 0.6)
+    x = np.linspace(-1.2, 1.2, 48) * A
+    found, known = (np.asarray(each) for each in (steady.stress(x, 0.0).zz, steady.initial_pressure(abs(x))))
+    np.testing.assert_allclose((found + known) / float(steady.peak_initial_pressure), 0.0, atol=5e-4)
+
+
 def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_an_infinite_one():
     compliant, stiff = (steady_of(PowerLawGraded(210e9, 1e-4, k, 0.3), 0.6) for k in (0.4, -0.4))
     a, p_0 = compliant.contact_radius, compliant.peak_initial_pressure
