@@ -222,7 +222,8 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: G
     fit = jnp.asarray(given.fit.T, z.dtype)
     if isinstance(body, PowerModulus):
         stiff = body.at(z)[:, None] * q**body.k
-        return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
+        # At the surface itself tractions are those that are given, however stiff the skin below it is.
+        return (jnp.where(moved, stiff, (z > 0.0)[:, None]) * body.responses(z, q)) @ fit
     edges, even = depths_for(body, q, 2)
 
     def at(z: Array) -> Array:
