@@ -260,6 +260,14 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
     np.testing.assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
 
 
+def test_a_surface_of_infinite_modulus_carries_the_traction():
+    steady = steady_of(PowerLawGraded(210e9, 1e-4, -0.9, 0.3), 0.999)
+    x = np.array([-1.5, -0.9, -0.3, 0.1, 0.5, 0.9]) * steady.contact_radius
+    found = (steady.stress(x, 0.0).xz + FRICTION * steady.initial_pressure(abs(x))) / steady.peak_initial_pressure
+    stuck = abs(x) < steady.stick_radius
+    assert np.max(abs(found[~stuck])) < 2e-3
+
+
 @compiled
 def test_the_surface_of_a_steep_table_carries_the_pressure():
     steady = steady_of(DepthGraded([0.0, 0.05 * A, 0.12 * A, A], [150e9, 400e9, 120e9, 210e9], 0.3), 0.6)
