@@ -53,6 +53,11 @@ ROOMS = {
     "wear": ("wear", "contact"),
     "optimise": ("optimise",),
     "fitting": ("fitting",),
+    "coating": ("fitting",),
+    "contact": ("contact",),
+    "loads": ("wear", "contact"),
+    "stresses": ("stresses",),
+    "wear_laws": ("wear", "fitting"),
 }
 
 # --- which errors there are ------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import numpy as np
 from plgwear_jax import optimise
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
-from plgwear_jax.rules import complaint, exponents_between
+from plgwear_jax.rules import complaint, exponents_between, limited_quantity
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
@@ -41,10 +41,13 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
     def others(one: str, limit: Any) -> Any:
-        if name != (one if one != "pressure" else "edge_pressure" if "distance" in limit else "pressure"):
-            return limit
-        # Of several limits of one quantity those at other places stay.
-        return [at for at in limit if places.items() - at.items()] if isinstance(limit, list | tuple) else None
+        several = list(limit) if isinstance(limit, list | tuple) else [limit]
+
+        def stays(at: Any) -> bool:  # of several limits of one quantity those at other places
+            own = limited_quantity(one, at, given.contact.kind)[0]
+            return own != name or (len(several) > 1 and bool(places.items() - at.items()))
+
+        return limit if all(map(stays, several)) else list(filter(stays, several))
 
     # The front replaces a limit of x by its own values.
     limits = {one: rest for one, limit in arguments.pop("limits").items() if (rest := others(one, limit))}

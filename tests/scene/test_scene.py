@@ -263,6 +263,10 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     other = vars(given.front(x="penetration", y="edge_pressure", larger="y"))
     assert (other["x"], other["minimise"], other["larger"]) == ({"penetration": {}}, x, "y")
     assert other["limits"] == pressure
+    near, far = ({"below": 5e8, "distance": distance} for distance in (1e-6, 2e-6))
+    both = ", ".join(f"{{ below = 5e8, distance = {at['distance']} }}" for at in (near, far))
+    several = read(changed(SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ pressure = [{both}] }}\n")))
+    assert vars(several.front(distance=1e-6))["limits"] == {"pressure": [far]}
 
 
 def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch):
