@@ -18,10 +18,10 @@ import typer
 HERE = Path(__file__).resolve().parent
 DOCS, BUILD = HERE.parent / "docs" / "benchmarks", HERE.parent / "build" / "benchmarks"
 PROGRAMS = {  # with the tables of each
-    "closed_forms": "digits kernels quantities size",
-    "waits": "first_answer waits first_call matrix startup",
+    "closed_forms": "digits kernels size",
+    "waits": "first_answer waits matrix startup",
     "extremes": "extremes",
-    "designs": "designs life_designs",
+    "designs": "designs",
     "numeric": "surfaces random_contacts",
     "cycles": "transient rigs",
     "coatings": "rule pairs",

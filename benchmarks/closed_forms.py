@@ -1,4 +1,4 @@
-"""What closed forms cost and how exact they are, on one core beside SciPy and jax.scipy: four tables.
+"""What closed forms cost and how exact they are, on one core beside SciPy and jax.scipy: three tables.
 
     python benchmarks/closed_forms.py
     python benchmarks/closed_forms.py digits kernels --quick
@@ -19,11 +19,6 @@ The displacement under and beside the uniformly pressed disc, Eq. (5), 0 <= r <=
 SciPy and jax get one hypergeometric function a point, its arguments chosen by r. Those that take long get the first of
 the points. The iteration in jax.scipy ends with the slowest point of a batch, so it takes longer on more points.
 
-quantities: what each fretting quantity costs, alone and all in one program, without units and in SI units. Radii are
-from 0 to 1.25 times the worn radius of each point. "Together" is one compiled program that returns every quantity of
-its column, in which what they share is computed once as far as the compiler sees it; against it stands the sum of the
-programs that return one.
-
 size: what a point costs by the number of points, 1 to 10^8, on one core and on all.
 """
 
@@ -42,7 +37,7 @@ import scipy_programs
 from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, median_ratio, short
 from matplotlib.figure import Figure
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip
+from plgwear_jax import fretting, gross_slip
 from plgwear_jax.plots import COLOURS
 from plgwear_jax.special.arcsine import arcsine_tail, fold
 
@@ -174,7 +169,7 @@ def _over_errors(points: Drawn) -> Figure:
             for asked in labelled:
                 if asked in own:
                     panel.annotate(asked, own[asked], (0, shift), textcoords="offset points", ha="center", fontsize=7)
-        for name, marker in zip(scipy_programs.VALUES, "sDv^", strict=True):
+        for name, marker in zip(scipy_programs.VALUES, "s^", strict=True):
             if f"SciPy: {name}" in programs:
                 panel.plot(*programs[f"SciPy: {name}"], marker, color="0.4", markersize=4, label=f"SciPy: {name}")
         panel.set(xscale="log", yscale="log", title=kind, xlabel="worst relative error")
@@ -270,92 +265,6 @@ def kernels(report: Report, quick: bool) -> None:
     report.print("Errors are relative; inf stands for a result that is no finite number. x: times as long as plgwear.")
 
 
-# --- quantities -----------------------------------------------------------------------------------------------------
-
-SCALARS = ("wear_volume", "worn_radius", "stick_radius", "penetration")
-OF_RADIUS = ("profile", "wear_depth", "initial_displacement", "steady_displacement", "initial_pressure")
-OF_RADIUS += ("steady_pressure", "steady_traction")
-QUANTITIES = (*SCALARS, *OF_RADIUS, "edge_intensity")
-NAMED = {"steady_pressure": "pressure", "steady_traction": "traction"}  # of a contact
-WITHOUT_UNITS, SI = "without units", "in SI units"
-SUM, TOGETHER = "sum of the above", "all together"
-FORCE, FRICTION = 10.0, 0.4
-
-
-def without_units(names: tuple[str, ...], r: Any, k: Any, phi: Any) -> dict[str, Any]:
-    """The quantities named, radii in a_0."""
-    found = {}
-    for name in names:
-        given = {"r": r} if name in OF_RADIUS else {}
-        found[name] = getattr(fretting, name)(k=k, **given, **({} if name.startswith("initial") else {"phi": phi}))
-    return found
-
-
-def in_si(names: tuple[str, ...], r: Any, k: Any, force: Any) -> dict[str, Any]:
-    """The same of a dome on coatings of these exponents, radii in m."""
-    solved = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(force)
-    found = {name: getattr(solved, NAMED.get(name, name)) for name in names}
-    return {name: law(r) if name in OF_RADIUS else law for name, law in found.items()}
-
-
-Bars = dict[str, dict[str, float]]  # ns a point, by units and quantity
-
-
-def quantities(report: Report, quick: bool) -> Figure:
-    """Cost of each fretting quantity, alone and together."""
-    k, phi = harness.bulk(100_000 if quick else 500_000, 0)
-    r = harness.generator().uniform(0.0, 1.25, k.size) * np.asarray(jax.jit(fretting.worn_radius)(k, phi))
-    radius = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(0.0).contact_radius
-    names = ("wear_volume", "worn_radius", "wear_depth", "steady_pressure") if quick else QUANTITIES
-    asked = {SI: (in_si, r * radius, k, FRICTION * FORCE * phi)}
-    if not quick:
-        asked = {WITHOUT_UNITS: (without_units, r, k, phi)} | asked
-    calls = {}
-    for units, (by, *points) in asked.items():
-        given = [jnp.asarray(x) for x in points]
-        for name in (*names, TOGETHER):
-            calls[units, name] = partial(jax.jit(partial(by, names if name == TOGETHER else (name,))), *given)
-    taken = {key: Timing(x / k.size * 1e9) for key, x in interleave(calls, 3 if quick else 9).items()}
-    bars: Bars = {}
-    for units in asked:
-        alone = Timing(sum((taken[units, name].ns for name in names), np.zeros(1)))
-        those = {name: taken[units, name] for name in names} | {SUM: alone, TOGETHER: taken[units, TOGETHER]}
-        bars[units] = {name: one.median for name, one in those.items()}
-        rows: list[tuple[str, ...]] = [(name, short(one.median), one.quartiles) for name, one in those.items()]
-        rows.insert(len(names), ())
-        rows.append(("sum over together", short(median_ratio(alone, taken[units, TOGETHER])), ""))
-        report.table(f"{k.size:,} points, {units}", ("", "ns a point", "quartiles"), rows)
-    return _as_bars(bars)
-
-
-def quantities_again() -> Figure:
-    tables = zip((WITHOUT_UNITS, SI), harness.committed("quantities"), strict=True)
-    return _as_bars({units: {row[0]: harness.number(row[1]) for row in rows if row[2]} for units, (_, rows) in tables})
-
-
-def _as_bars(bars: Bars) -> Figure:
-    figure = harness.figure(6.4, 4.4)
-    axes: Any = figure.subplots()
-    rows = list(bars[SI])
-    for units, colour, marker, beside in ((WITHOUT_UNITS, COLOURS[0], "o", -5), (SI, COLOURS[1], "s", 5)):
-        if units in bars:
-            times = list(bars[units].values())
-            axes.plot(times, range(len(rows)), marker, color=colour, markersize=4, label=units)
-            for y, time in enumerate(times):
-                words, side = f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", "left" if beside > 0 else "right"
-                place = {"textcoords": "offset points", "va": "center", "ha": side}
-                axes.annotate(words, (time, y), (beside, 0), fontsize=6.5, **place)
-    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time per point (ns), one core")
-    axes.set_xlim(np.array(axes.get_xlim()) * (0.7, 2.5))
-    axes.axhline(len(rows) - 2.5, color="0.5", linewidth=0.6)
-    saved = short(bars[SI][SUM] / bars[SI][TOGETHER])
-    axes.set_title(f"{SI}, all quantities together take {saved} times less than one by one")
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
-    axes.legend(loc="upper right")
-    return figure
-
-
 # --- size -----------------------------------------------------------------------------------------------------------
 
 MILLION = 1_000_000
@@ -378,7 +287,7 @@ def cost_over_size(sizes: list[int]) -> dict[str, Any]:
     return found | {"call": float(np.median(eager)) * 1e6, "others": harness.taken_by_others()}
 
 
-def size(report: Report, quick: bool) -> Figure:
+def size(report: Report, quick: bool) -> None:
     """Time a point over the number of points."""
     sizes = [1, 100, 10_000, MILLION] if quick else [10**n for n in range(9)]
     found = {"one core": harness.in_new_process(cost_over_size, sizes, on="1")}
@@ -389,30 +298,12 @@ def size(report: Report, quick: bool) -> Figure:
     report.table("wear_volume, ns a point (quartiles)", columns, rows)
     report.print(f"a call with Python floats: {found['one core']['call']:.1f} us (one core)")
     report.others = max(one["others"] for one in found.values())
-    return _over_size(columns, rows)
-
-
-def size_again() -> Figure:
-    return _over_size(*harness.committed("size")[0])
-
-
-def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
-    figure = harness.figure(6.4, 4.0)
-    axes = figure.subplots()
-    for n, label in enumerate(columns[1:]):
-        at = [(harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows]
-        look: dict[str, Any] = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
-        axes.plot(*np.transpose(at), markersize=3, label=label, **look)
-    axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")
-    axes.legend()
-    return figure
 
 
 PARTS = {
     "digits": Part("Speed against accuracy, one core", digits, digits_again),
     "kernels": Part("Special functions, one core", kernels),
-    "quantities": Part("The fretting quantities, one core, float64", quantities, quantities_again),
-    "size": Part("Cost against size", size, size_again),
+    "size": Part("Cost against size", size),
 }
 
 if __name__ == "__main__":

@@ -196,17 +196,6 @@ def rigs(report: Report, quick: bool) -> None:
     """Any test."""
     for part in (against_rings, of_one_force):
         part(report, quick)
-    rows = []
-    contacts = {"a power law, rigid ball": dome(0.2)} | ({} if quick else {"layers under steel": LAYERED})
-    for name, one in contacts.items():
-        moved = iter(np.linspace(3e-6, 4.5e-6, 100))
-
-        def call(one: Any = one, moved: Any = moved) -> Any:
-            return one.over_cycles(Displacement(next(moved)), COEFFICIENT).volume(1e5)
-
-        first, again = harness.seconds(call, 5 if quick else 20)
-        rows.append([name, short(first), short(1e3 * again)])
-    report.table("Processor time of a volume in gross slip", ("contact", "first answer, s", "again, ms"), rows)
 
 
 PARTS = {

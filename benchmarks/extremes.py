@@ -141,7 +141,6 @@ class Quantity(NamedTuple):
     function: Callable[..., jax.Array]
     arguments: tuple[str, ...]
     twin: str
-    field: str | None = None  # of a twin that gives several quantities
 
 
 @oracle.quantity
@@ -150,20 +149,17 @@ def h_N_holl(k: Any) -> Any:
     return oracle.h_N.formula(k, 1 / (2 + k))
 
 
-def _of(module: Any, arguments: str, *names: str, twin: str = "{}", field: str | None = None) -> list[Quantity]:
+def _of(module: Any, arguments: str, *names: str, twin: str = "{}") -> list[Quantity]:
     room = module.__name__.rpartition(".")[2]
     return [
-        Quantity(f"{room}.{name}", getattr(module, name), tuple(arguments.split()), twin.format(name), field and name)
-        for name in names
+        Quantity(f"{room}.{name}", getattr(module, name), tuple(arguments.split()), twin.format(name)) for name in names
     ]
 
 
-POINTS = ("wear_volume", "worn_radius", "stick_radius", "penetration")
 RING = ("wear_depth", "profile", "steady_displacement", "steady_pressure", "steady_traction")
 PUNCH = ("initial_displacement", "steady_displacement", "initial_pressure", "steady_pressure")
 QUANTITIES = (
-    *_of(fretting, "k phi", *POINTS, twin="fretting_point", field="its own"),
-    *_of(fretting, "k phi", "edge_intensity"),
+    *_of(fretting, "k phi", "wear_volume", "worn_radius", "stick_radius", "penetration", "edge_intensity"),
     *_of(fretting, "r k phi", *RING),
     *_of(gross_slip, "r k", *PUNCH, twin="gross_{}"),
     *_of(fretting, "r k", "initial_displacement", "initial_pressure"),
@@ -191,19 +187,11 @@ def program(quantity: Quantity, order: int) -> Callable[..., tuple[Any, ...]]:
     return jax.jit(jax.vmap(slopes if order == 1 else twice))
 
 
-@functools.lru_cache(maxsize=1)  # four quantities share a point of the oracle
-def _mapped(twin: str, points: bytes, arguments: int, order: int) -> list[Any]:
-    at = np.frombuffer(points).reshape(-1, arguments).tolist()
-    # What is defined in this file is not known to other processes.
-    return oracle.map_points(twin, at, 1 if twin == h_N_holl.__name__ else len(cores.AVAILABLE), order=order)
-
-
 def exact(quantity: Quantity, points: Floats, order: int) -> list[Floats]:
     """Value, gradient, Hessian at each column of `points`: arrays (points, entries, 2) of doubles hi + lo."""
-    at = np.ascontiguousarray(points.T)
-    found = _mapped(quantity.twin, at.tobytes(), len(points), order)
-    if quantity.field:
-        found = [getattr(point, quantity.field) for point in found]
+    # What is defined in this file is not known to other processes.
+    processes = 1 if quantity.twin == h_N_holl.__name__ else len(cores.AVAILABLE)
+    found = oracle.map_points(quantity.twin, points.T.tolist(), processes, order=order)
     rows = [[point.value for point in found], [point.gradient for point in found], [point.hessian for point in found]]
     return [np.array(row, float).reshape(len(found), -1, 2) for row in rows[: order + 1]]
 

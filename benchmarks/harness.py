@@ -291,9 +291,9 @@ class Report:
         self.console.print(table, width=max(self.console.width, least), crop=False)
 
     def markdown(self, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-        """The same for a README."""
-        lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
-        self.console.print("\n".join(f"| {' | '.join(line)} |" for line in lines), soft_wrap=True)
+        """A table for a page: "table of" this file in docs/generated.py takes it."""
+        for row in (columns, ["---", *["---:"] * (len(columns) - 1)], *rows):
+            self.console.print(f"| {' | '.join(row)} |", soft_wrap=True)
 
     def close(self, figure: Figure | None = None) -> None:
         share = max(self.others, taken_by_others())

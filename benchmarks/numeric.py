@@ -129,24 +129,13 @@ def errors(report: Report, quick: bool) -> None:
 
 
 def times(report: Report, quick: bool) -> None:
-    """Times of each number of digits, with derivatives at the default one."""
-    rows = []
+    """Times of each number of digits; what first answers and derivatives take is told by `waits.py`."""
+    rows, force = [], iter(np.linspace(1.0, 2.0, 1000))
     for name, one in list(CASES.items())[-1 if quick else 0 :]:
-        force = iter(np.linspace(1.0, 2.0, 1000))
-
-        def told(call: Any, rounds: int, force: Any = force) -> tuple[str, str]:
-            first, again = seconds(lambda: call(next(force)), 3 if quick else rounds)
-            return short(first), short(1e3 * again)
-
         for digits in (4,) if quick else sorted(EFFORTS):
-            row = [name, str(digits), *told(lambda f, o=one, d=digits: o.steady(f, digits=d).wear_volume, 20)]
-            if digits == 4:
-                by = jax.value_and_grad(lambda one, force: one.steady(force).wear_volume)
-                for slope, rounds in ((by, 3), (jax.jit(by), 10)):
-                    row += told(lambda f, o=one, s=slope: s(o, f), rounds)
-            rows.append([*row, *["-"] * (8 - len(row))])
-    columns = "contact", "digits", "first answer, s", "ms", "first gradient, s", "ms", "under jit, s", "ms"
-    report.table("Processor time of a worn volume", columns, rows)
+            _, again = seconds(lambda o=one, d=digits: o.steady(next(force), digits=d).wear_volume, 3 if quick else 20)
+            rows.append([name, str(digits), short(1e3 * again)])
+    report.table("Processor time of a worn volume", ("contact", "digits", "ms"), rows)
 
 
 def rigid(report: Report, quick: bool) -> None:

@@ -1,8 +1,7 @@
-"""How long users wait, in fresh processes on all cores, in units of what JAX takes to start: five tables.
+"""How long users wait, in fresh processes on all cores, in units of what JAX takes to start: four tables.
 
     python benchmarks/waits.py --quick
     python benchmarks/waits.py first_answer waits
-    python benchmarks/waits.py first_call --redraw
 
 J is the time of a fresh process that starts JAX and compiles the least there is to compile. Times in units of J can be
 compared between machines. Each line is a fresh process, as a user starts it, with Python's byte code in place and
@@ -13,10 +12,9 @@ within its round, and its median is told.
 first_answer: commands, calls after the imports, and a design beside SciPy's. waits: contacts without closed forms, runs
 over cycles and designs for a life, with all imports; "again" is the same answer once more in the same process, with
 other numbers, and "memory" the most that the process had at once. startup: what each part of `plgwear_jax._startup`
-buys, as the J that an answer takes more without it; the variable PLGWEAR_STARTUP switches parts off. first_call:
-import, trace, compile and run of one call, on one core, without any cache of programs. matrix: every question for
-contacts of every kind, so many that each pair of a body, an indenter, a shape and a load stands in one row; searches
-are asked once a load. Letters stand for the lines that an error says, below the table.
+buys, as the J that an answer takes more without it; the variable PLGWEAR_STARTUP switches parts off. matrix: every
+question for contacts of every kind, so many that each pair of a body, an indenter, a shape and a load stands in one
+row; searches are asked once a load. Letters stand for the lines that an error says, below the table.
 """
 
 import os
@@ -43,9 +41,6 @@ import harness
 import numpy as np
 import scipy_designs
 from harness import ROOT, Part, Report, short
-from matplotlib.figure import Figure
-
-from plgwear_jax.plots import COLOURS
 
 # --- processes ------------------------------------------------------------------------------------------------------
 
@@ -554,138 +549,9 @@ def startup(report: Report, quick: bool) -> None:
     report.print("again: with what the line before has left in its cache folder; all others find it empty.")
 
 
-# --- the first call -------------------------------------------------------------------------------------------------
-
-# Runs in a process that has imported nothing yet. What is called is a line of Python: (function, arguments).
-WORKER = """
-import json, os, sys, time
-
-if hasattr(os, "sched_setaffinity"):
-    os.sched_setaffinity(0, [max(os.sched_getaffinity(0))])
-clock = time.perf_counter
-start = clock()
-import jax
-after_jax = clock()
-from plgwear_jax import fretting, optimise
-imported = clock()
-jax.config.update("jax_enable_x64", True)
-jax.config.update("jax_enable_compilation_cache", False)
-call, way = sys.argv[1:]
-function, arguments = eval(call)
-found = {"import jax": after_jax - start, "import plgwear_jax": imported - after_jax}
-
-
-def seconds(function, *arguments):
-    start = clock()
-    result = jax.block_until_ready(function(*arguments))
-    return clock() - start, result
-
-
-def later(function):
-    repeats = max(1, min(1000, int(0.05 / seconds(function, *arguments)[0])))
-    return sorted(
-        seconds(lambda: [jax.block_until_ready(function(*arguments)) for _ in range(repeats)])[0] / repeats
-        for _ in range(5)
-    )[2]
-
-
-if way == "plain":
-    found["first call"], _ = seconds(function, *arguments)
-    found["later call"] = later(function)
-else:
-    function = jax.jit(function)
-    found["trace and lower"], lowered = seconds(function.lower, *arguments)
-    found["compile"], compiled = seconds(lowered.compile)
-    found["run"], _ = seconds(compiled, *arguments)
-    found["later, jitted"] = later(function)
-print(json.dumps(found))
-"""
-VALUE, GRADIENT = "wear_volume", "its value and gradient"
-CALLED = {
-    "an addition: JAX alone": "jax.numpy.add, (0.3, 0.4)",
-    VALUE: "fretting.wear_volume, (0.3, 0.4)",
-    GRADIENT: "jax.value_and_grad(fretting.wear_volume, (0, 1)), (0.3, 0.4)",
-    "its Hessian": "jax.hessian(fretting.wear_volume, (0, 1)), (0.3, 0.4)",
-    "profile at 201 radii": "fretting.profile, (jax.numpy.linspace(0.0, 1.25, 201), 0.3, 0.4)",
-    "optimal_exponent": "optimise.optimal_exponent, (0.3,)",
-}
-STAGES = ("trace and lower", "compile", "run")
-
-
-def first_call(report: Report, quick: bool) -> Figure:
-    """Import, first call and later calls."""
-    names = (VALUE, GRADIENT) if quick else tuple(CALLED)
-    questions = [Question(f"{n} {way}", ("-c", WORKER, CALLED[n], way)) for n in names for way in ("plain", "jitted")]
-    found = measured(report, questions, 1 if quick else 9)
-    taken: dict[str, dict[str, np.ndarray]] = {}
-    for name in names:
-        told = [json.loads(x) for way in ("plain", "jitted") for x in found.printed(f"{name} {way}")]
-        taken[name] = {stage: np.array([x[stage] for x in told if stage in x]) for stage in told[0] | told[-1]}
-    imports, rows = [], []
-    for label, stage in (("jax", "import jax"), ("plgwear_jax, after jax", "import plgwear_jax")):
-        imports.append(np.concatenate([one[stage] for one in taken.values()]))
-        low, middle, high = map(short, np.quantile(imports[-1], (0.25, 0.5, 0.75)))
-        rows.append((label, middle, f"{low}-{high}"))
-    report.table("Import, s", ("", "median", "quartiles"), rows)
-    medians = {name: {stage: float(np.median(x)) for stage, x in one.items()} for name, one in taken.items()}
-    rows = []
-    for name, one in medians.items():
-        jitted = float(np.median(sum(taken[name][stage] for stage in STAGES)))
-        parts = *(one[stage] for stage in ("trace and lower", "compile", "first call")), jitted
-        rows.append((name, *map(short, (*parts, 1e6 * one["later call"], 1e6 * one["later, jitted"]))))
-    columns = ("", "trace, lower", "compile", "first call", "jitted", "later call, µs", "jitted, µs")
-    report.table("Calls, s", columns, rows)
-    report.print("Without the persistent compilation cache.")
-    return _stages(
-        {name: [*map(np.median, imports), *(one[stage] for stage in STAGES)] for name, one in medians.items()}
-    )
-
-
-def first_call_again() -> Figure:
-    """From the committed table, whose running time is what is left of the jitted call."""
-    (_, imports), (_, calls), *_ = harness.committed("first_call")
-    parts = {}
-    for name, *cells in calls:
-        trace, compiling, _, jitted, *_ = map(harness.number, cells)
-        imported = [harness.number(row[1]) for row in imports]
-        parts[name] = [*imported, trace, compiling, max(0.0, jitted - trace - compiling)]
-    return _stages(parts)
-
-
-# What is drawn: (colour, hatches that tell it apart without colour) of each part of the time.
-LOOKS = {
-    "import of JAX": ("0.8", ""),
-    "import of plgwear_jax": ("0.35", ""),
-    "trace and lower": (COLOURS[0], ""),
-    "compile": (COLOURS[1], "////"),
-    "run": ("k", ""),
-}
-
-
-def _stages(parts: dict[str, list[Any]]) -> Figure:
-    figure = harness.figure(6.4, 3.2)
-    axes: Any = figure.subplots()
-    names, left = list(parts), np.zeros(len(parts))
-    for part, (label, (colour, hatch)) in enumerate(LOOKS.items()):
-        width = np.array([parts[name][part] for name in names])
-        if label == "run":
-            label = f"run, at most {width.max():.2g} s"
-        axes.barh(names, width, 0.6, left=left, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=label)
-        left += width
-    for y, total in enumerate(left):
-        axes.text(total + 0.08, y, f"{short(total)} s", va="center", fontsize=7.5)
-    axes.set(xlabel="time from the start of the process (s), one core", xlim=(0.0, 1.12 * left.max()))
-    axes.set_title(f"the first {GRADIENT.removeprefix('its ')} takes {short(left[names.index(GRADIENT)])} s")
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
-    axes.legend(loc="upper right")
-    return figure
-
-
 PARTS = {
     "first_answer": Part("The first answer in a fresh process, all cores, median of 3 rounds", first_answer),
     "waits": Part("How long one answer takes, all cores, median of 2 rounds", waits),
-    "first_call": Part("The first call in a fresh process, median of 9", first_call, first_call_again),
     "matrix": Part("Every question for every contact: seconds of the processor", matrix),
     "startup": Part("What each part of the start buys, all cores, one round", startup),
 }

@@ -14,8 +14,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from commands import plgwear, printed, python, refused, table_rows, told
+from commands import plgwear, printed, refused, table_rows, told
+from marks import compiled, parametrize
 from matplotlib import image
+from numpy.testing import assert_allclose
+from processes import python
 from refusals import cases, is_told
 
 import plgwear_jax
@@ -150,8 +153,8 @@ def test_solve_json_is_one_object_at_full_precision(folder):
         assert found["quantities"][name] == known | ({"radii_unit": "m"} if "radii" in known else {})
     pressure = found["quantities"]["pressure"]
     assert pressure["unbounded_at"] == "the stick-slip boundary"
-    assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
-    assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
+    assert_allclose(pressure["edge_distance"], 6.77e-7, rtol=1e-3)
+    assert_allclose(pressure["edge_value"], 350.3e6, rtol=1e-3)
 
 
 def test_solve_json_has_null_for_what_is_infinite():
@@ -203,9 +206,9 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     """
     assert found.keys() == {*keys.split()}
     edge = found["edge_distance"]
-    assert edge == pytest.approx(0.01 * float(steady.contact_radius), rel=1e-14)
+    assert_allclose(edge, 0.01 * float(steady.contact_radius), rtol=1e-14)
     assert found["reference"]["wear_volume"] == float(steady.wear_volume)
-    assert found["reference"]["edge_pressure"] == pytest.approx(float(steady.edge_pressure(edge)), rel=1e-12)
+    assert_allclose(found["reference"]["edge_pressure"], steady.edge_pressure(edge), rtol=1e-12)
     assert found["best"].keys() == found["reference"].keys() == found["units"].keys()
     assert found["vary"] == {"k": {"value": -0.816, "bounds": [-0.9, 0.9], "at_bound": None}}
     assert found["limits"] == {} and found["rival"] is None and found["load"] is None
@@ -229,7 +232,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("line", [pytest.param(line, marks=pytest.mark.compiled) for line in ENDS])
+@parametrize("line", [pytest.param(line, marks=compiled) for line in ENDS])
 def test_a_design_says_how_it_ended(folder, search, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended
@@ -244,7 +247,7 @@ def test_a_design_says_how_it_ended(folder, search, line):
             assert found["converged"] is search.ended.get("converged", True)
 
 
-@pytest.mark.compiled
+@compiled
 @cases(REFUSED, "conflicts")
 def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, case):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
@@ -283,7 +286,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
     assert plgwear("solve slip.toml").stderr == f"{said}check the units: E0 = 1e+09 is in Pa, all else in m and N\n"
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_design_that_nobody_can_make_is_doubted_in_one_line(folder, search):
     said = "beyond 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }"
     assert said not in plgwear("design contact.toml").stdout
@@ -315,12 +318,6 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
         "contact_radius_highest": limit(8.1e-5, 8e-5, "contact_radius"),
     }
     result = printed("design contact.toml")
-    ((_, _, asked),) = search.asked
-    assert asked["limits"] == {
-        "edge_pressure": {"below": 6e8, "distance": 1e-6},
-        "contact_radius": {"above": 5e-5, "below": 8e-5},
-        "penetration": {"below": 6e-6},
-    }
     assert [row for row in table_rows(result) if re.match("at most|at least", row[2])] == [
         ["pressure 1 µm inside", "600 MPa", "at most 600 MPa", "active; relaxing it by"],
         ["contact radius", "67 µm", "at least 50 µm", "kept"],
@@ -330,10 +327,9 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     # At the higher load the edge pressure is above its limit.
     lost = "at a 10 % higher force amplitude this design violates a limit: the pressure 1 µm inside"
     assert f"{lost} the stick-slip boundary is 700 MPa" in " ".join(result.split())
-    found = told("design contact.toml")
-    assert found["edge_distance"] == 1e-6 and found["if_10_percent_higher"]["loss"] is None
     state = {"value": 6e8, "allowed": 6e8, "kept": True, "active": True, "multiplier": 0.42}
-    assert found["limits"]["edge_pressure"] == state
+    found = told("design contact.toml")
+    assert found["limits"]["edge_pressure"] == state and found["if_10_percent_higher"]["loss"] is None
 
 
 def test_moduli_are_named_by_their_depths(folder, search):
@@ -341,11 +337,9 @@ def test_moduli_are_named_by_their_depths(folder, search):
     rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
     search.limits = {"modulus_at[1]_lowest": limit(9e10, 6e10, "modulus_at", True)}
     assert cells(printed("design contact.toml"))["modulus at 1 mm"] == ["90 GPa", "at least 60 GPa", "kept"]
-    ((_, _, asked),) = search.asked
-    assert asked["limits"]["modulus_at"] == [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "replacement, said",
     [
         (higher(-1e-15), "this design is still the best"),
@@ -361,21 +355,19 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
     assert f"at a 10 % higher force amplitude {said}" in printed("design contact.toml").splitlines()
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    "over, level, measure",
+@compiled
+@parametrize(
+    "over, measure",
     [
-        ("", 0.0, "mean"),
-        ('over = "worst"\n', 1.0, "value at the largest"),
-        ("over = { cvar = 0.9 }\n", 0.9, "mean over the worst 10 %"),
+        ("", "mean"),
+        ('over = "worst"\n', "value at the largest"),
+        ("over = { cvar = 0.9 }\n", "mean over the worst 10 %"),
     ],
 )
-def test_a_table_of_loads(folder, search, over, level, measure):
+def test_a_table_of_loads(folder, search, over, measure):
     load_a_table()
     rewrite('minimise = "wear_volume"', f'{over}minimise = "wear_volume"')
     found = printed("design contact.toml")
-    ((force, _, asked),) = search.asked
-    assert force.tolist() == [0.2, 0.4] and asked["weight"].tolist() == [0.75, 0.25] and asked["level"] == level
     said = f"the wear volume is its {measure}, all else is for the largest, 0.4 N"
     assert found.splitlines()[0] == f"table loads.csv: 2 amplitudes; {said}"
     worn = 1e6 * float(reference(0.4).worn_radius)
@@ -392,8 +384,7 @@ def test_a_history_says_which_amplitude_decides(folder, search):
     Path("cycles.csv").write_text("tangential_force\n0.2\n0.4\n0.1\n")
     rewrite("tangential_force = 0.32", 'history = "cycles.csv"')
     line = "history cycles.csv: 3 amplitudes; the largest, 0.4 N (row 3), decides the worn state"
-    assert printed("design contact.toml").splitlines()[0] == line and search.asked[0][0] == 0.4
-    assert told("design contact.toml")["load"] == line
+    assert told("design contact.toml")["load"] == printed("design contact.toml").splitlines()[0] == line
 
 
 def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch):
@@ -410,7 +401,7 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert told("design contact.toml --sensitivities")["sensitivities"] == vars(slopes)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_punch_is_designed():
     Path("slip.toml").write_text(f'{GROSS_SLIP}design = {{ vary = {{ k = [-0.9, 0.9] }}, minimise = "force_drop" }}\n')
     result, found = printed("design slip.toml"), told("design slip.toml")
@@ -422,8 +413,7 @@ def test_a_punch_is_designed():
     assert "stress at the edge" not in result and "10 % higher" not in result
     assert "72.4 % less normal force lost than the reference" in lines
     assert "the next best minimum, at k = 0.9, is as good" in lines
-    assert found["edge_distance"] is None and found["if_10_percent_higher"] is None
-    assert found["rival"] == {"variables": {"k": 0.9}, "value": pytest.approx(found["best"]["force_drop"])}
+    assert found["rival"] == {"variables": {"k": 0.9}, "value": pytest.approx(found["best"]["force_drop"], rel=1e-6)}
 
 
 @cases(REFUSED, "designs")
@@ -524,17 +514,6 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
     assert sorted(os.listdir()) == ["contact-front.png", "contact.toml", "front.csv"]
 
 
-def test_front_asks_for_what_the_scene_says(folder, trade):
-    load_a_table()
-    rewrite('hold = "contact_radius"', LIMITS)
-    printed("front contact.toml")
-    (asked,) = trade.asked
-    assert asked["x"] == {"edge_pressure": {"distance": 1e-6}} and asked["points"] == 21
-    assert asked["limits"] == {"contact_radius": {"above": 5e-5, "below": 8e-5}, "penetration": {"below": 6e-6}}
-    assert asked["load"].tolist() == [0.2, 0.4] and asked["weight"].tolist() == [0.75, 0.25]
-    assert asked["hold"] is None and asked["minimise"] == "wear_volume"
-
-
 def test_front_json_is_one_object(folder, trade):
     found = told(f"{FRONT} --picture front.pdf")
     assert found["reference"].pop("edge_pressure") > 0.0 and Path("front.pdf").exists()
@@ -575,8 +554,8 @@ def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
 # --- both, and the script itself ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["solve", "design", "front"])
-@pytest.mark.parametrize("as_json", ["--json", ""])
+@parametrize("command", ["solve", "design", "front"])
+@parametrize("as_json", ["--json", ""])
 def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
     rewrite("friction = 0.4", "fricton = 0.4")
     for file, line in {
@@ -595,7 +574,7 @@ def test_version_and_help():
         assert "Example: plgwear" in plgwear(f"{command} --help").stdout
 
 
-@pytest.mark.parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
+@parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
 def test_usage_errors_exit_with_2(line):
     result = plgwear(line)
     assert result.exit_code == 2 and "Traceback" not in result.output and result.stdout == ""
@@ -634,15 +613,12 @@ def test_process_designs_the_electrical_contact(folder):
     assert found["converged"] and found["certified"]
     best, reference = found["best"], found["reference"]
     # In double precision, though nobody asked for it: the radius is held to rounding.
-    assert best["contact_radius"] == pytest.approx(reference["contact_radius"], rel=1e-13)
+    assert_allclose(best["contact_radius"], reference["contact_radius"], rtol=1e-13)
     assert best["k"] == pytest.approx(-0.81598, abs=1e-4) and found["vary"]["k"]["at_bound"] is None
     assert found["less_wear_percent"] == pytest.approx(18.449, abs=1e-3)
     assert found["scan_found_nothing_better"] and found["rival"] is None
     # k from 40 digits at 1.1 times the amplitude is -0.7519, and dV/dk between them is small.
-    assert found["if_10_percent_higher"]["loss"] == pytest.approx(0.00148, rel=0.1)
-    # A contact of some tens of micrometres that loses some cubic micrometres.
-    assert 1e-5 < best["stick_radius"] < best["contact_radius"] < best["worn_radius"] < 1e-3
-    assert 1e-19 < best["wear_volume"] < reference["wear_volume"] < 1e-16
+    assert_allclose(found["if_10_percent_higher"]["loss"], 0.00148, rtol=0.1)
     assert image.imread("best.png").size and sorted(os.listdir()) == ["best.png", "contact.toml"]
 
 
@@ -690,7 +666,7 @@ def test_solve_in_gross_slip_gives_what_is_there_and_says_why_not_all_is():
     assert [*found["quantities"]] == ["contact_radius", "gross_slip_displacement"]
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_command_design_takes_gross_slip(monkeypatch):
     other = optimise.under_other_load
     monkeypatch.setattr(optimise, "under_other_load", lambda *given: dataclasses.replace(other(*given), loss=0.00148))

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from commands import plgwear, printed, python, refused
+from commands import plgwear, printed, refused
+from marks import parametrize
+from processes import python
 
 from plgwear_jax import scene
 from plgwear_jax._core.units import text_cells
@@ -25,7 +27,7 @@ def validator():
     return jsonschema.Draft202012Validator(document)
 
 
-@pytest.mark.parametrize("kind", ["fretting", "gross-slip"])
+@parametrize("kind", ["fretting", "gross-slip"])
 def test_a_new_scene_is_complete(validator, kind):
     line = "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
     assert printed(f"new mine.toml --kind {kind}") == line
@@ -55,7 +57,7 @@ OFFERED = {
 }
 
 
-@pytest.mark.parametrize("name", OFFERED)
+@parametrize("name", OFFERED)
 def test_every_line_that_is_commented_out_would_be_right(name):
     plgwear("new mine.toml")
     instead, place, value = OFFERED[name]
@@ -98,12 +100,12 @@ def test_what_is_there_is_not_written_over():
     assert Path("mine.toml").read_text() == "mine"
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_the_schema_knows_every_scene(validator, path):
     assert not list(validator.iter_errors(tomllib.loads(path.read_text())))
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "old, new, said",
     [
         ("radius = 0.0125", "raduis = 0.0125", "raduis"),

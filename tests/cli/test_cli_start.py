@@ -9,7 +9,8 @@ from pathlib import Path
 
 import jax
 import pytest
-from commands import python
+from marks import compiled, parametrize
+from processes import python
 from typer.testing import CliRunner
 
 import plgwear_jax
@@ -144,7 +145,7 @@ def test_an_option_turns_it_off(settings):
     assert "jax_compilation_cache_dir" in settings
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "variable",
     [
         "JAX_COMPILATION_CACHE_DIR=elsewhere",
@@ -177,7 +178,7 @@ def a_lock_that_cannot_be(place: Path) -> None:
     (place / ".lockfile").mkdir(parents=True)
 
 
-@pytest.mark.parametrize("make", [a_file, no_home, open_to_others, a_lock_that_cannot_be])
+@parametrize("make", [a_file, no_home, open_to_others, a_lock_that_cannot_be])
 def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys, make):
     make(Path("cache/plgwear"))
     before = sorted(Path().rglob("*"))
@@ -186,7 +187,7 @@ def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys,
     assert sorted(Path().rglob("*")) == before
 
 
-@pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")])
+@parametrize("error", [PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")])
 def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, error):
     def refuses(*_, **__):
         raise error
@@ -218,7 +219,7 @@ def test_halves_of_programs_are_dropped(settings):
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_damaged_cache_changes_nothing():
     solve = ("-m", "plgwear_jax", "solve", "contact.toml", "--json")
     first = python(*solve)
@@ -235,7 +236,7 @@ def test_a_damaged_cache_changes_nothing():
     assert {path.name for path in Path("cache").iterdir()} == {"plgwear"}
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_kept_design_compiles_nothing_and_imports_nothing_that_traces():
     Path("wanted.toml").write_text(SCENE + 'design = { vary.k = [-0.9, 0.9], minimise = "wear_volume" }\n')
     code = (
@@ -264,7 +265,7 @@ class Terminal(io.StringIO):
         return True
 
 
-@pytest.mark.parametrize("kind, seen", [(Terminal, True), (io.StringIO, False)])
+@parametrize("kind, seen", [(Terminal, True), (io.StringIO, False)])
 def test_only_a_terminal_sees_what_is_being_done(monkeypatch, capsys, kind, seen):
     for name in ("NO_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "FORCE_COLOR"):
         monkeypatch.delenv(name, raising=False)

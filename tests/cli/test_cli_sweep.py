@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused
+from marks import compiled, parametrize
 from matplotlib import image
 from refusals import cases, is_told
 
@@ -117,7 +118,7 @@ HISTORY = 'load = { history = "h.csv" }'
 BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "load, quantity, axis, expected",
     [
         (HELD, "transient.wear_volume", "--k=0.1:0.2:2", {"displacement": 2e-7, "rig_stiffness": 2e7}),
@@ -142,6 +143,13 @@ def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axis, 
     assert given == expected
     lasting = stand_in.get("design", stand_in)
     assert lasting.get("cycles") == (None if quantity == "wear_volume" else 3e5 if load is HISTORY else 4e5)
+
+
+@compiled
+def test_where_some_points_slip_as_a_whole_is_said():
+    Path("scene.toml").write_text(f"{WORN}load = {{ displacement = 2.67e-7 }}")
+    found = plgwear("sweep --scene scene.toml --friction=0.15:0.45:3 -q transient.wear_volume --out map.zarr")
+    assert "gross slip at 1 of 3 points along friction, partial slip at the others" in found.stdout
 
 
 def test_a_held_displacement_has_no_axis_of_forces():
@@ -178,7 +186,7 @@ def test_what_cannot_be_drawn(case):
     assert is_told(refused("plot", *case["arguments"]), case)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_sweep_that_is_interrupted_says_how_to_go_on():
     line = [sys.executable, "-m", "plgwear_jax", "sweep", "--k=-0.9:0.9:20000", "--phi=0.1:0.9:20000", "--chunk=65536"]
     line += ["-q", "wear_volume", "--out", "map.zarr"]

@@ -5,11 +5,8 @@ ever: a question of chance, so what is lowered is looked at as well as run.
 """
 
 import json
-import os
 import re
-import subprocess
 import sys
-from pathlib import Path
 
 import batches
 import jax
@@ -17,13 +14,15 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 
 from plgwear_jax.optimise.conditions import solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
-compiled, long = pytest.mark.compiled, pytest.mark.long
-COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
+COUNT, ROUNDS = 100, 12
 
 QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
 ALL = [
@@ -33,13 +32,10 @@ ALL = [
 ]
 
 
-@pytest.mark.parametrize("kind, question", ALL)
+@parametrize("kind, question", ALL)
 def test_a_batch_returns_again_and_again(kind, question):
     digits = 4 if question in ("steady", "unworn") else 2
-    command = [sys.executable, batches.__file__, kind, question, *map(str, (digits, COUNT, ROUNDS))]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
-    assert ran.returncode == 0, ran.stderr
-    told = json.loads(ran.stdout.splitlines()[-1])
+    told = json.loads(output(batches.__file__, kind, question, digits, COUNT, ROUNDS).splitlines()[-1])
     assert told["program in GB"] < 1.4
     assert told["away"] < (1e-4 if digits == 4 else 2e-2)
 
@@ -50,7 +46,7 @@ def calls_of_lapack(lowered):
     return [re.findall(r"tensor<((?:\d+x)*)f(?:32|64)>", line) for line in lines]
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "kind, question",
     [
         ("layers under steel", "unworn"),
@@ -88,7 +84,7 @@ def plain(matrix, right):
     return jnp.sum(found**3) + jnp.sum(found**2) + jnp.sum(factor**2 @ jnp.linalg.solve(factor, right[:, 0]))
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "transform",
     [
         lambda f: f,
@@ -110,14 +106,14 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
     crossed = jax.vmap(jax.vmap(transform(symmetric(ours)), (None, 0)), (0, None))(matrix, right)
     for one, other, both in zip(*map(jax.tree.leaves, (found, expected, crossed)), strict=True):
         scale = np.max(abs(other))
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
-        np.testing.assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
+        assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
+        assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
 
 
 # --- threads of OpenBLAS ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rows, columns", [(28, 1176), (84, 20), (130, 40)])
+@parametrize("rows, columns", [(28, 1176), (84, 20), (130, 40)])
 def test_lapack_gets_no_more_than_openblas_does_in_one_thread(rows, columns, seed):
     random = np.random.default_rng(seed)
     half, right = random.normal(size=(rows, rows)), random.normal(size=(rows, columns))
@@ -133,8 +129,8 @@ def test_lapack_gets_no_more_than_openblas_does_in_one_thread(rows, columns, see
         assert sizes[0][0] < 100  # of a matrix
         assert len(call) < 3 or sizes[1][0] * sizes[1][1] < 1024  # of right sides
     factor, found = lowered.compile()(matrix, right)
-    np.testing.assert_allclose(factor, np.linalg.cholesky(matrix), rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(found, np.linalg.solve(matrix, right), rtol=0.0, atol=1e-13)
+    assert_allclose(factor, np.linalg.cholesky(matrix), rtol=0.0, atol=1e-12)
+    assert_allclose(found, np.linalg.solve(matrix, right), rtol=0.0, atol=1e-13)
 
 
 IDLE = """
@@ -165,18 +161,15 @@ print(taken() - begin)
 @compiled
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what its threads have done")
 def test_the_threads_of_openblas_stay_idle():
-    more = {"OPENBLAS_NUM_THREADS": "4", "PYTHONPATH": str(Path(batches.__file__).parent)}
-    command = [sys.executable, "-c", IDLE]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=True, env=os.environ | more)
-    assert float(ran.stdout) < 0.1  # s of the processor
+    assert float(output("-c", IDLE, OPENBLAS_NUM_THREADS="4")) < 0.1  # s of the processor
 
 
 def test_a_matrix_that_is_not_positive_gives_nan():
     assert np.all(np.isnan(cholesky.solve_symmetric(-jnp.eye(3), jnp.ones((3, 1)))))
 
 
-@pytest.mark.parametrize("mapped", [sequential_vmap, sequential_forward_mode])
-@pytest.mark.parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
+@parametrize("mapped", [sequential_vmap, sequential_forward_mode])
+@parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
 def test_one_after_the_other_is_what_vmap_gives(mapped, count):
     def function(numbers, table):
         return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
@@ -192,12 +185,10 @@ def test_one_after_the_other_is_what_vmap_gives(mapped, count):
         )
 
     of, plainly = mapped(function), function
-    jax.tree.map(
-        np.testing.assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table)
-    )
+    jax.tree.map(assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table))
     for transform in (jax.grad, jax.hessian):
         found, expected = (jax.jit(transform(total(f), (0, 1)))(numbers, table) for f in (of, plainly))
-        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
+        jax.tree.map(lambda a, b: assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
 
 
 def test_derivatives_are_by_what_moves_alone():
@@ -207,7 +198,7 @@ def test_derivatives_are_by_what_moves_alone():
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 
 
-@pytest.mark.parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
+@parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
 def test_elimination_solves_small_systems(n, seed):
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))
@@ -215,15 +206,15 @@ def test_elimination_solves_small_systems(n, seed):
     expected = np.linalg.solve(matrix, right[..., None])[..., 0]
     for xp in (np, jnp):
         found = solved_by_elimination(xp.asarray(matrix), xp.asarray(right))
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
+        assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
     by_right = jax.grad(lambda right: jnp.sum(solved_by_elimination(jnp.asarray(matrix[0]), right)))(right[0])
-    np.testing.assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
+    assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
     # The derivatives of minima solve for tangents, and reverse mode transposes that.
     transposed = jax.linear_transpose(lambda right: solved_by_elimination(jnp.asarray(matrix[0]), right), right[0])
-    np.testing.assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
+    assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
 
 
-@pytest.mark.parametrize("xp", [np, jnp])
+@parametrize("xp", [np, jnp])
 def test_a_singular_system_is_not_finite(xp):
     matrix = np.stack([np.ones((3, 3)), np.eye(3)])
     found = np.asarray(solved_by_elimination(xp.asarray(matrix), xp.ones((2, 3))))

@@ -12,8 +12,8 @@ import batches
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from kinds import KINDS
+from marks import compiled, parametrize
 from rigid_shapes import Blend
 
 from plgwear_jax import optimise
@@ -54,20 +54,20 @@ def nothing_leaks(question, kind, run=False, ways=None):
         assert not run or np.all(np.isfinite(value))
 
 
-@pytest.mark.parametrize("kind", ["closed forms", "layers under steel"])
+@parametrize("kind", ["closed forms", "layers under steel"])
 def test_no_steady_question_leaks(kind):
     nothing_leaks("steady", kind, ways=("jit", "a contact from outside", "vmap", "jit in jit"))
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("kind", OWN)
-@pytest.mark.parametrize("question", batches.QUESTIONS)
+@compiled
+@parametrize("kind", OWN)
+@parametrize("question", batches.QUESTIONS)
 def test_no_question_leaks(question, kind):
     nothing_leaks(question, kind)
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("kind", ["closed forms", "a power law under steel", "a shape"])
+@compiled
+@parametrize("kind", ["closed forms", "a power law under steel", "a shape"])
 def test_no_question_that_runs_leaks(kind):
     nothing_leaks("steady", kind, run=True)
 
@@ -80,8 +80,8 @@ def best_materials(force):
     return optimise.designs(KINDS["closed forms"], force, {"k": (-0.5, 0.5)}).variables["k"]
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("best", [best_exponents, best_materials])
+@compiled
+@parametrize("best", [best_exponents, best_materials])
 def test_no_design_leaks(best):
     for function in (best, jax.vmap(best), lambda x: jax.vmap(lambda x: jax.jit(best)(x))(x)):
         gc.freeze()

@@ -13,6 +13,8 @@ import pytest
 import ring_contacts
 from balance import sums
 from functions import by_numpy
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
 from plgwear_jax.loads import Block, Displacement, Force
@@ -20,7 +22,7 @@ from plgwear_jax.loads import Block, Displacement, Force
 RECORDED = ring_contacts.recorded()
 
 
-each_kind = pytest.mark.parametrize("kind", KINDS)
+each_kind = parametrize("kind", KINDS)
 
 
 @functools.cache
@@ -47,7 +49,7 @@ def places(known):
     return inside | beside | {"initial_displacement": A * np.array([0.5, 1.5, 3.0])}
 
 
-@each_kind
+@parametrize("kind", [pytest.param(kind, marks=compiled) if kind == "a shape" else kind for kind in KINDS])
 def test_steady_states_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     steady = contact.steady(force)
@@ -55,65 +57,64 @@ def test_steady_states_are_those_of_rings(kind):
     most, of_fields = 3e-3 if "depth" in kind else 3e-4, 1e-2 if "stiff" in kind else 5e-4
     found, c = scalars(steady), known["steady"]["stick_radius"]
     for name, expected in known["steady"].items():
-        np.testing.assert_allclose(found[name], expected, rtol=most, err_msg=name)
+        assert_allclose(found[name], expected, rtol=most, err_msg=name)
     if "edge_intensity" in known["steady"]:
-        np.testing.assert_allclose(found["edge_pressure"], found["edge_intensity"] * (2e-9 / c) ** -0.5, rtol=1e-2)
-    np.testing.assert_allclose(steady.edge_pressure(0.2 * c), steady.pressure(steady.stick_radius - 0.2 * c), rtol=1e-9)
+        assert_allclose(found["edge_pressure"], found["edge_intensity"] * (2e-9 / c) ** -0.5, rtol=1e-2)
+    assert_allclose(steady.edge_pressure(0.2 * c), steady.pressure(steady.stick_radius - 0.2 * c), rtol=1e-9)
     for name, r in places(known).items():
-        np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=of_fields, err_msg=name)
+        assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=of_fields, err_msg=name)
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if "depth" not in kind])
+@compiled
+@parametrize("kind", [kind for kind in KINDS if "depth" not in kind])
 def test_five_digits_of_a_steady_state_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     steady = contact.steady(force, digits=5)
     for name in ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"):
-        np.testing.assert_allclose(getattr(steady, name), known["steady"][name], rtol=2e-5, err_msg=name)
+        assert_allclose(getattr(steady, name), known["steady"][name], rtol=2e-5, err_msg=name)
 
 
 @each_kind
 def test_runs_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     run, cycles = contact.over_cycles(force, COEFFICIENT), np.array(known["cycles"])
-    np.testing.assert_allclose(run.volume(cycles), known["volumes"], rtol=5e-4)
+    assert_allclose(run.volume(cycles), known["volumes"], rtol=5e-4)
 
 
 def test_a_held_displacement_is_that_of_rings():
     contact, _, known = asked("layers under steel")
     run = contact.over_cycles(Displacement(known["steady"]["displacement_amplitude"]), COEFFICIENT)
-    np.testing.assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
+    assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
 
 
-@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel"])
+@parametrize("kind", ["layers under steel", "a power law under steel"])
 def test_small_amplitudes_follow_their_limits(kind):
     """Where displacements would cancel, limits stand in: the stiffness does not change, loops open as the amplitude."""
     contact, _, known = asked(kind)
     few, more = (contact.steady(phi * FRICTION * known["normal_force"]) for phi in (5e-4, 2e-3))
-    np.testing.assert_allclose(share_of(few), share_of(more), rtol=1e-3)
+    assert_allclose(share_of(few), share_of(more), rtol=1e-3)
     for name in ("loop_aperture", "energy_ratio", "displacement_amplitude"):
-        np.testing.assert_allclose(4.0 * getattr(few, name), getattr(more, name), rtol=3e-3, err_msg=name)
+        assert_allclose(4.0 * getattr(few, name), getattr(more, name), rtol=3e-3, err_msg=name)
 
 
-@pytest.mark.compiled
+@compiled
 @pytest.mark.filterwarnings("ignore:radius = 1")  # the radius of 1 moves too, beyond what is doubted
-@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel", "a shape"])
+@parametrize("kind", ["layers under steel", "a table", "a power law under steel", "a shape"])
 def test_derivatives_are_those_of_differences(kind, seed):
     """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
     contact, force, known = asked(kind)
-    leaves, tree = jax.tree.flatten(jax.tree.map(np.asarray, (contact, force)))
     random = np.random.default_rng(seed)
 
-    def directions(leaf):
+    def direction(leaf):
         numbers, place = np.unique(leaf, return_inverse=True)
-        return (random.uniform(0.5, 1.0, numbers.size) * random.choice([-1.0, 1.0], numbers.size))[place].reshape(
-            leaf.shape
-        )
+        ways = random.uniform(0.5, 1.0, numbers.size) * random.choice([-1.0, 1.0], numbers.size)
+        return np.reshape(ways[place], np.shape(leaf))
 
-    along = [directions(leaf) for leaf in leaves]
+    given = contact, force
+    along = jax.tree.map(direction, given)
 
     def logs(step):
-        contact, force = jax.tree.unflatten(tree, [x * (1.0 + step * d) for x, d in zip(leaves, along, strict=True)])
+        contact, force = jax.tree.map(lambda x, way: x * (1.0 + step * way), given, along)
         found = scalars(contact.steady(force))
         if kind != "a shape":
             found["volume"] = contact.over_cycles(force, COEFFICIENT, digits=2).volume(np.array(known["cycles"]))
@@ -123,7 +124,7 @@ def test_derivatives_are_those_of_differences(kind, seed):
     _, slopes = by_numpy(lambda step: jax.jvp(logs, (step,), (jnp.ones_like(step),)))(jnp.asarray(0.0))
     ahead, behind = logs(1e-3), logs(-1e-3)
     for name, slope in slopes.items():
-        np.testing.assert_allclose(slope, (ahead[name] - behind[name]) / 2e-3, rtol=1e-3, atol=1e-3, err_msg=name)
+        assert_allclose(slope, (ahead[name] - behind[name]) / 2e-3, rtol=1e-3, atol=1e-3, err_msg=name)
 
 
 # --- over cycles ------------------------------------------------------------------------------------------------------
@@ -139,7 +140,7 @@ LOADS = {
 }
 
 
-@pytest.mark.parametrize("name", LOADS)
+@parametrize("name", LOADS)
 def test_the_fields_of_a_run_balance_its_numbers(name):
     """Pressures carry the normal force, depths add up to the volume, and friction wears off the rate."""
     contact, (load, most), cycles = CLOSED, LOADS[name], WEARS[:, None]
@@ -149,20 +150,20 @@ def test_the_fields_of_a_run_balance_its_numbers(name):
     run = contact.over_cycles(load, COEFFICIENT)
     volume, rate = np.asarray(run.volume(cycles)), np.asarray(run.rate(cycles))
     pressed, worn = sums(run, cycles)
-    np.testing.assert_allclose(pressed, contact.normal_force, rtol=5e-3)
-    np.testing.assert_allclose(worn, volume[:, 0], rtol=5e-3)
+    assert_allclose(pressed, contact.normal_force, rtol=5e-3)
+    assert_allclose(worn, volume[:, 0], rtol=5e-3)
     if name == "closed forms":  # where the sum knows most digits of the pressures, so that errors of either sign show
-        np.testing.assert_allclose(pressed[0], contact.normal_force, rtol=3e-4)
-    np.testing.assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
+        assert_allclose(pressed[0], contact.normal_force, rtol=3e-4)
+    assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
     slope = (np.asarray(run.volume(1.001 * cycles)) - np.asarray(run.volume(0.999 * cycles))) / (0.002 * cycles)
-    np.testing.assert_allclose(slope, rate, rtol=most)
+    assert_allclose(slope, rate, rtol=most)
     r = np.linspace(0.0, 1.2, 7) * np.asarray(run.contact_radius(cycles))
     unworn = run.profile(r, cycles) - run.depth(r, cycles)
-    np.testing.assert_allclose(unworn, r**2 / (2.0 * contact.radius), rtol=1e-9, atol=1e-18)
+    assert_allclose(unworn, r**2 / (2.0 * contact.radius), rtol=1e-9, atol=1e-18)
 
 
-@pytest.mark.compiled
+@compiled
 def test_pressures_of_five_digits_carry_the_normal_force():
     """Until they become singular at the stick-slip boundary, where the sum knows less of them."""
     pressed, _ = sums(CLOSED.over_cycles(2.0, COEFFICIENT, digits=5), WEARS[:2, None])
-    np.testing.assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)
+    assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)

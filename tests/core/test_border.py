@@ -15,12 +15,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends, quantities
 from functions import FUNCTIONS, arguments
+from marks import compiled, parametrize
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
-from plgwear_jax.contact.gross_slip_contact import SteadyPunch
-from plgwear_jax.steady.solution import Steady
 
 GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}
 RANGE = {
@@ -43,8 +43,8 @@ BAD = {
 }
 
 
-each_function = pytest.mark.parametrize("name", FUNCTIONS)
-each_argument = pytest.mark.parametrize("name, key", [(name, key) for name in FUNCTIONS for key in arguments(name)])
+each_function = parametrize("name", FUNCTIONS)
+each_argument = parametrize("name, key", [(name, key) for name in FUNCTIONS for key in arguments(name)])
 
 
 def call(name, **changed):
@@ -78,7 +78,7 @@ def test_the_bad_element_of_an_array_is_named_by_its_index(name, key):
 
 
 @each_argument
-@pytest.mark.parametrize("kind", ["complex", "complex array", "string", "string array", "None", "object"])
+@parametrize("kind", ["complex", "complex array", "string", "string array", "None", "object"])
 def test_what_is_no_real_number_is_refused(name, key, kind):
     if key == "nu" and kind == "string":
         pytest.skip("a string is a way to say nu; see the test of it")
@@ -206,9 +206,6 @@ def test_under_grad_the_slope_is_nan(name, key):
 
 # --- the material and the contacts ----------------------------------------------------------------------------------
 
-MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
-FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
-GROSS_SLIP = {"radius": 2e-3, "depth": 1e-6}
 NOT_POSITIVE = [0.0, -1.0, math.inf, -math.inf, math.nan]
 FIELDS = [
     *((PowerLawGraded, name, value) for name in ("E0", "z0") for value in NOT_POSITIVE),
@@ -218,15 +215,7 @@ FIELDS = [
 ]
 
 
-def build(cls, **changed):
-    graded = PowerLawGraded(**{**MATERIAL, **{k: v for k, v in changed.items() if k in MATERIAL}})
-    if cls is PowerLawGraded:
-        return graded
-    fields = FRETTING if cls is FrettingContact else GROSS_SLIP
-    return cls(graded, **{**fields, **{k: v for k, v in changed.items() if k in fields}})
-
-
-@pytest.mark.parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
+@parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
 def test_a_field_outside_is_refused(cls, field, value):
     text = RANGE.get(field, "> 0")
     with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
@@ -239,10 +228,8 @@ def test_a_field_outside_is_refused(cls, field, value):
         dataclasses.replace(build(cls), **{field: value})
 
 
-@pytest.mark.parametrize("given", [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j])], ids=repr)
-@pytest.mark.parametrize(
-    "cls, field", sorted({(c, f) for c, f, _ in FIELDS}, key=str), ids=lambda x: getattr(x, "__name__", x)
-)
+@parametrize("given", [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j])], ids=repr)
+@parametrize("cls, field", sorted({(c, f) for c, f, _ in FIELDS}, key=str), ids=lambda x: getattr(x, "__name__", x))
 def test_a_field_that_is_no_real_number_is_refused(cls, field, given):
     with pytest.raises((TypeError, ValueError)):
         build(cls, **{field: given})
@@ -261,18 +248,6 @@ def test_depths_below_zero_are_refused():
         build(PowerLawGraded).modulus(np.array([0.0, -1.0]))
 
 
-def quantities(cls):
-    """What the steady state of a contact answers, and the names of the arguments that it takes."""
-    found = {}
-    for name, one in inspect.getmembers(Steady if cls is FrettingContact else SteadyPunch):
-        if name[0] != "_" and isinstance(one, property):
-            found[name] = []
-        elif name[0] != "_" and inspect.isfunction(one):
-            parameters = inspect.signature(one).parameters.items()
-            found[name] = [key for key, one in parameters if key != "self" and one.kind != one.KEYWORD_ONLY]
-    return found
-
-
 INSIDE = {
     FrettingContact: {
         "r": 4e-5,
@@ -286,7 +261,7 @@ INSIDE = {
     },
     GrossSlipContact: {"r": 1e-3, "z": 1e-5},
 }
-each_contact = pytest.mark.parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
+each_contact = parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 
 
 def ask(contact, name, **changed):
@@ -332,44 +307,11 @@ def test_wrong_digits_are_refused(cls):
             build(cls).steady(*given, digits=wrong)
 
 
-# Which fields a result depends on: only those can make it NaN.
-UNWORN, LOADED = {*MATERIAL, *FRETTING} - {"friction"}, {"normal_force", "friction", "tangential_force"}
-DEPENDS = {
-    "amplitude": LOADED,
-    "tangential_force": set(),
-    **dict.fromkeys(("contact_radius", "peak_initial_pressure"), UNWORN),
-    **dict.fromkeys(("initial_pressure", "initial_displacement"), UNWORN | {"r"}),
-    **{key: {"k"} for key in ("gross_slip_energy_ratio", "gross_slip_aperture")},
-    **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
-    "gross_slip_displacement": {*MATERIAL, *FRETTING},
-    "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-}
-OF_PUNCH = {
-    **{key: {"k"} for key in ("force_ratio", "force_drop")},
-    "volume_change": {"k", "radius", "depth"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-    **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
-}
-
-
-def depends(cls, name):
-    if cls is GrossSlipContact:
-        return OF_PUNCH.get(name, {*MATERIAL, *GROSS_SLIP, *quantities(cls)[name]})
-    return DEPENDS.get(name, {*MATERIAL, *FRETTING, "tangential_force", *quantities(cls)[name]})
-
-
 TRACED = {
-    "E0": NOT_POSITIVE,
-    "z0": NOT_POSITIVE,
     "k": [-1.0, 1.0, 2.0, math.nan],
     "nu": [-1.0, -2.0, 0.6, math.nan],
-    "radius": NOT_POSITIVE,
-    "normal_force": NOT_POSITIVE,
-    "friction": NOT_POSITIVE,
-    "depth": NOT_POSITIVE,
-    "r": [-1e-9, -1.0, math.nan],
-    **{key: [-1e-9, -1.0, math.nan] for key in ("distance", "z", "least", "most")},
+    **dict.fromkeys(("E0", "z0", "radius", "normal_force", "friction", "depth"), NOT_POSITIVE),
+    **{key: [-1e-9, -1.0, math.nan] for key in ("r", "distance", "z", "least", "most")},
     "x": [math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
     "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],
@@ -394,11 +336,11 @@ def traced_results(cls, names):
     return rows, {name: np.asarray(result) for name, result in results.items()}
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "cls, names",
     [
         pytest.param(FrettingContact, quantities(FrettingContact).keys() - STRESSES, id="fretting"),
-        pytest.param(FrettingContact, STRESSES, id="stresses", marks=pytest.mark.compiled),
+        pytest.param(FrettingContact, STRESSES, id="stresses", marks=compiled),
         pytest.param(GrossSlipContact, quantities(GrossSlipContact).keys(), id="gross slip"),
     ],
 )
@@ -427,97 +369,6 @@ def test_one_modulus_is_that_of_all_depths():
 # --- optimisation ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "phi, bounds, message",
-    [
-        (1.0, (-0.5, 0.5), r"^phi = 1.0 .*0 <= phi < 1"),
-        (-0.1, (-0.5, 0.5), r"^phi = -0.1 .*0 <= phi < 1"),
-        (math.nan, (-0.5, 0.5), r"^phi = nan .*0 <= phi < 1"),
-        (np.array([0.1, 1.5]), (-0.5, 0.5), r"^phi = 1.5 at index 1\b"),
-        (0.5, (0.5, -0.5), "lowest exponent must be below"),
-        (0.5, (0.5, 0.5), "lowest exponent must be below"),
-        (0.5, (-1.0, 0.5), r"^bounds\[0\] = -1.0 .*-1 < k < 1"),
-        (0.5, (-0.5, 1.0), r"^bounds\[1\] = 1.0 .*-1 < k < 1"),
-        (0.5, (math.nan, 0.5), r"^bounds\[0\] = nan "),
-        (0.5, (-0.5,), "unpack"),
-        (0.5, (-0.5, 0.0, 0.5), "unpack"),
-    ],
-    ids=str,
-)
-def test_optimal_exponent_refuses_what_is_outside(phi, bounds, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.optimal_exponent(phi, bounds)
-
-
-@pytest.mark.parametrize("phi", [1j, "a", None, np.array(["a"])], ids=repr)
-def test_optimal_exponent_refuses_what_is_no_real_number(phi):
-    with pytest.raises((TypeError, ValueError)):
-        optimise.optimal_exponent(phi)
-
-
-@pytest.mark.parametrize("digits", [0, 16, 2.5, True, "a"], ids=repr)
-def test_optimal_exponent_refuses_wrong_digits(digits):
-    with pytest.raises((TypeError, ValueError), match="digits"):
-        optimise.optimal_exponent(0.5, digits=digits)
-
-
-@pytest.mark.parametrize(
-    "force, vary, hold, message",
-    [
-        (2.0, {}, None, "vary is empty"),
-        (2.0, {"mu": (0.1, 0.3)}, None, "'mu' is not one of k, z0, .*, nor another number of the contact"),
-        (2.0, {"indenter.E": (1e9, 2e9)}, None, "'indenter.E' is not one of"),
-        (2.0, {"material": (1e9, 2e9)}, None, "'material' is not one of"),
-        (2.0, {"nu": (0.1, 0.6)}, None, "highest nu = 0.6 .*nu <= 1/2"),
-        (2.0, {"friction": (0.1, 0.6)}, None, "at the lowest friction = 2.0 .*the slip is gross"),
-        (2.0, {"k": (0.1, 0.3), "material.k": (0.1, 0.3)}, None, "vary: k is given twice"),
-        (2.0, {"k": (0.2, 0.2)}, None, "lowest value must be below"),
-        (2.0, {"k": (-0.5, math.nan)}, None, r"highest k = nan "),
-        (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
-        (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
-        (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
-        (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
-        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "^vary.z0: cannot vary while hold"),
-        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "hold = 'contact_radius_by_z0': must be .contact_radius"),
-        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
-        (math.nan, {"k": (-0.5, 0.5)}, None, "^tangential_force = nan .*>= 0, the amplitude"),
-    ],
-    ids=str,
-)
-def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.design(build(FrettingContact), force, vary, hold=hold)
-
-
-@pytest.mark.parametrize(
-    "changed, message",
-    [
-        ({"limits": {"edge_pressure": 5e8}}, r"^limits.edge_pressure: must be \{ below = ..., distance = ... \} in Pa"),
-        ({"limits": {"edge_presure": {"below": 5e8}}}, "^limits.edge_presure: .* contact; did you mean edge_pressure"),
-        (
-            {"limits": {"wear_depth": {"below": 1e-6}}},
-            "^limits.wear_depth.r: must be .* needs the distance from the ax",
-        ),
-        ({"limits": {"penetration": {"below": 1e-6, "r": 0.0}}}, "^limits.penetration.r: there is no such argument"),
-        ({"limits": {"penetration": {"under": 1e-6}}}, "^limits.penetration.under: .* allowed are above, below, betwe"),
-        ({"limits": {"penetration": {"between": 1e-6}}}, r"^limits.penetration.between: must be \[lowest, highest\]"),
-        ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: cannot be"),
-        ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
-        ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
-        ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),
-        ({"load": "2 N"}, r"^tangential_force takes real numbers"),
-    ],
-    ids=str,
-)
-@pytest.mark.parametrize("ask", [optimise.design, optimise.designs, optimise.front], ids=lambda ask: ask.__name__)
-def test_a_design_says_what_an_argument_takes(ask, changed, message):
-    asked = {"contact": build(FrettingContact), "load": 2.0, "vary": {"k": (-0.5, 0.5)}} | changed
-    if ask is optimise.front:
-        asked["distance"] = 1e-6
-    with pytest.raises((TypeError, ValueError), match=message):
-        ask(**asked)
-
-
 def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
     of_holl, interval = build(PowerLawGraded, nu="holl"), optimise.Interval(1.0, 2.0, "logarithmic")
     assert len(jax.tree.leaves(of_holl)) == 3 and len(jax.tree.leaves(build(PowerLawGraded))) == 4
@@ -526,9 +377,3 @@ def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
     assert jax.jit(lambda material: material)(of_holl).nu == "holl"
     question = optimise.Question(of_holl, None, {"k": (-0.5, 0.5)}, (), {}, objective="force_drop")
     assert len(jax.tree.leaves(question)) == 5
-
-
-@pytest.mark.parametrize("bounds", [("a", "b"), (None, 0.5), (0.1j, 0.5), 0.5], ids=repr)
-def test_design_refuses_bounds_that_are_no_numbers(bounds):
-    with pytest.raises((TypeError, ValueError)):
-        optimise.design(build(FrettingContact), 2.0, {"k": bounds})

@@ -7,6 +7,7 @@ import functions
 import jax
 import numpy as np
 import pytest
+from marks import compiled, long, parametrize
 
 # What the full results themselves are promised to.
 FULL = {"float64": (2e-14, 1e-13), "float32": (5e-6, 1e-5)}
@@ -54,47 +55,34 @@ def when(quantity, dtype, digits):
         return ()
     if digits == MOST[dtype] == 6 and quantity.name in functions.COMPILED:
         return ()
-    return pytest.mark.compiled if digits in (3, MOST[dtype]) or by_its_series else pytest.mark.long
+    return compiled if digits in (3, MOST[dtype]) or by_its_series else long
 
 
-@pytest.mark.parametrize(
-    "quantity,dtype,digits",
-    [
-        pytest.param(
-            quantity,
-            dtype,
-            n,
-            id=f"{quantity.name}-{dtype}-{n}",
-            marks=when(quantity, dtype, n),
-        )
+def each(marks):
+    """All numbers of digits of all quantities, with these marks."""
+    rows = [
+        pytest.param(quantity, dtype, n, id=f"{quantity.name}-{dtype}-{n}", marks=marks(quantity, dtype, n))
         for quantity in BULK
         for dtype, most in MOST.items()
         for n in range(3, most + 1)
-    ],
-)
+    ]
+    return parametrize("quantity,dtype,digits", rows)
+
+
+def when_slopes(quantity, dtype, digits):
+    if (quantity.name, dtype) != ("fretting.wear_volume", "float64"):
+        return long
+    return {4: (), 13: (), 7: compiled, 10: compiled}.get(digits, long)
+
+
+@each(when)
 def test_values_have_the_digits_asked_for(quantity, dtype, digits):
     full = values(quantity, dtype, None)
     error = np.abs(values(quantity, dtype, digits) - full) / np.abs(full)
     assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][0]
 
 
-@pytest.mark.parametrize(
-    "quantity,dtype,digits",
-    [
-        pytest.param(
-            quantity,
-            dtype,
-            n,
-            id=f"{quantity.name}-{dtype}-{n}",
-            marks={4: (), 13: (), 7: pytest.mark.compiled, 10: pytest.mark.compiled}.get(n, pytest.mark.long)
-            if (quantity.name, dtype) == ("fretting.wear_volume", "float64")
-            else pytest.mark.long,
-        )
-        for quantity in BULK
-        for dtype, most in MOST.items()
-        for n in range(3, most + 1)
-    ],
-)
+@each(when_slopes)
 def test_slopes_have_the_digits_asked_for(quantity, dtype, digits):
     full = slopes(quantity, dtype, None)
     # Relative to the value where that is larger, as everywhere.
@@ -104,7 +92,7 @@ def test_slopes_have_the_digits_asked_for(quantity, dtype, digits):
     assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][1]
 
 
-@pytest.mark.parametrize("quantity", [q for q in BULK if in_series(q)], ids=lambda quantity: quantity.name)
+@parametrize("quantity", [q for q in BULK if in_series(q)], ids=lambda quantity: quantity.name)
 def test_fewer_digits_are_really_fewer(quantity):
     full = values(quantity, "float64", None)
     errors = [np.max(np.abs(values(quantity, "float64", n) - full) / np.abs(full)) for n in (3, 6, 9, 12)]

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, LAW, contact_of
+from marks import compiled, parametrize
 from typer.testing import CliRunner
 
 from plgwear_jax import (
@@ -74,9 +75,7 @@ ASKED = {
 SLOW = "a scar of gross slip", "a run with its steady state", "regimes"
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.compiled) if name in SLOW else name for name in ASKED]
-)
+@parametrize("name", [pytest.param(name, marks=compiled) if name in SLOW else name for name in ASKED])
 def test_a_question_is_doubted_once_and_answered(name):
     ask, line = ASKED[name]
     with warnings.catch_warnings(record=True) as heard:
@@ -107,12 +106,12 @@ POWER = "E0 = {}, z0 = 1e-4, k = 0.2, nu = 0.3"
 LAYER = "thickness = [1e-2], modulus = [200e9, 100e9], nu = 0.3"
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "material, radius, line",
     [
         (POWER.format("110e9"), 2.0, "radius = 2: is the indenter wider than 1 m? radius is in m"),
         (POWER.format("1e4"), 0.5, "gross slip begins at "),
-        pytest.param(LAYER, 5e-3, "thickness: a layer of 10 mm, thicker than ", marks=pytest.mark.compiled),
+        pytest.param(LAYER, 5e-3, "thickness: a layer of 10 mm, thicker than ", marks=compiled),
         (POWER.format("110e9"), 5e-3, None),
     ],
 )
@@ -126,7 +125,7 @@ def test_the_command_line_warns_in_one_line_and_goes_on(tmp_path, monkeypatch, m
     assert line is None or lines[0].startswith(f"scene.toml: {line}")
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "exponent, wear_depth, said",
     [
         (0.2, 6e-8, None),

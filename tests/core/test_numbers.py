@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import parametrize
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 from plgwear_jax.contact import slip_regimes
@@ -62,7 +63,7 @@ def line_of(function, at=1.0, how=jax.jit) -> str:
     return line
 
 
-@pytest.mark.parametrize("room", REFUSING)
+@parametrize("room", REFUSING)
 def test_every_public_function_is_for_numbers_or_can_be_traced(room):
     found = functions(room)
     assert set(found) == REFUSING[room] | OTHERS.get(room, set())
@@ -71,7 +72,7 @@ def test_every_public_function_is_for_numbers_or_can_be_traced(room):
         assert "It takes numbers, not traced values" in doc, name
 
 
-@pytest.mark.parametrize("room, name", [(room, name) for room, names in REFUSING.items() for name in sorted(names)])
+@parametrize("room, name", [(room, name) for room, names in REFUSING.items() for name in sorted(names)])
 def test_it_says_so_in_a_line_with_its_name_and_what_works(room, name):
     function = functions(room)[name]
     parameters = inspect.signature(function).parameters.values()
@@ -109,7 +110,7 @@ QUESTIONS = {
 }
 
 
-@pytest.mark.parametrize("question", QUESTIONS)
+@parametrize("question", QUESTIONS)
 def test_traced_values_anywhere_are_refused(question):
     def asked(x):
         QUESTIONS[question](x)

@@ -2,8 +2,8 @@
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from plgwear_jax import fretting
 
@@ -27,11 +27,11 @@ def unrolled(x):
 
 def test_second_derivatives_of_a_loop_that_keep_the_rules():
     expected = jax.hessian(unrolled)(AT)
-    np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
-    np.testing.assert_allclose(jax.jacrev(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
+    assert_allclose(jax.jacfwd(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
+    assert_allclose(jax.jacrev(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
 
 
 @pytest.mark.xfail(reason="JAX loses rules of differentiation in loops: docs/how-to/in_your_model.md", strict=True)
 def test_second_derivatives_of_a_loop_that_begin_in_reverse():
     """Where this passes, the page has to say so."""
-    np.testing.assert_allclose(jax.hessian(looped(step))(AT), jax.hessian(unrolled)(AT), rtol=1e-6)
+    assert_allclose(jax.hessian(looped(step))(AT), jax.hessian(unrolled)(AT), rtol=1e-6)

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused, told
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose
 from refusals import cases, is_told
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, coating, optimise, scene
@@ -45,14 +47,14 @@ def power_law(depth: np.ndarray, k: float) -> np.ndarray:
 # --- the fit --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("k", [-0.7, 0.0, 0.4])
+@parametrize("k", [-0.7, 0.0, 0.4])
 def test_a_power_law_is_found_again(k):
     depth = RADIUS * np.array([0.004, 0.07, 0.2, 0.9, 1.5, 8.0])
     found = coating.fit_power_law(depth, power_law(depth, k), 0.3, RADIUS)
-    np.testing.assert_allclose(found.material.k, k, atol=1e-12)
-    np.testing.assert_allclose(found.material.E0, power_law(np.array(RADIUS), k), rtol=1e-12)
+    assert_allclose(found.material.k, k, atol=1e-12)
+    assert_allclose(found.material.E0, power_law(np.array(RADIUS), k), rtol=1e-12)
     assert found.material.z0 == RADIUS and found.scatter < 1e-10 and found.doubt is None
-    np.testing.assert_allclose([found.weight.sum(), found.covered], 1.0, rtol=1e-12)
+    assert_allclose([found.weight.sum(), found.covered], 1.0, rtol=1e-12)
     assert np.all(found.weight[[1, 2, 3, 4]] > 0.0) and found.weight[0] == 0.0
 
 
@@ -62,10 +64,10 @@ def test_it_does_not_matter_how_densely_the_table_is_written():
 
     even = RADIUS * np.geomspace(0.05, 5.0, 400)
     denser = np.sort(np.concatenate([even, RADIUS * np.geomspace(0.2, 0.4, 4000)]))
-    np.testing.assert_allclose(fitted(denser), fitted(even), atol=1e-3)
+    assert_allclose(fitted(denser), fitted(even), atol=1e-3)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_confidence_is_that_of_scattered_points():
     random, depth = np.random.default_rng(1), RADIUS * np.geomspace(0.1, 3.0, 12)
     found = [
@@ -76,7 +78,7 @@ def test_the_confidence_is_that_of_scattered_points():
     assert 0.91 < within < 0.98
     spread = np.cov([one.material.k for one in found], [math.log(one.material.E0) for one in found])
     told = np.mean([one.covariance for one in found], axis=0)
-    np.testing.assert_allclose(told, spread, rtol=0.3, atol=1e-5)
+    assert_allclose(told, spread, rtol=0.3, atol=1e-5)
 
 
 @cases(REFUSED, "power_laws")
@@ -129,7 +131,7 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_free_gradient_lies_on_its_bounds():
     found = optimise.free_design(CONTACT, 0.4, PROFILE)
     assert found.at_bound == ("upper", None, "lower", "lower", "lower")
-    np.testing.assert_allclose(found.modulus[1], 100e9 * math.exp(0.25 - 0.2), rtol=1e-3)
+    assert_allclose(found.modulus[1], 100e9 * math.exp(0.25 - 0.2), rtol=1e-3)
     assert found.converged and found.certified and found.minima[0].starts == 20
     assert isinstance(found.contact.material, DepthGraded) and found.reference is CONTACT
     lines = repr(found).splitlines()
@@ -158,7 +160,7 @@ def test_a_free_gradient_keeps_its_limits():
     law = np.log(np.asarray(held.power_law.material.modulus) / 100e9)
     inside = np.abs(law) < 0.693
     exponents = (np.diff(law) / np.diff(np.log(AT)))[inside[1:] & inside[:-1]]
-    np.testing.assert_allclose(exponents, held.exponent, rtol=1e-9)
+    assert_allclose(exponents, held.exponent, rtol=1e-9)
     assert exponents.size > 1
 
 
@@ -186,7 +188,7 @@ def test_the_coating_command_refuses_in_a_line(folder, case):
     assert is_told(refused("coating", *case["arguments"], "--scene", "scene.toml"), case)
 
 
-@pytest.mark.long
+@long
 def test_the_coating_command(folder):
     found = told("coating E.csv --scene scene.toml --out fitted.toml --csv f.csv")
     assert abs(found["power_law"]["contact_radius"] / found["as_given"]["contact_radius"] - 1.0) < 0.02
@@ -194,18 +196,18 @@ def test_the_coating_command(folder):
     # Over all depths together the radius and the wear change as with E as a whole.
     assert max(found["where_it_counts"]["dlogV_dlogE_per_decade"]) < 0.05
     written = scene.load("fitted.toml")
-    np.testing.assert_allclose([written.material.k, written.material.E0], [found["k"], found["E0"]], rtol=1e-5)
+    assert_allclose([written.material.k, written.material.E0], [found["k"], found["E0"]], rtol=1e-5)
     assert "# how it is pressed\n[contact]" in Path("fitted.toml").read_text()
     assert Path("f.csv").read_text().startswith("depth,modulus,fitted,weight\n0.0,250000000000.0,")
 
 
-@pytest.mark.long
+@long
 def test_the_best_free_gradient_of_a_scene(folder):
     found = told("design scene.toml")
     assert found["certified"] and 15.0 < found["less_than_power_law_percent"] < 25.0
     assert found["at_bound"] == ["upper", None, "lower", "upper", "upper"]
     radii = found["contact_radius"]
-    np.testing.assert_allclose([*radii.values()], radii["reference"], rtol=1e-4)
+    assert_allclose([*radii.values()], radii["reference"], rtol=1e-4)
 
 
 def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, pretended, monkeypatch):

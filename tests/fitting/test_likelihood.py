@@ -8,14 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, LAW, contact_of
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose
 from refusals import cases
 
-from plgwear_jax import compiler_options
 from plgwear_jax.fitting import Measurements, fit_wear_coefficient, log_likelihood
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.wear_laws import Archard, law_of
 
-compiled = pytest.mark.compiled
 REFUSED = Path(__file__).with_name("refused.toml")
 ONE = contact_of(LAW)
 CYCLES = np.array([1e4, 3e4, 1e5, 2e5, 3e5])
@@ -41,17 +41,17 @@ def test_the_likelihood_is_that_of_normal_errors():
     exact = stats.norm.logpdf(CLOSED.measured, volume, sigma).sum()
     absolute = dataclasses.replace(CLOSED, deviation=sigma, relative=False)
     for law, data in ((COEFFICIENT, CLOSED), (Archard(COEFFICIENT), CLOSED), (COEFFICIENT, absolute)):
-        np.testing.assert_allclose(log_likelihood(ONE, law, data), exact, rtol=1e-12)
+        assert_allclose(log_likelihood(ONE, law, data), exact, rtol=1e-12)
 
 
 @compiled
-@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
+@parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
 def test_radii_and_depths(what, r):
     run = ONE.over_cycles(FORCE, COEFFICIENT)
     value = np.asarray(run.contact_radius(CYCLES) if r is None else run.depth(r, CYCLES))
     data = Measurements(FORCE, CYCLES, value, 0.1, r, what=what, relative=True)
     most = -np.sum(np.log(0.1 * value)) - 0.5 * CYCLES.size * np.log(2.0 * np.pi)
-    np.testing.assert_allclose(log_likelihood(ONE, COEFFICIENT, data), most, rtol=1e-9)
+    assert_allclose(log_likelihood(ONE, COEFFICIENT, data), most, rtol=1e-9)
     assert log_likelihood(ONE, 2.0 * COEFFICIENT, data) < most
 
 
@@ -62,18 +62,18 @@ def test_derivatives_are_differences():
     def difference(f):
         return np.stack([(f(AT + h, CLOSED) - f(AT - h, CLOSED)) / (2.0 * step) for h in step * jnp.eye(2)])
 
-    np.testing.assert_allclose(slope(AT, CLOSED), difference(value), rtol=1e-3)
+    assert_allclose(slope(AT, CLOSED), difference(value), rtol=1e-3)
     curvature = jax.jit(jax.hessian(by_both))(AT, CLOSED)
-    np.testing.assert_allclose(curvature, difference(slope), rtol=1e-2, atol=1e-2 * float(abs(curvature).max()))
+    assert_allclose(curvature, difference(slope), rtol=1e-2, atol=1e-2 * float(abs(curvature).max()))
     by_deviation = jax.grad(lambda s: by_both(AT, dataclasses.replace(CLOSED, deviation=s)))(0.05)
     z = np.asarray(CLOSED.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)))
-    np.testing.assert_allclose(by_deviation, np.sum(z * z - 1.0) / 0.05, rtol=1e-9)
+    assert_allclose(by_deviation, np.sum(z * z - 1.0) / 0.05, rtol=1e-9)
     some = jax.vmap(by_both, (0, None))(jnp.stack([AT, AT + 0.1]), CLOSED)
-    np.testing.assert_allclose(some, [value(AT, CLOSED), value(AT + 0.1, CLOSED)], rtol=1e-9)
+    assert_allclose(some, [value(AT, CLOSED), value(AT + 0.1, CLOSED)], rtol=1e-9)
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "load, exponent",
     [
         (FORCE, 1.0),
@@ -97,28 +97,6 @@ def test_the_largest_likelihood_is_at_the_fit(load, exponent):
     below, best, above = at(-step), at(0.0), at(step)
     vertex = 0.5 * step * (below - above) / (below - 2.0 * best + above)
     assert abs(vertex) < within and best > max(below, above)
-
-
-@compiled
-def test_a_sampler_can_follow_its_slopes():
-    """A path of leapfrog steps, as samplers take them, keeps its energy while it crosses the likelihood."""
-    along = jnp.array([[0.14, 0.0], [0.05, 0.008]])  # the root of the covariance of log(K) and log(mu), about
-
-    def potential(z: jax.Array) -> jax.Array:
-        x = along @ z
-        return 0.5 * (x[1] / 0.1) ** 2 - by_both(AT + x, CLOSED)  # the friction is known to 10 %
-
-    def leap(state, _):
-        z, p = state
-        p = p - 0.15 * jax.grad(potential)(z)
-        z = z + 0.3 * p
-        p = p - 0.15 * jax.grad(potential)(z)
-        return (z, p), (z, potential(z) + 0.5 * p @ p)
-
-    begin = jnp.array([1.0, -0.5]), jnp.array([0.7, 1.0])
-    path = jax.jit(lambda begin: jax.lax.scan(leap, begin, length=40)[1], compiler_options=compiler_options(1))
-    places, energy = path(begin)
-    assert np.ptp(energy) < 0.5 and np.all(np.ptp(places, axis=0) > 1.0)
 
 
 @cases(REFUSED, "measurements")

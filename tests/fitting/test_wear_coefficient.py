@@ -5,13 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose
 from refusals import cases
 
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.wear_laws import WearLaw, law_of
 
-compiled = pytest.mark.compiled
 REFUSED = Path(__file__).with_name("refused.toml")
 ONE = contact_of(LAW)
 GROSS = Displacement(1e-5)  # gross slip begins at some 0.8 um
@@ -27,7 +28,7 @@ def law_with(exponent: float) -> tuple[float, WearLaw]:
     return K, law_of(K, exponent)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "one, load, exponent",
     [
         (ONE, GROSS, 1.0),
@@ -51,8 +52,9 @@ def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
     K, law = law_with(exponent)
     volume = np.asarray(one.over_cycles(load, law).volume(CYCLES))
     found = fit_wear_coefficient(one, load, CYCLES, volume, exponent=exponent)
-    assert found.wear_coefficient == pytest.approx(K, rel=0.01) and found.doubt is None
-    np.testing.assert_allclose(found.fitted, found.volume, rtol=0.01)
+    assert found.doubt is None
+    assert_allclose(found.wear_coefficient, K, rtol=0.01)
+    assert_allclose(found.fitted, found.volume, rtol=0.01)
     noisy = fit_wear_coefficient(one, load, CYCLES, volume * NOISE[0], SCATTER * volume, exponent=exponent)
     low, high = noisy.interval
     assert low < K < high and low < noisy.wear_coefficient < high < 1.5 * low
@@ -69,7 +71,7 @@ def test_tests_at_several_normal_forces_tell_the_exponent():
     for exponent in (1.0, 1.5):
         found = fit_wear_coefficient(ONE, CHANGING, CYCLES, volume, SCATTER * volume, exponent=exponent)
         lacks.append(np.sum((found.fitted / volume - 1.0) ** 2))
-    np.testing.assert_allclose(found.wear_coefficient, K, rtol=0.01)
+    assert_allclose(found.wear_coefficient, K, rtol=0.01)
     assert lacks[1] < 1e-2 * lacks[0]
 
 
@@ -77,11 +79,11 @@ HALF = 2e5  # cycles to half of the final volume, about
 LATE = [3.0 * HALF, 6.0 * HALF, 20.0 * HALF]
 
 
-@pytest.mark.parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
+@parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
 def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycles, share):
     volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(np.array(cycles)))
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
-    np.testing.assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
+    assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
     assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
     assert found.doubt is not None and "little but the least coefficient" in found.doubt
 
@@ -98,7 +100,7 @@ def test_the_most_likely_of_several_minima_is_found():
             K = np.geomspace(1e-3, 1e3, 4001) * COEFFICIENT
             modelled = np.asarray(run.volume(cycles * K[:, None] / COEFFICIENT))
             misfit = np.sum(((modelled - volume) / given[1]) ** 2, -1)
-            np.testing.assert_allclose(found.wear_coefficient, K[np.argmin(misfit)], rtol=4e-3)
+            assert_allclose(found.wear_coefficient, K[np.argmin(misfit)], rtol=4e-3)
 
 
 def test_a_relative_deviation_stands_for_a_deviation_of_each():
@@ -106,27 +108,14 @@ def test_a_relative_deviation_stands_for_a_deviation_of_each():
     of_each = fit_wear_coefficient(ONE, 2.0, CYCLES, volume, SCATTER * volume)
     begun = np.append(0.0, CYCLES), np.append(0.0, volume)  # before the first cycle nothing is worn
     share = fit_wear_coefficient(ONE, 2.0, *begun, SCATTER, relative=True)
-    np.testing.assert_allclose(share.interval, of_each.interval, rtol=1e-12)
-    np.testing.assert_allclose(share.deviation, SCATTER * begun[1], rtol=1e-15)
+    assert_allclose(share.interval, of_each.interval, rtol=1e-12)
+    assert_allclose(share.deviation, SCATTER * begun[1], rtol=1e-15)
 
 
 @cases(REFUSED, "fits")
 def test_what_is_no_measurement_is_refused(case):
     given = {"load": GROSS, "cycles": CYCLES, "volume": [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]} | case["given"]
-    with pytest.raises(ValueError, match=case["line"]):
+    if given["load"] == "BLOCK":
+        given["load"] = [Block(2.0, 1e4)]
+    with pytest.raises((TypeError, ValueError), match=case["line"]):
         fit_wear_coefficient(ONE, **given)
-
-
-@pytest.mark.parametrize(
-    "load, said",
-    [
-        (4.5, "the slip is gross"),
-        ([], r"load takes one amplitude or a list of Block, not an array of \(0,\)"),
-        ([2.0], r"load takes one amplitude or a list of Block, not an array of \(1,\)"),
-        ([Block(2.0, 1e4)], "cycles = .* where the blocks end"),
-        ([Block(2.0, 1e5), Block(4.5, 3e5)], "block 2: .* the slip is gross"),
-    ],
-)
-def test_what_is_no_test_is_refused(load, said):
-    with pytest.raises((TypeError, ValueError), match=said):
-        fit_wear_coefficient(ONE, load, CYCLES, 1e-15 * CYCLES)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from marks import compiled, long, parametrize
 
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
@@ -86,7 +87,7 @@ def test_there_are_eight():
     assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 9)]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@parametrize("name", NAMES)
 def test_committed_as_it_ran(name):
     notebook = read(name)
     nbformat.validate(notebook)
@@ -96,21 +97,21 @@ def test_committed_as_it_ran(name):
     assert notebook == execute.tidy(read(name))  # no times, no versions, no sliders without a kernel
 
 
-@pytest.mark.parametrize("name", NAMES)
+@parametrize("name", NAMES)
 def test_nothing_points_at_a_machine(name):
     text = (FOLDER / f"{name}.ipynb").read_text(encoding="utf-8")
     text = re.sub(r'"image/png": "[^"]*"', "", text)
     assert not re.search(r"/(home|Users|root|tmp|work|usr|opt|var|private)/|\b[A-Z]:\\\\", text)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@parametrize("name", NAMES)
 def test_only_public_names_are_used(name):
     code = "\n".join(cell.source for cell in code_cells(read(name)))
     assert "plgwear_jax" in code
     assert not re.search(r"plgwear_jax(\.\w+)*\._|import _|\b(question|task)\b", code)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@parametrize("name", NAMES)
 def test_links_lead_somewhere(name):
     prose = "\n".join(cell.source for cell in read(name).cells if cell.cell_type == "markdown")
     for link in re.findall(r"\]\(([^)#]+)\)", prose):
@@ -120,15 +121,15 @@ def test_links_lead_somewhere(name):
 # These compile derivatives of whole models, and numeric contacts; then searches.
 SLOW = dict.fromkeys(
     ("05_in_your_model", "06_wear_over_cycles", "07_real_coatings", "08_from_test_to_design"),
-    pytest.mark.long,
+    long,
 )
-SLOW |= dict.fromkeys(("01_first_steps", "03_best_for_what", "04_sweeps"), pytest.mark.compiled)
+SLOW |= dict.fromkeys(("01_first_steps", "03_best_for_what", "04_sweeps"), compiled)
 
 
 WITH_SLIDERS = "02_optimum"
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name",
     [pytest.param(name, marks=SLOW.get(name, ())) for name in NAMES if name != WITH_SLIDERS],
 )
@@ -138,7 +139,7 @@ def test_they_run(name, tmp_path):
     assert_runs_as_committed(name, tmp_path)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_one_with_sliders_runs_and_they_redraw_the_picture(tmp_path):
     move = "amplitude.value = 0.5\nbounds.value = (-0.5, 0.5)"
     wanted = "display(draw(0.5, (-0.5, 0.5)))"

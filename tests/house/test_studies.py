@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from marks import compiled, long, parametrize
 
 from plgwear_jax import FrettingContact, scene
 
@@ -13,7 +14,7 @@ DESIGN = Path(__file__).resolve().parents[2] / "design"
 SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@parametrize("name", SCENES)
 def test_scenes_have_the_sizes_of_their_applications(name):
     given = SCENES[name]
     contact = given.build_contact()
@@ -28,7 +29,7 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     assert 1e-19 < contact.steady(force).wear_volume < 1e-11  # m^3
 
 
-@pytest.mark.parametrize("name", SCENES)
+@parametrize("name", SCENES)
 def test_scenes_can_be_made(name):
     """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space
@@ -66,7 +67,7 @@ def study(monkeypatch, tmp_path, capsys):
     return run
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_overview_shows_that_the_amplitude_decides_which_gradient_wears_least(study):
     printed = study("overview", points=4)
     stiff, compliant = (
@@ -76,7 +77,7 @@ def test_the_overview_shows_that_the_amplitude_decides_which_gradient_wears_leas
     assert compliant[2] < 0.0 < stiff[2]
 
 
-@pytest.mark.long
+@long
 def test_uncertain_load_is_best_by_its_own_measure(study):
     printed = study("uncertain_load", samples=5)
     assert "a global search found nothing better for any design: True" in printed
@@ -86,7 +87,7 @@ def test_uncertain_load_is_best_by_its_own_measure(study):
     assert np.all(excess[0] > 0.1)  # the mean amplitude is not what to design for
 
 
-@pytest.mark.long  # to compile; what it draws is tested in test_amplitudes.py and test_optimise.py
+@long  # to compile; what it draws is tested in test_amplitudes.py and test_optimise.py
 def test_amplitude_map_is_certified_and_marks_where_it_turns(study):
     printed = study("amplitude_map", points=40)
     assert printed.count("40 designs; nothing better found for 40") == 2
@@ -97,7 +98,7 @@ def test_amplitude_map_is_certified_and_marks_where_it_turns(study):
     assert all(0.99 < phi < 1.0 for phi in falls_back)
 
 
-@pytest.mark.long
+@long
 def test_the_rule_survives_in_thin_coatings_alone(study):
     printed = study("real_gradients", points=5, digits=3)
     assert "stiff beats compliant at phi = 0.01 in 6 of 12 pairs of coatings" in printed

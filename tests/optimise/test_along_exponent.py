@@ -5,9 +5,10 @@ from typing import Any
 
 import jax
 import numpy as np
-import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from marks import compiled
+from numpy.testing import assert_allclose
 from reduced import MANY, coefficient_of
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
@@ -24,7 +25,7 @@ def with_exponents(k: np.ndarray) -> FrettingContact:
     return dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, k=k))
 
 
-@pytest.mark.compiled
+@compiled
 @settings(max_examples=20)
 @given(
     ends=st.tuples(st.floats(-0.99, 0.9), st.floats(0.02, 1.5)).map(lambda two: (two[0], min(0.99, sum(two)))),
@@ -41,7 +42,7 @@ def test_wear_between_the_runs_is_that_of_a_run(ends, phi, reduced):
     found = evaluate(question, {"k": k})
     direct = np.asarray(with_exponents(k).over_cycles(force, 1e-14).volume(cycles))
     final = np.asarray(with_exponents(k).steady(force).wear_volume)
-    np.testing.assert_allclose(found.objective / final, direct / final, atol=3e-5)
+    assert_allclose(found.objective / final, direct / final, atol=3e-5)
 
 
 def test_slopes_between_the_runs():
@@ -52,17 +53,17 @@ def test_slopes_between_the_runs():
     found = evaluate(question, {"k": at[:, 0], "E0": at[:, 1]})
     values = found.values[:, 0]
     slopes = [(values[2] - values[1]) / (2.0 * step), (values[4] - values[3]) / (2.0 * step)]
-    np.testing.assert_allclose(found.slopes[0, 0], slopes, rtol=1e-5)
+    assert_allclose(found.slopes[0, 0], slopes, rtol=1e-5)
 
 
 def test_a_reference_and_wear_beyond_the_bounds_of_a_design():
     contact = with_exponents(np.float64(0.8))
     found = optimise.design(contact, 1.0, {"k": (-0.3, 0.2)}, **LIFE)
     each = [one.over_cycles(1.0, 1e-14).volume(4e5) for one in (contact, found.contact)]
-    np.testing.assert_allclose([found.reference_value, found.value], each, rtol=1e-6)
+    assert_allclose([found.reference_value, found.value], each, rtol=1e-6)
     k = np.array([-0.7, 0.1, 0.6])
     course = optimise.along(found, "k", k)
-    np.testing.assert_allclose(course.value, with_exponents(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
+    assert_allclose(course.value, with_exponents(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
     assert np.all(course.keeps_limits)
 
 
@@ -77,7 +78,7 @@ def test_what_has_runs_of_its_own_for_each_design():
         assert not read_from_runs(question_of(CONTACT, **{"load": 1.0, "vary": vary, **LIFE, **more}))
 
 
-@pytest.mark.compiled
+@compiled
 def test_designs_for_a_life_have_derivatives():
     def worn(radius: Any) -> Any:
         contact = dataclasses.replace(CONTACT, radius=radius)
@@ -86,4 +87,4 @@ def test_designs_for_a_life_have_derivatives():
     radius, step = 5e-3, 1e-4
     found = jax.jit(jax.grad(worn))(radius)
     lower, upper = worn(radius * (1.0 - step)), worn(radius * (1.0 + step))
-    np.testing.assert_allclose(found, (upper - lower) / (2.0 * step * radius), rtol=1e-4)
+    assert_allclose(found, (upper - lower) / (2.0 * step * radius), rtol=1e-4)

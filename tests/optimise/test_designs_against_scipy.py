@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from functions import fretting
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
@@ -18,12 +20,10 @@ PROGRAMS = {
     "gross slip": Program("k, gross slip", "volume_change", "gross slip", 0),
     "k at a held radius, pressure limited": Program("k, radius held", "wear_volume", limits=("edge_pressure",)),
     "E0, pressure limited": Program("E0", "wear_volume", "worst", 7, ("edge_pressure",)),
-    "k at a held radius": pytest.param(Program("k, radius held", "wear_volume", "mean", 5), marks=pytest.mark.long),
+    "k at a held radius": pytest.param(Program("k, radius held", "wear_volume", "mean", 5), marks=long),
     "k and E0": Program("k and E0", "worn_radius", limits=("edge_pressure",)),
     # SciPy takes its time.
-    "modulus": pytest.param(
-        Program("k and z0", "wear_volume", limits=("penetration", "modulus")), marks=pytest.mark.long
-    ),
+    "modulus": pytest.param(Program("k and z0", "wear_volume", limits=("penetration", "modulus")), marks=long),
 }
 
 
@@ -35,19 +35,19 @@ def test_the_formulas_agree():
         return np.concatenate([formula(*point) for point in zip(k, phi[:, None], strict=True)])
 
     for name, formula in {**scipy_designs.WEAR, "penetration": scipy_designs.penetration}.items():
-        np.testing.assert_allclose(getattr(fretting, name)(k, phi), theirs(formula), rtol=1e-12)
+        assert_allclose(getattr(fretting, name)(k, phi), theirs(formula), rtol=1e-12)
     pressure = theirs(lambda k, phi: scipy_designs.edge_pressure(0.01, k, phi))
-    np.testing.assert_allclose(fretting.edge_pressure(0.01, k, phi), pressure, rtol=1e-12)
+    assert_allclose(fretting.edge_pressure(0.01, k, phi), pressure, rtol=1e-12)
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
+@compiled
+@parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
 def test_no_search_by_scipy_finds_a_better_design(program):
     for number in range(4):
         problem = random_designs.draw(program, SEED, number)
         best = random_designs.design(problem)
         mine, theirs = random_designs.valued(problem, best), scipy_designs.best(problem, starts=2)
-        assert float(best.value) == pytest.approx(mine.value, rel=1e-11)
+        assert_allclose(best.value, mine.value, rtol=1e-11)
         assert mine.violation <= 1e-9
         assert theirs.feasible
         assert mine.value <= theirs.value * (1 + 1e-9)

@@ -1,14 +1,16 @@
 """Which layers and which thickness wear least: one design, in Python and on the command line."""
 
 import dataclasses
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from coated import on
+from commands import told
+from marks import compiled
+from numpy.testing import assert_allclose, assert_array_equal
 
-from plgwear_jax import Elastic, FrettingContact, Layered, cli, optimise, scene
+from plgwear_jax import Elastic, FrettingContact, Layered, optimise, scene
 
 ROOT = Path(__file__).parents[2]
 LAYERS = ROOT / "design" / "coatings" / "layers.toml"
@@ -24,54 +26,33 @@ def test_an_input_file_asks_what_python_asks():
     assert given["limits"] == LIMITS
     material = given["contact"].material
     assert isinstance(material, Layered) and given["contact"].indenter == TUNGSTEN
-    np.testing.assert_array_equal(material.thickness, [5e-6, 5e-6])
-    np.testing.assert_array_equal(material.modulus, [220e9, 55e9, 110e9])
+    assert_array_equal(material.thickness, [5e-6, 5e-6])
+    assert_array_equal(material.modulus, [220e9, 55e9, 110e9])
 
 
-@pytest.mark.parametrize(
-    "vary, said",
-    [
-        ({"material.thickness[2]": (1e-6, 1e-5)}, r"'material.thickness\[2\]' is not one of"),
-        ({"material.thickness[0]": (0.0, 1e-5)}, r"lowest material.thickness\[0\] = 0.0 is outside"),
-        ({"k": (-0.5, 0.5)}, "'k' is not one of"),
-        ({"material.thickness": (1e-6, 1e-5)}, "thickness"),
-    ],
-)
-def test_what_is_no_number_of_layers_is_refused(vary, said):
-    with pytest.raises((TypeError, ValueError), match=said) as error:
-        optimise.design(CONTACT, FORCE, vary)
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.compiled
+@compiled
 def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = CliRunner().invoke(cli.app, ["design", str(LAYERS), "--json", "--sensitivities"])
-    assert answer.exit_code == 0, answer.stderr
-    told = json.loads(answer.stdout)
-    best, units = told["best"], told["units"]
-    assert units["material.thickness[0]"] == "m" and Path("layers-design.png").exists()
-    assert best["contact_radius"] == pytest.approx(7.334e-5, rel=1e-6) and best["edge_exponent"] == -0.5
-    assert not {"k", "E0", "z0"} & {*best}
+    found = told("design", str(LAYERS), "--sensitivities")
+    best = found["best"]
+    assert best["edge_exponent"] == -0.5
+    assert_allclose(best["contact_radius"], 7.334e-5, rtol=1e-6)
     # A tenth around the best, and far from it.
     first, second = (best[name] * np.geomspace(0.5, 2.0, 15) for name in VARY)
     thickness = np.stack(np.broadcast_arrays(first[:, None], second), -1)
     steady = dataclasses.replace(CONTACT, material=Layered(thickness, CONTACT.material.modulus, 0.3)).steady(FORCE)
     volumes = np.where(np.asarray(steady.contact_radius) >= 7.334e-5, steady.wear_volume, np.inf)
     assert 0.995 * np.min(volumes) <= best["wear_volume"] <= 1.0001 * np.min(volumes)
-    of_element = told["sensitivities"]["variables"]["material.modulus[1]"]
-    step, limits = 1e-2, {"contact_radius": {"above": 7.334e-5}}
-    moved = []
+    of_element = found["sensitivities"]["variables"]["material.modulus[1]"]
+    step, moved = 1e-2, []
     for side in (step, -step):
-        modulus = CONTACT.material.modulus * np.exp([0.0, side, 0.0])
-        other = dataclasses.replace(CONTACT, material=Layered([5e-6, 5e-6], modulus, 0.3))
-        moved.append(optimise.design(other, FORCE, VARY, limits=limits).variables)
-    for name in VARY:
-        difference = np.log(moved[0][name] / moved[1][name]) / (2.0 * step)
-        assert of_element[name] == pytest.approx(difference, rel=2e-2, abs=2e-2), name
+        other = on(CONTACT, modulus=CONTACT.material.modulus * np.exp([0.0, side, 0.0]))
+        moved.append(optimise.design(other, FORCE, VARY, limits=LIMITS).variables)
+    differences = {name: np.log(moved[0][name] / moved[1][name]) / (2.0 * step) for name in VARY}
+    assert of_element == pytest.approx(differences, rel=2e-2, abs=2e-2)
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_thickness_may_be_uncertain(tmp_path):
     text = LAYERS.read_text(encoding="utf-8")
     text = text.replace(', "material.thickness[1]" = [1e-6, 1e-4] }', ' }\nscenarios = "scatter.csv"\nover = "worst"')
@@ -80,5 +61,5 @@ def test_a_thickness_may_be_uncertain(tmp_path):
     found = scene.load(tmp_path / "layers.toml").design()
     thickness = np.stack(np.broadcast_arrays(found.variables["material.thickness[0]"], [4e-6, 5e-6, 7e-6]), -1)
     cases = dataclasses.replace(CONTACT, material=Layered(thickness, CONTACT.material.modulus, 0.3)).steady(FORCE)
-    assert found.value == pytest.approx(float(np.max(cases.wear_volume)), rel=1e-5)
+    assert_allclose(found.value, np.max(cases.wear_volume), rtol=1e-5)
     assert np.min(cases.contact_radius) >= 7.334e-5 * (1.0 - 1e-5)

@@ -7,6 +7,8 @@ import jax
 import numpy as np
 import pytest
 from coated import COEFFICIENT, HOLD, LIFE, RIGID, STEEL, held, is_least, on
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose
 
 from plgwear_jax import (
     DepthGraded,
@@ -17,7 +19,6 @@ from plgwear_jax import (
     wear_laws,
 )
 from plgwear_jax.optimise.question import question_of
-from plgwear_jax.shapes import PowerShape
 
 LAYERS = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
 FORCE, CYCLES = 1.0, LIFE["cycles"]
@@ -32,7 +33,7 @@ def worn(contact: Any, load: Any = FORCE, law: Any = COEFFICIENT) -> np.ndarray:
 # --- every contact ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
+@compiled
 def test_two_variables_under_an_elastic_indenter_with_a_limit():
     """The best k and E0 beside a scan of both."""
     radius = float(np.asarray(STEEL.steady(0.0).contact_radius))
@@ -43,35 +44,7 @@ def test_two_variables_under_an_elastic_indenter_with_a_limit():
     kept = np.asarray(scanned.steady(0.0).contact_radius) >= radius
     is_least(found, np.where(kept, worn(scanned), np.nan), within=0.1, run=True)
     assert found.limits["contact_radius_lowest"].active
-    np.testing.assert_allclose(found.value, worn(found.contact), rtol=1e-9)
-
-
-@pytest.mark.compiled
-def test_moduli_of_layers():
-    bounds = {"material.modulus[0]": (40e9, 200e9), "normal_force": (5.0, 20.0)}
-    found = optimise.design(LAYERS, FORCE, bounds, **LIFE)
-    assert isinstance(found.contact, FrettingContact)
-    modulus = np.stack(np.broadcast_arrays([40e9, 90e9, 200e9], 100e9), -1)[:, None]
-    scanned = dataclasses.replace(on(LAYERS, modulus=modulus), normal_force=np.array([5.0, 10.0, 20.0]))
-    is_least(found, worn(scanned), within=0.01, run=True)
-    np.testing.assert_allclose(found.value, worn(found.contact), rtol=1e-6)
-
-
-@pytest.mark.compiled
-def test_another_shape_with_the_contact_radius_held():
-    blunt = dataclasses.replace(RIGID, shape=PowerShape(3.0), radius=1e-3)
-    found = optimise.design(blunt, FORCE, RANGE, hold=HOLD, **LIFE)
-    radius = float(np.asarray(blunt.steady(0.0).contact_radius))
-    np.testing.assert_allclose(float(np.asarray(found.contact.steady(0.0).contact_radius)), radius, rtol=1e-5)  # pyright: ignore
-    each = []
-    for k in np.linspace(-0.6, 0.6, 7):
-        # The radius falls with the stiffness by the same power, whatever the stiffness.
-        stiffness = [100e9, 200e9]
-        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).steady(0.0).contact_radius))
-        power = (radii[1] - radii[0]) / np.log(2.0)
-        modulus = stiffness[0] * np.exp((np.log(radius) - radii[0]) / power)
-        each.append(worn(on(blunt, k=k, E0=modulus)))
-    is_least(found, np.array(each), within=0.05, run=True)
+    assert_allclose(found.value, worn(found.contact), rtol=1e-9)
 
 
 # --- every test -------------------------------------------------------------------------------------------------------
@@ -87,8 +60,8 @@ TESTS = {
 }
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("name", TESTS)
+@compiled
+@parametrize("name", TESTS)
 def test_loads_other_than_the_force(name):
     found = optimise.design(RIGID, TESTS[name], RANGE, **LIFE)
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
@@ -100,13 +73,13 @@ def test_loads_other_than_the_force(name):
     if name == "gross slip":
         loaded = loads.Displacement(np.array([3.0 * ONSET]))
         many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
-        np.testing.assert_allclose(many.value, [float(found.value)], rtol=1e-9)
+        assert_allclose(many.value, [float(found.value)], rtol=1e-9)
         harder = optimise.under_other_load(found, 1.1)
         assert harder.best.load is not None
-        np.testing.assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
+        assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
 
 
-@pytest.mark.long  # to march
+@long  # to march
 def test_another_wear_law_over_a_table_of_amplitudes():
     law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
     life: dict[str, Any] = {"cycles": CYCLES, "law": law}
@@ -116,14 +89,12 @@ def test_another_wear_law_over_a_table_of_amplitudes():
     is_least(found, mean, within=0.02, run=True)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_depth_at_a_radius():
     life: dict[str, Any] = {**LIFE, "minimise": {"wear_depth": {"r": 6.6e-5}}}
     found = optimise.design(RIGID, FORCE, RANGE, hold=HOLD, **life)
     assert isinstance(found.contact, FrettingContact)
-    np.testing.assert_allclose(
-        found.value, found.contact.over_cycles(FORCE, COEFFICIENT).depth(6.6e-5, CYCLES), rtol=1e-6
-    )
+    assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).depth(6.6e-5, CYCLES), rtol=1e-6)
     for k in (-0.6, 0.0, 0.6):
         again = optimise.along(found, "k", [k])
         assert float(again.value[0]) >= float(found.value) * (1.0 - 1e-9)
@@ -132,7 +103,7 @@ def test_the_depth_at_a_radius():
 # --- every question ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.compiled
+@compiled
 def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
     limit = {"edge_pressure": {"below": 1.0, "distance": 2e-6}}
     asked: dict[str, Any] = {"hold": HOLD, **LIFE}
@@ -140,36 +111,28 @@ def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
     assert np.all(front.certified) and np.all(np.diff(front.y) < 0.0)
     limit["edge_pressure"]["below"] = float(front.x[1])
     one = optimise.design(RIGID, FORCE, RANGE, limits=limit, **asked)
-    np.testing.assert_allclose(front.y[1], one.value, rtol=1e-9)
-
-    many = optimise.designs(RIGID, np.array([FORCE, 0.0]), RANGE, limits=limit, **asked)
-    np.testing.assert_allclose(many.value, [float(one.value), np.nan], rtol=1e-9)
-
+    assert_allclose(front.y[1], one.value, rtol=1e-9)
     step, slopes = 1e-3, optimise.sensitivities(one)
     lower, upper = (
         optimise.design(RIGID, FORCE, RANGE, limits=limit, hold=HOLD, **LIFE | {"cycles": CYCLES * np.exp(x)})
         for x in (-step, step)
     )
-    np.testing.assert_allclose(slopes.saving["cycles"], (upper.saving - lower.saving) / (2.0 * step), rtol=1e-4)
-    np.testing.assert_allclose(slopes.saving["cycles"], slopes.saving["wear_coefficient"], rtol=1e-4)
-
-    true = optimise.under_other_load(one, 1.05)
-    best = optimise.design(RIGID, 1.05 * FORCE, RANGE, limits=limit, **asked)
-    np.testing.assert_allclose(true.best.value, best.value, rtol=1e-9)
+    assert_allclose(slopes.saving["cycles"], (upper.saving - lower.saving) / (2.0 * step), rtol=1e-4)
+    assert_allclose(slopes.saving["cycles"], slopes.saving["wear_coefficient"], rtol=1e-4)
 
 
-@pytest.mark.long  # to compile
-@pytest.mark.parametrize("contact, life", [(RIGID, LIFE), (STEEL, {}), (LAYERS, {})])
+@long  # to compile
+@parametrize("contact, life", [(RIGID, LIFE), (STEEL, {}), (LAYERS, {})])
 def test_designs_within_a_program(contact, life):
     bounds = {"material.modulus[0]": (40e9, 200e9)} if contact is LAYERS else RANGE
     single = optimise.design(contact, FORCE, bounds, **life)
     found = jax.jit(lambda force: optimise.designs(contact, force, bounds, **life))(np.array([FORCE]))
-    np.testing.assert_allclose(found.value, [float(single.value)], rtol=1e-6)
+    assert_allclose(found.value, [float(single.value)], rtol=1e-6)
     for name, value in single.variables.items():
-        np.testing.assert_allclose(found.variables[name], [value], rtol=1e-4, atol=1e-5)
+        assert_allclose(found.variables[name], [value], rtol=1e-4, atol=1e-5)
 
 
-@pytest.mark.long
+@long
 def test_a_free_gradient_for_a_life():
     """It wears no more than any corner of the bounds."""
     at, lower, upper = np.array([1e-6, 2e-5, 2e-4]), np.full(3, 60e9), np.full(3, 200e9)
@@ -179,26 +142,13 @@ def test_a_free_gradient_for_a_life():
     scanned = dataclasses.replace(RIGID, material=DepthGraded(at, corners, 0.3))
     least = float(np.nanmin(worn(scanned)))  # a run on a stiff depth between compliant ones has no answer
     assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
-    np.testing.assert_allclose(found.value, worn(found.contact), rtol=1e-6)
+    assert_allclose(found.value, worn(found.contact), rtol=1e-6)
 
 
 # --- what stays refused -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "changes, said",
-    [
-        ({}, "cycles: wear under a displacement, which is held, ends in no steady state"),
-        ({**LIFE, "limits": {"penetration": {"below": 1e-6}}}, "limits.penetration: is a limit of the steady state"),
-        ({**LIFE, "weight": [1.0, 2.0]}, r"amplitudes of shape \(1,\) and weights of shape \(2,\)"),
-    ],
-)
-def test_what_no_displacement_has(changes, said):
-    with pytest.raises(ValueError, match=said):
-        optimise.design(RIGID, TESTS["gross slip"], RANGE, **changes)
-
-
-@pytest.mark.compiled
+@compiled
 def test_a_search_has_no_derivatives_where_only_first_ones_exist():
     for contact, life, load in ((STEEL, {}, loads.Force), (RIGID, LIFE, loads.Displacement)):
 
@@ -214,5 +164,5 @@ def test_several_displacements_have_weights():
     load = loads.Displacement(ONSET * np.array([0.2, 0.6, 0.4]), rig_stiffness=3e7)
     question = question_of(RIGID, load, RANGE, weight=[1.0, 1.0, 2.0], **LIFE)
     assert question.load is not None
-    np.testing.assert_allclose(question.load.amplitudes, ONSET * np.array([0.6, 0.4, 0.2]), rtol=1e-12)
-    np.testing.assert_allclose(question.load.weight, [0.25, 0.5, 0.25])
+    assert_allclose(question.load.amplitudes, ONSET * np.array([0.6, 0.4, 0.2]), rtol=1e-12)
+    assert_allclose(question.load.weight, [0.25, 0.5, 0.25])

@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-import itertools
 import re
 
 import jax
@@ -16,7 +15,9 @@ from coated import RIGID as CONTACT
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
+from marks import compiled, long, parametrize
 from mpmath import mp
+from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
 from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
@@ -45,12 +46,12 @@ def two_valleys(v):
 RIGHT = 0.6806392764236684  # where the higher valley lies
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "solver",
     [
         None,
-        pytest.param(optax.adam(0.05), marks=pytest.mark.compiled),
-        pytest.param(optax.lbfgs(), marks=pytest.mark.long),
+        pytest.param(optax.adam(0.05), marks=compiled),
+        pytest.param(optax.lbfgs(), marks=long),
     ],
 )
 def test_any_optax_transformation_finds_the_minimum(solver, in_square):
@@ -139,7 +140,7 @@ def test_the_rival_is_the_other_valley(between):
     found, alone = (entry(between, row) for row in (0, 1))
     assert float(found.variables["x"]) == pytest.approx(-0.7308931031862214, abs=1e-9)  # 4x^3 - 2x + 0.1 = 0
     assert float(found.rival["x"]) == pytest.approx(RIGHT, abs=1e-9)
-    assert found.rival_value == pytest.approx(two_valleys({"x": RIGHT}))
+    assert_allclose(found.rival_value, two_valleys({"x": RIGHT}), rtol=1e-6)
     assert bool(found.scan_found_nothing_better)
     assert np.isnan(alone.rival["x"]) and np.isinf(alone.rival_value)
 
@@ -147,35 +148,25 @@ def test_the_rival_is_the_other_valley(between):
 def test_a_bound_is_hit_exactly_and_has_a_multiplier(in_square):
     found = in_square["linear"]
     assert found.variables["x"] == -2.0 and found.side["x"] == -1
-    assert float(found.variables["y"]) == pytest.approx(np.exp(-1.0))
+    assert_allclose(found.variables["y"], np.exp(-1.0), rtol=1e-6)
     assert found.bound_multipliers == pytest.approx({"x": 1.0, "y": 0.0})
     found = in_square["logarithm"]
-    assert found.variables["y"] == 0.1 and float(found.bound_multipliers["y"]) == pytest.approx(1.0)
+    assert found.variables["y"] == 0.1
+    assert_allclose(found.bound_multipliers["y"], 1.0, rtol=1e-6)
 
 
 def test_limits_are_kept_and_weighed_or_it_is_said(in_square):
     # Nearest point of the half-plane x + y <= 1 to (1, 2).
     found, hopeless = in_square["away"], in_square["not to be kept"]
     assert found.variables == pytest.approx({"x": 0.0, "y": 1.0}, abs=1e-9)
-    np.testing.assert_allclose(found.multipliers, [2.0, 0.0], atol=1e-8)
-    np.testing.assert_allclose(found.limits, [0.0, -1.5], atol=1e-9)
+    assert_allclose(found.multipliers, [2.0, 0.0], atol=1e-8)
+    assert_allclose(found.limits, [0.0, -1.5], atol=1e-9)
     assert [bool(x) for one in (found, hopeless) for x in (one.converged, one.certified)] == [True, True, False, False]
-    assert float(hopeless.limits[0]) == pytest.approx(3.0)  # broken as little as can be
+    # broken as little as can be
+    assert_allclose(hopeless.limits[0], 3.0, rtol=1e-6)
 
 
-@pytest.mark.compiled
-def test_a_limit_that_shuts_one_valley_leaves_the_other():
-    @jax.jit
-    def above(least):
-        return minimise(two_valleys, {"x": Interval(-1.0, 1.0)}, limits=lambda v: (least - v["x"])[None])
-
-    right, edge = above(0.3), above(-0.5)
-    assert float(right.variables["x"]) == pytest.approx(RIGHT, abs=1e-9) and bool(right.scan_found_nothing_better)
-    assert float(edge.variables["x"]) == pytest.approx(-0.5, abs=1e-10)
-    assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.scan_found_nothing_better)
-
-
-@pytest.mark.compiled
+@compiled
 def test_a_descent_that_is_cut_short_says_so():
     found = searched(lambda v: jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2, {"x": Interval(-1.0, 1.0)}, max_steps=1)
     assert found.steps == 1
@@ -189,12 +180,6 @@ def test_more_valleys_than_starts_are_not_certified(between):
 def test_proof_is_not_given_where_something_can_hide(between):
     coarse = entry(between, DIP)
     assert not bool(coarse.scan_found_nothing_better) or float(coarse.variables["x"]) == pytest.approx(0.5144, abs=1e-3)
-
-
-@pytest.mark.compiled
-def test_with_more_points_nothing_hides():
-    fine = searched(dip, {"x": Interval(-1.0, 1.0)}, samples=1025)
-    assert bool(fine.scan_found_nothing_better) and fine.value < -0.2
 
 
 @example(coefficients=[2e-9, 0.0, 0.0, 1.0, 0.0])  # its lowest place is flat to the fourth order
@@ -211,7 +196,7 @@ def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coeffic
         assert float(found.value) <= lowest + 1e-12
 
 
-@pytest.mark.compiled
+@compiled
 def test_derivatives_follow_the_implicit_function_theorem():
     def best(a, c):
         def objective(v):
@@ -228,7 +213,7 @@ def test_derivatives_follow_the_implicit_function_theorem():
             (value(a, c + step) - value(a, c - step)) / (2 * step),
         ]
         for slopes in (forward(a, c), reverse(a, c)):
-            np.testing.assert_allclose(slopes, numeric, atol=1e-7)
+            assert_allclose(slopes, numeric, atol=1e-7)
     second = jax.jit(jax.hessian(lambda a: best(a, 0.7)[0]))(0.3)
     slopes = [forward(0.3 + h, 0.7)[0][0] for h in (step, -step)]
     assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
@@ -241,35 +226,18 @@ def test_a_known_minimum_moves_with_what_its_function_depends_on():
     u = jnp.array([[0.15, -1.0]])
     found = u, jnp.zeros((1, 1)), *search.slopes_at(function, u, 0.3)
     (moved,) = by_numpy(jax.jacfwd(lambda a: search.tied(function, found, a)[0]))(jnp.asarray(0.3))
-    np.testing.assert_allclose(moved, [0.5, 0.0], atol=1e-12)
+    assert_allclose(moved, [0.5, 0.0], atol=1e-12)
 
 
 def test_bounds_may_be_batched(between):
     # Below its valley, at -0.7309, the function falls towards the upper bound.
     expected = np.where(UPPER < -0.7309, UPPER, -0.73089310)[MOVING]
-    np.testing.assert_allclose(between.variables["x"][MOVING], expected, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    "space, options, message",
-    [
-        ({}, {}, "space is empty"),
-        ({"x": (0.0, 1.0)}, {"samples": 2}, "samples = 2 is below 3"),
-        ({"x": (0.0, 1.0)}, {"starts": 0}, "starts = 0 is below 1"),
-        ({"x": (1.0, 1.0)}, {}, "the lowest value must be below the highest"),
-        ({"x": (0.0, np.inf)}, {}, "both finite"),
-        ({"x": (0.0, 1.0, "logarithmic")}, {}, "on a logarithmic scale both must be positive"),
-        ({"x": (0.0, 1.0, "log")}, {}, "scale = 'log' is neither"),
-    ],
-)
-def test_questions_that_make_no_sense_are_refused(space, options, message):
-    with pytest.raises(ValueError, match=message):
-        minimise(lambda v: v["x"], {name: Interval(*bounds) for name, bounds in space.items()}, **options)
+    assert_allclose(between.variables["x"][MOVING], expected, atol=1e-8)
 
 
 def test_traced_bounds_out_of_order_give_nan(between):
-    np.testing.assert_array_equal(np.isnan(between.variables["x"]), LOWER > UPPER)
-    np.testing.assert_array_equal(between.converged, LOWER < UPPER)
+    assert_array_equal(np.isnan(between.variables["x"]), LOWER > UPPER)
+    assert_array_equal(between.converged, LOWER < UPPER)
 
 
 # --- the exponent for an amplitude ----------------------------------------------------------------------------------
@@ -326,36 +294,10 @@ def test_bounds_are_said_and_hit_exactly_and_may_be_batched():
     assert best.wear_volume[4] == 0.0 and bool(best.converged[4])
 
 
-@pytest.mark.long  # to compile; test_transforms.py has the derivatives under `jit`
-def test_the_optimum_is_differentiable():
-    step = 1e-4
-    phi = jnp.array([0.25, 0.9])
-
-    def found(phi):
-        best = optimise.optimal_exponent(phi)
-        return jnp.stack([best.k, best.wear_volume]).sum(1)
-
-    (by_phi, of_wear) = jax.jacrev(found)(phi)
-    ahead, behind = optima(0.25 + step).k[0], optima(0.25 - step).k[0]
-    assert float(by_phi[0]) == pytest.approx(float(ahead - behind) / (2 * step), rel=1e-5)
-    assert by_phi[1] == 0.0  # on its bound
-    # Envelope theorem: k does not count in the derivative of the least wear.
-    expected = jax.vmap(jax.grad(fretting.wear_volume, 1))(optima(phi).k, phi)
-    np.testing.assert_allclose(of_wear, expected, rtol=1e-8)
-
-
-@pytest.mark.compiled
-def test_fewer_digits():
-    phi = jnp.array([0.1, 0.2, 0.3])
-    few = optimise.optimal_exponent(phi, digits=5)
-    np.testing.assert_allclose(few.k, optimise.optimal_exponent(phi).k, atol=1e-3)
-    assert bool(jnp.all(few.converged & few.certified))
-
-
 def test_more_amplitudes_than_a_chunk_and_none():
     phi = jnp.linspace(0.05, 0.9, 6).reshape(2, 3)
     best = exponent.in_chunks(lambda phi: {"k": phi + jnp.zeros(2), "none": jnp.zeros(0)}, phi.shape, phi, most=4)
-    np.testing.assert_array_equal(best["k"], np.broadcast_to(phi[..., None], (2, 3, 2)))
+    assert_array_equal(best["k"], np.broadcast_to(phi[..., None], (2, 3, 2)))
     assert best["none"].shape == (2, 3, 0)
     assert optimise.optimal_exponent(jnp.zeros((0, 3))).k.shape == (0, 3)
 
@@ -363,12 +305,20 @@ def test_more_amplitudes_than_a_chunk_and_none():
 # --- loads ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("value", [0.0, 0.3, 0.5])
+def test_differences_by_poissons_ratio_stay_within_its_range_and_are_of_fourth_order(value):
+    steps = sensitivity._input_steps("contact.material.nu", value)
+    assert np.max(value + steps) <= 0.5 and np.ptp(steps) > 1e-3
+    slope = sensitivity._weights_of(steps) @ (1.0 + value + steps) ** 4
+    np.testing.assert_allclose(slope, 4.0 * (1.0 + value) ** 3, rtol=1e-11)
+
+
 def test_weights_of_the_tail():
     force, weight = np.array([3.0, 1.0, 2.0, 5.0]), np.array([0.2, 0.4, 0.4, 0.0])
-    np.testing.assert_allclose(optimise.tail_weights(force, weight), [0.2, 0.4, 0.4, 0.0])
-    np.testing.assert_allclose(optimise.tail_weights(force, weight, 0.5), [0.4, 0.0, 0.6, 0.0])
-    np.testing.assert_allclose(optimise.tail_weights(force, weight, 0.9), [1.0, 0.0, 0.0, 0.0])
-    np.testing.assert_allclose(optimise.tail_weights(force, 7.0 * weight, 1.0), [1.0, 0.0, 0.0, 0.0])
+    assert_allclose(optimise.tail_weights(force, weight), [0.2, 0.4, 0.4, 0.0])
+    assert_allclose(optimise.tail_weights(force, weight, 0.5), [0.4, 0.0, 0.6, 0.0])
+    assert_allclose(optimise.tail_weights(force, weight, 0.9), [1.0, 0.0, 0.0, 0.0])
+    assert_allclose(optimise.tail_weights(force, 7.0 * weight, 1.0), [1.0, 0.0, 0.0, 0.0])
 
 
 @given(
@@ -390,23 +340,7 @@ def test_the_tail_is_the_cvar_by_its_definition(table, level, k):
         assert found >= expected * (1.0 - 1e-6)
     else:
         at = [t + np.dot(share, np.maximum(losses - t, 0.0)) / (1.0 - level) for t in losses]
-        assert found == pytest.approx(min(at), rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "force, weight, level, message",
-    [
-        ([1.0], [0.0], 0.0, "all weights are zero"),
-        ([1.0, 2.0], [1.0, -1.0], 0.0, "weight = -1.0 at index 1"),
-        ([1.0, 2.0], [1.0, np.nan], 0.0, "weight = nan at index 1"),
-        ([1.0], [1.0], 1.5, "level = 1.5"),
-        ([1.0], [1.0, 2.0], 0.5, r"both must be \(n,\)"),
-        ([], [], 0.5, "all weights are zero|both must be"),
-    ],
-)
-def test_bad_loads_are_refused(force, weight, level, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.tail_weights(np.array(force), np.array(weight), level)
+        assert_allclose(found, min(at), rtol=1e-6)
 
 
 # --- designs --------------------------------------------------------------------------------------------------------
@@ -428,12 +362,10 @@ def held():
 def test_design_at_held_contact_radius(held):
     exact = optima(0.25, bounds=(-0.9, 0.9))
     assert held.variables["k"] == pytest.approx(float(exact.k[0]), abs=1e-9)
-    assert float(held.contact.steady(0.0).contact_radius) == pytest.approx(
-        float(CONTACT.steady(0.0).contact_radius), rel=1e-13
-    )
+    assert_allclose(held.contact.steady(0.0).contact_radius, CONTACT.steady(0.0).contact_radius, rtol=1e-13)
     assert held.reference is CONTACT and held.objective == "wear_volume"
-    assert held.value == pytest.approx(float(held.contact.steady(1.0).wear_volume))
-    assert held.reference_value == pytest.approx(float(CONTACT.steady(1.0).wear_volume), rel=1e-13)
+    assert_allclose(held.value, held.contact.steady(1.0).wear_volume, rtol=1e-6)
+    assert_allclose(held.reference_value, CONTACT.steady(1.0).wear_volume, rtol=1e-13)
     assert 0.0 < held.saving < 1.0 and held.at_bound == {"k": None} and held.rival is None
     assert held.converged and held.certified and held.scan_found_nothing_better and held.keeps_limits
 
@@ -472,9 +404,9 @@ def test_what_python_prints_of_a_design_fits_a_screen(held):
 def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
     told = optimise.under_other_load(held, 1.1)
     again = optimise.design(CONTACT, 1.1, **HELD)
-    assert told.value == pytest.approx(float(held.contact.steady(1.1).wear_volume))
+    assert_allclose(told.value, held.contact.steady(1.1).wear_volume, rtol=1e-6)
     assert told.best.variables["k"] == pytest.approx(again.variables["k"], abs=1e-9)
-    assert told.loss == pytest.approx(float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rel=1e-6)
+    assert_allclose(told.loss, float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rtol=1e-6)
     assert told.loss > 0.0
     with pytest.raises(ValueError, match="beyond which the slip is gross"):
         optimise.under_other_load(held, 4.0)
@@ -486,10 +418,8 @@ def test_an_input_is_changed_as_in_another_scene():
     inputs |= {"tangential_force": 1.0, "lowest k": -0.5, "highest k": 0.5}
     inputs |= {"limit: edge_pressure": 1e9, "limit: distance": 1e-6, "limit: penetration": 1e-6}
     inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
-    for i, (end, depth) in enumerate(itertools.product(("lowest", "highest"), (1e-5, 1e-3))):
-        stem = f"modulus_at[{i}]{'_lowest' if end == 'lowest' else ''}"
-        inputs |= {f"limit: {'lowest ' if end == 'lowest' else ''}modulus_at[{i}]": 6e10 if end == "lowest" else 4e11}
-        inputs |= {f"limit: z of {stem}": depth}
+    inputs |= {"limit: lowest modulus_at[0]": 6e10, "limit: z of modulus_at[0]_lowest": 1e-5}
+    inputs |= {"limit: modulus_at[1]": 4e11, "limit: z of modulus_at[1]": 1e-3}
 
     def asked(at):
         material = PowerLawGraded(at["E0"], at["z0"], at["k"], at["nu"])
@@ -497,12 +427,8 @@ def test_an_input_is_changed_as_in_another_scene():
         limits = pressed(at["limit: edge_pressure"], at["limit: distance"])
         between = tuple(at[f"limit: {end} contact_radius"] for end in ("lowest", "highest"))
         limits |= {"penetration": {"below": at["limit: penetration"]}, "contact_radius": {"between": between}}
-        limits["modulus_at"] = []
-        for i in range(4):
-            low = i < 2
-            value = at[f"limit: {'lowest ' if low else ''}modulus_at[{i}]"]
-            z = at[f"limit: z of modulus_at[{i}]{'_lowest' if low else ''}"]
-            limits["modulus_at"].append({"above" if low else "below": value, "z": z})
+        least = {"above": at["limit: lowest modulus_at[0]"], "z": at["limit: z of modulus_at[0]_lowest"]}
+        limits["modulus_at"] = [least, {"below": at["limit: modulus_at[1]"], "z": at["limit: z of modulus_at[1]"]}]
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
         return question_of(contact, force, vary, limits=limits)
 
@@ -513,9 +439,8 @@ def test_an_input_is_changed_as_in_another_scene():
         value = inputs[name]
         anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
         changed, expected = sensitivity.changed(question, *known[name], 0.1), asked(inputs | {name: anew})
-        assert jax.tree.structure(changed) == jax.tree.structure(expected)
-        for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
-            np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
+        close = functools.partial(assert_allclose, rtol=1e-14, err_msg=name)
+        jax.tree.map(close, changed, expected)
 
 
 def test_sensitivities_of_a_punch():
@@ -538,35 +463,19 @@ def test_sensitivities_are_those_of_other_scenes(held):
     step = 1e-4
     ahead, behind = (optimise.design(CONTACT, np.exp(h), **HELD) for h in (step, -step))
     slope = (ahead.variables["k"] - behind.variables["k"]) / (2 * step)
-    assert told.variables["tangential_force"]["k"] == pytest.approx(slope, rel=1e-6)
-    assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
+    assert_allclose(told.variables["tangential_force"]["k"], slope, rtol=1e-6)
+    assert_allclose(told.saving["tangential_force"], (ahead.saving - behind.saving) / (2 * step), rtol=1e-6)
     # phi = F_x/(mu F_N), and at a held radius nothing else counts.
-    assert told.variables["friction"]["k"] == pytest.approx(-slope, rel=1e-6)
+    assert_allclose(told.variables["friction"]["k"], -slope, rtol=1e-6)
     assert told.variables["radius"]["k"] == pytest.approx(0.0, abs=1e-12)
     # The wear of the reference depends on its k; the best design, at the same contact radius, does not.
     by_k = jax.grad(lambda k: fretting.wear_volume(k, 0.25))(0.0) / fretting.wear_volume(0.0, 0.25)
     assert told.variables["k"]["k"] == pytest.approx(0.0, abs=1e-12)
-    assert told.saving["k"] == pytest.approx((1.0 - held.saving) * float(by_k), rel=1e-6)
+    assert_allclose(told.saving["k"], (1.0 - held.saving) * float(by_k), rtol=1e-6)
     bounds = {"lowest k", "highest k"}
     assert told.saving.keys() == bounds | {
         "E0", "z0", "k", "nu", "radius", "normal_force", "friction", "tangential_force",
     }  # fmt: skip
-
-
-@pytest.mark.compiled
-def test_the_moduli_at_two_depths_are_limited():
-    asked = {"vary": {"k": (-0.42, 0.42), "E0": (60e9, 400e9)}, "limits": {"modulus_at": WINDOW}}
-    free = optimise.design(CONTACT, 1.0, **asked)
-    for i, z in enumerate((1e-5, 1e-3)):
-        for end in ("lowest", "highest"):
-            state = free.limits[f"modulus_at[{i}]_{end}"]
-            assert free.contact.material.modulus(z) == pytest.approx(float(state.value), rel=1e-12)
-    # At a given k more stiffness wears less: one of the two moduli is as high as can be.
-    assert any(free.limits[f"modulus_at[{i}]_highest"].active for i in range(2))
-    E1, E2 = np.meshgrid(np.linspace(60e9, 400e9, 35), np.linspace(60e9, 400e9, 35))
-    others = PowerLawGraded(E1, 1e-5, np.log(E2 / E1) / np.log(100.0), 0.3)
-    best = float(np.min(dataclasses.replace(CONTACT, material=others).steady(1.0).wear_volume))
-    assert free.converged and float(free.value) <= best * (1.0 + 1e-12)
 
 
 def test_limits_of_a_design_are_kept_and_weighed(held):
@@ -575,12 +484,12 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     tight = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9 * free))
     state = tight.limits["edge_pressure"]
     assert tight.converged and tight.certified and tight.keeps_limits and state.active
-    assert float(tight.contact.steady(1.0).edge_pressure(distance)) == pytest.approx(0.9 * free, rel=1e-9)
+    assert_allclose(tight.contact.steady(1.0).edge_pressure(distance), 0.9 * free, rtol=1e-9)
     assert tight.value > held.value
     # The multiplier is what a looser limit saves.
     looser = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9001 * free))
     gain = -np.log(float(looser.value / tight.value)) / np.log(0.9001 / 0.9)
-    assert float(state.multiplier) == pytest.approx(gain, rel=1e-2)
+    assert_allclose(state.multiplier, gain, rtol=1e-2)
     loose = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(1.1 * free))
     assert not loose.limits["edge_pressure"].active
     assert loose.variables["k"] == pytest.approx(held.variables["k"], abs=1e-9)
@@ -591,72 +500,23 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     a_0 = float(CONTACT.steady(0.0).contact_radius)
     pressure = fretting.edge_pressure(distance / a_0, k, 0.25) * 10.0 / (np.pi * a_0**2)
     assert why is not None and why.allowed == {"edge_pressure": 1e-3 * free}
-    assert why.reachable["edge_pressure"] == pytest.approx(float(np.min(pressure)), rel=1e-5)
+    assert_allclose(why.reachable["edge_pressure"], np.min(pressure), rtol=1e-5)
     assert optimise.conflict(tight) is optimise.conflict(held) is None
 
 
-RANGES = {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}
-
-
-@pytest.fixture(scope="module")
-def scanned():
-    """What limits limit, over all k and E0."""
-    k, E0 = np.meshgrid(np.linspace(*RANGES["k"], 301), np.geomspace(*RANGES["E0"], 301))
-    contact = dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=k, E0=E0))
-    return {
-        "contact_radius": np.asarray(contact.steady(0.0).contact_radius),
-        "penetration": np.asarray(contact.steady(1.0).penetration),
-        "edge_pressure": np.asarray(contact.steady(1.0).edge_pressure(1e-6)),
-    }
-
-
-@pytest.mark.compiled
-def test_sensitivities_to_several_variables_are_in_their_order():
-    kept = {"limits": pressed(5e8, contact_radius={"above": 6e-5})}
-    found, step = optimise.design(CONTACT, 1.0, RANGES, **kept), 1e-4
-    told = optimise.sensitivities(found)
-    ahead, behind = (optimise.design(CONTACT, np.exp(h), RANGES, **kept) for h in (step, -step))
-    by_force = told.variables["tangential_force"]
-    assert by_force["k"] == pytest.approx((ahead.variables["k"] - behind.variables["k"]) / (2 * step), rel=1e-6)
-    slope = np.log(ahead.variables["E0"] / behind.variables["E0"]) / (2 * step)
-    assert by_force["E0"] == pytest.approx(slope, rel=1e-6, abs=1e-9)
-    assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    "limits, guilty",
-    [
-        pytest.param(
-            {"contact_radius": {"above": 9e-5}, "penetration": {"below": 1e-6}},
-            {"contact_radius_lowest", "penetration"},
-            marks=pytest.mark.long,
-        ),
-        # The limit of the contact radius does no harm.
-        (
-            pressed(2e8, penetration={"below": 1e-6}, contact_radius={"above": 4e-5}),
-            {"edge_pressure", "penetration"},
-        ),
-        # One that cannot be kept alone is told alone.
-        (pressed(2e6, contact_radius={"above": 9e-5}), {"edge_pressure"}),
-    ],
-)
-def test_limits_that_cannot_be_kept_are_told_with_what_is_reachable(scanned, limits, guilty):
-    found = optimise.design(CONTACT, 1.0, RANGES, limits=limits)
-    why = optimise.conflict(found)
-    assert not found.keeps_limits and why is not None and set(why.allowed) == set(why.reachable) == guilty
-    keeps = {}
-    for name, allowed in why.allowed.items():
-        assert allowed == found.limits[name].allowed
-        value = scanned[name.removesuffix("_lowest")]
-        keeps[name] = value >= allowed if name.endswith("_lowest") else value <= allowed
-    assert not np.any(np.logical_and.reduce(list(keeps.values())))
-    for name, reachable in why.reachable.items():
-        others = np.logical_and.reduce([np.full((301, 301), True), *(keeps[x] for x in keeps if x != name)])
-        value = scanned[name.removesuffix("_lowest")][others]
-        best = np.max(value) if name.endswith("_lowest") else np.min(value)
-        assert reachable == pytest.approx(best, rel=1e-2), name
-        assert reachable >= best * (1.0 - 1e-9) if name.endswith("_lowest") else reachable <= best * (1.0 + 1e-9)
+@compiled
+def test_limits_that_cannot_be_kept_are_told_with_what_is_reachable():
+    """But for that of the contact radius, which does no harm."""
+    vary = {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}
+    limits = pressed(2e8, penetration={"below": 1e-6}, contact_radius={"above": 4e-5})
+    why = optimise.conflict(optimise.design(CONTACT, 1.0, vary, limits=limits))
+    assert why is not None and why.allowed == {"edge_pressure": 2e8, "penetration": 1e-6}
+    k, E0 = np.meshgrid(np.linspace(*vary["k"], 301), np.geomspace(*vary["E0"], 301))
+    steady = dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=k, E0=E0)).steady(1.0)
+    pressure, depth = np.asarray(steady.edge_pressure(1e-6)), np.asarray(steady.penetration)
+    scanned = {"edge_pressure": pressure[depth <= 1e-6].min(), "penetration": depth[pressure <= 2e8].min()}
+    assert_allclose([why.reachable[name] for name in scanned], [*scanned.values()], rtol=1e-2)
+    assert all(why.reachable[name] <= best * (1.0 + 1e-9) for name, best in scanned.items())
 
 
 ALL_LIMITS = pressed(
@@ -691,20 +551,9 @@ def test_each_limit_limits_what_it_says_on_the_side_it_says():
     for one, over in zip(question.limits, excess, strict=True):
         assert one.value == allowed[one.name]
         ratio = float(exact[one.name]) / one.value
-        assert np.exp(-over if one.lowest else over) == pytest.approx(ratio, rel=1e-12), one.name
+        assert_allclose(np.exp(-over if one.lowest else over), ratio, rtol=1e-12, err_msg=one.name)
         assert (over > 0.0) == (ratio < 1.0 if one.lowest else ratio > 1.0), one.name
     assert 0 < np.sum(excess > 0.0) < excess.size
-
-
-@pytest.mark.compiled
-def test_stiffness_runs_to_its_bound():
-    far = pressed(1e15, 1e-7, contact_radius={"above": 1e-7})  # which nothing comes near
-    found = optimise.design(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (60e9, 400e9)}, limits=far)
-    assert found.converged and found.certified and not any(state.active for state in found.limits.values())
-    assert found.variables["E0"] == 400e9 and found.at_bound["E0"] == "upper"
-    # d ln V/d ln E0 = -4/(k+3)
-    expected = -4.0 / (found.variables["k"] + 3.0)
-    assert float(found.minimum.bound_multipliers["E0"]) == pytest.approx(expected, rel=1e-9)
 
 
 def test_gross_slip_hangs_on_the_exponent():
@@ -712,44 +561,9 @@ def test_gross_slip_hangs_on_the_exponent():
     found = optimise.design(punch, None, {"k": (-0.5, 0.9)})
     ends = gross_slip.volume_change(jnp.array([-0.5, 0.9]))
     assert found.variables["k"] == [-0.5, 0.9][int(jnp.argmin(ends))] and found.rival is not None
-    assert found.value == pytest.approx(float(found.contact.steady().volume_change))
+    assert_allclose(found.value, found.contact.steady().volume_change, rtol=1e-6)
     drop = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
-    assert drop.variables["k"] == 0.9 and drop.rival_value == pytest.approx(float(gross_slip.force_drop(-0.5)))
+    assert drop.variables["k"] == 0.9
+    assert_allclose(drop.rival_value, gross_slip.force_drop(-0.5), rtol=1e-6)
     with pytest.raises(ValueError, match="no amplitude to misjudge"):
         optimise.under_other_load(drop)
-
-
-@pytest.mark.parametrize(
-    "changes, message",
-    [
-        ({"vary": {}}, "vary is empty"),
-        ({"vary": {"E": (1.0, 2.0)}, "hold": None}, "'E' is not one of k, z0, E0, nu"),
-        ({"vary": {"k": (0.5, -0.5)}}, "the lowest value must be below the highest"),
-        ({"vary": {"k": (-1.0, 0.5)}}, "lowest k = -1.0"),
-        ({"vary": {"z0": (1e-5, 1e-3), "E0": (1e9, 2e9)}, "hold": None}, "vary one of them"),
-        ({"vary": {"z0": (1e-5, 1e-3)}, "hold": None}, "vary.z0: has no effect at k = 0"),
-        (
-            {"vary": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}},
-            'vary.E0: cannot vary while hold = "contact_radius" sets E0',
-        ),
-        ({"hold": "radius"}, "hold = 'radius'"),
-        (
-            {"minimise": "volume_change"},
-            "minimise: volume_change is no quantity of a fretting contact",
-        ),
-        ({"load": 4.0}, "beyond which the slip is gross"),
-        ({"load": 0.0}, "nothing to design"),
-        ({"load": None}, "needs the amplitude"),
-        ({"limits": {"contact_radius": {"above": 1e-5}}}, "cannot be limited while hold"),
-        ({"limits": {"edge_pressure": {"below": 1e9}}}, "edge_pressure needs the distance"),
-        ({"limits": {"penetration": {"below": -1.0}}}, "penetration = -1.0"),
-        ({"limits": {"contact_radius": {"between": (2e-5, 1e-5)}}}, "must be below the highest"),
-        ({"limits": {"modulus_at": [{"below": 1e9}]}}, "modulus_at needs the depth"),
-        ({"limits": {"modulus_at": [{"below": 1e9, "z": 0.0}]}}, "z of modulus_at = 0.0"),
-        ({"limits": {"penetration": {"below": 1.0}, "modulus": {"below": 1.0}}}, "modulus is no quantity"),
-        ({"contact": GrossSlipContact(REFERENCE, 1e-3, 1e-6), "hold": None}, "only a fretting contact has one"),
-    ],
-)
-def test_designs_that_make_no_sense_are_refused(changes, message):
-    with pytest.raises(ValueError, match=message):
-        optimise.design(**{"contact": CONTACT, "load": 1.0, **HELD, **changes})

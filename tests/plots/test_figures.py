@@ -10,6 +10,7 @@ import numpy as np
 import oracle
 import paper_numbers
 import pytest
+from marks import compiled, long, parametrize
 from matplotlib import image
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -85,11 +86,11 @@ def curves(key: str, panels: list[Axes]) -> Iterator[Curve]:
             yield line, tuple(within), lambda r, k=k, phi=phi: field(r, k, phi)
 
 
-LONG = [pytest.param(key, marks=pytest.mark.long) for key in ("3", "5", "8", "9", "10")]
+LONG = [pytest.param(key, marks=long) for key in ("3", "5", "8", "9", "10")]
 
 
 @pytest.mark.usefixtures("known")
-@pytest.mark.parametrize("key", ["2", "4", "7", *LONG])
+@parametrize("key", ["2", "4", "7", *LONG])
 def test_curves_are_those_of_the_equations(key):
     figure = figures.FIGURES[key].draw()
     for line, (lower, upper), equation in curves(key, figure.axes):
@@ -116,7 +117,7 @@ def test_the_least_favourable_claim_counts():
     ]
 
 
-@pytest.mark.long
+@long
 def test_a_wrong_library_would_not_agree(monkeypatch):
     right = gross_slip.force_ratio
     monkeypatch.setattr(gross_slip, "force_ratio", lambda k: right(k) * 1.3)
@@ -132,7 +133,7 @@ def exact():
     return paper_numbers.from_oracle()
 
 
-@pytest.mark.long
+@long
 def test_numbers_are_those_of_the_oracle(exact):
     library = figures.numbers()
     assert library.keys() == exact.keys() == figures.NUMBERS.keys()
@@ -148,8 +149,8 @@ def test_numbers_are_printed_as_the_paper_prints_them(exact):
     assert f"{100 * float(exact['best_change']):.1f} %" == figures.NUMBERS["best_change"].printed
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("number, words, ratio", paper_numbers.EQUATIONS)
+@compiled
+@parametrize("number, words, ratio", paper_numbers.EQUATIONS)
 def test_equations_agree_but_for_two_misprints(number, words, ratio):
     expected = 1
     if "as printed" in words:
@@ -159,7 +160,7 @@ def test_equations_agree_but_for_two_misprints(number, words, ratio):
     assert max(off) < (1e-14 if "as printed" in words else paper_numbers.EQUAL)
 
 
-@pytest.mark.long
+@long
 def test_the_page_holds_what_the_program_prints():
     page = PAGE.read_text(encoding="utf-8")
     tables = {"numbers": paper_numbers.number_table(), "equations": paper_numbers.equation_table()}
@@ -217,7 +218,7 @@ def test_command_refuses_in_one_line_what_it_cannot_write(tmp_path, monkeypatch)
     assert Path("file").read_text() == "mine"
 
 
-@pytest.mark.long
+@long
 def test_command_draws_all_figures(tmp_path):
     found = run("--out", str(tmp_path / "all"))
     assert found.exit_code == 0

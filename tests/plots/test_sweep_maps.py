@@ -1,17 +1,21 @@
 """Pictures of sweeps: they show the values, on fitting scales, in readable units, and read no more than is seen."""
 
 import re
+from pathlib import Path
 
 import dask.array as da
 import numpy as np
 import pytest
 import xarray as xr
 from functions import values
+from marks import compiled, parametrize
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
+from refusals import cases, refusal
 
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
 from plgwear_jax.catalogue import AXES, leaf
@@ -74,7 +78,7 @@ def ticks(axis) -> list[str]:
 # --- maps -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "across, upwards", [("phi", "k"), ("k", "nu"), ("r", "k"), ("r", "phi"), ("tangential_force", "z0"), ("k", "E0")]
 )
 def test_a_map_shows_the_values_in_either_order_of_its_axes(across, upwards):
@@ -82,7 +86,7 @@ def test_a_map_shows_the_values_in_either_order_of_its_axes(across, upwards):
     shown = plane(*rows.values())
     for figure in (drawn(shown, **rows), drawn(shown.T, **dict(reversed(rows.items())))):
         found = mesh(figure)
-        np.testing.assert_array_equal(found.get_array(), shown.T)
+        assert_array_equal(found.get_array(), shown.T)
         assert type(found.norm) is Normalize and (found.norm.vmin, found.norm.vmax) == (2.0, 4.0)
 
 
@@ -101,7 +105,7 @@ def test_labels_say_words_symbols_and_units():
 def test_a_falling_or_shuffled_axis_is_put_in_order():
     for order in (np.arange(K.size)[::-1], np.random.default_rng(0).permutation(K.size)):
         figure = drawn(PLANE[order], k=K[order], phi=PHI)
-        np.testing.assert_array_equal(mesh(figure).get_array(), PLANE)
+        assert_array_equal(mesh(figure).get_array(), PLANE)
         assert figure.axes[0].get_ylim() == (K[0], K[-1])
 
 
@@ -111,7 +115,7 @@ def test_contour_lines_run_where_the_values_are_those_of_their_numbers():
     assert 3 <= len(lines.allsegs) <= 9 and lines.labelTexts
     for level, segments in zip(lines.levels, lines.allsegs, strict=True):
         x, y = np.concatenate(segments).T
-        np.testing.assert_allclose(2.0 + (x - PHI[0]) / 0.8 + (y - K[0]) / 1.8, level, atol=1e-9)
+        assert_allclose(2.0 + (x - PHI[0]) / 0.8 + (y - K[0]) / 1.8, level, atol=1e-9)
     assert {float(re.findall(r"\d\.\d+", text.get_text())[0]) for text in lines.labelTexts} <= {*lines.levels.round(9)}
     assert contours(map_picture(ds, contours=0)) == []
 
@@ -119,7 +123,7 @@ def test_contour_lines_run_where_the_values_are_those_of_their_numbers():
 _SHARE = PLANE - 2.5
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shown, units, norm, ends",
     [
         (10.0 ** (3.0 * (_SHARE + 0.5)), "Pa", LogNorm, (1.0, 1e6)),
@@ -134,13 +138,13 @@ def test_colours_fit_the_values(shown, units, norm, ends):
     found = mesh(drawn(shown, units=units, attrs={"label": "any"}))
     assert type(found.norm) is norm
     if ends:
-        np.testing.assert_allclose([found.norm.vmin, found.norm.vmax], ends)
+        assert_allclose([found.norm.vmin, found.norm.vmax], ends)
     assert (found.cmap.name == "RdBu_r") is bool(shown.min() < -1e-6 and shown.max() > 1e-6)
     assert not np.ma.getmaskarray(found.get_array()).any()
     row = np.sort(shown.ravel())
     curve = drawn(row, units=units, attrs={"label": "any"}, phi=np.linspace(0.1, 0.9, row.size))
     assert curve.axes[0].get_yscale() == {Normalize: "linear", LogNorm: "log", AsinhNorm: "asinh"}[norm]
-    np.testing.assert_array_equal(line(curve)[1], row)
+    assert_array_equal(line(curve)[1], row)
 
 
 def test_zero_has_the_lowest_colour_and_infinite_values_those_of_the_ends():
@@ -156,12 +160,12 @@ def test_zero_has_the_lowest_colour_and_infinite_values_those_of_the_ends():
     assert np.isfinite(found.get_array()).all()
 
 
-@pytest.mark.parametrize("unfinished, said", [(None, "undefined"), (0, "undefined"), (3, "not computed yet")])
+@parametrize("unfinished, said", [(None, "undefined"), (0, "undefined"), (3, "not computed yet")])
 def test_what_is_no_number_is_grey_and_said_to_be(unfinished, said):
     shown = PLANE.copy()
     shown[2:5, 3] = np.nan
     figure = drawn(shown, unfinished=unfinished)
-    np.testing.assert_array_equal(np.ma.getmaskarray(np.ma.masked_invalid(mesh(figure).get_array())), np.isnan(shown))
+    assert_array_equal(np.ma.getmaskarray(np.ma.masked_invalid(mesh(figure).get_array())), np.isnan(shown))
     assert entries(figure) == [f"grey: {said}"]
     assert entries(drawn(shown[:3], unfinished=unfinished, k=K[:3], phi=PHI))[3:] == [f"gaps: {said}"]
     drawn(np.full_like(shown, np.nan), unfinished=unfinished)
@@ -170,16 +174,16 @@ def test_what_is_no_number_is_grey_and_said_to_be(unfinished, said):
 
 def test_yes_and_no_are_two_colours():
     figure = drawn(PLANE > 3.0, "optimal_exponent.certified")
-    np.testing.assert_array_equal(mesh(figure).get_array(), PLANE > 3.0)
+    assert_array_equal(mesh(figure).get_array(), PLANE > 3.0)
     curve = drawn(PHI > 0.5, "optimal_exponent.scan_found_nothing_better", phi=PHI)
     assert ticks(figure.axes[1].yaxis) == ticks(curve.axes[0].yaxis) == ["no", "yes"]
-    np.testing.assert_array_equal(line(curve)[1], PHI > 0.5)
+    assert_array_equal(line(curve)[1], PHI > 0.5)
 
 
 # --- scales ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "axis, text, scale",
     [
         ("phi", "0.1:0.9:9", "linear"),
@@ -190,26 +194,26 @@ def test_yes_and_no_are_two_colours():
         ("nu", "0:0.5:2", "linear"),
     ],
 )
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@parametrize("dtype", [np.float64, np.float32])
 def test_an_axis_is_stretched_as_its_values_are_spaced(axis, text, scale, dtype):
     row = read_axis(axis, text).astype(dtype)
     figure = drawn(plane(row), **{axis: row})
     axes, (x, y) = figure.axes[0], line(figure)
     assert axes.get_xscale() == scale
-    np.testing.assert_array_equal(y, plane(row))
-    np.testing.assert_allclose(x, row, rtol=1e-6 if dtype == np.float32 else 1e-14)
+    assert_array_equal(y, plane(row))
+    assert_allclose(x, row, rtol=1e-6 if dtype == np.float32 else 1e-14)
     screen = axes.transData.transform(np.column_stack([x, np.full(x.size, 2.5)]))[:, 0]
-    np.testing.assert_allclose(np.diff(screen), np.ptp(screen) / (row.size - 1), rtol=0.01)
-    assert axes.get_xlim() == pytest.approx((x[0], x[-1]))
+    assert_allclose(np.diff(screen), np.ptp(screen) / (row.size - 1), rtol=0.01)
+    assert_allclose(axes.get_xlim(), (x[0], x[-1]), rtol=1e-6)
 
 
 def test_cells_meet_halfway_on_a_stretched_axis():
     z0, k = np.geomspace(1e-6, 1e-3, 10), read_axis("k", "-0.999:0.999:12:logit")
     figure = drawn(plane(k, z0), k=k, z0=z0)
     corners = mesh(figure).get_coordinates()
-    np.testing.assert_allclose(corners[1:-1, 0, 1], np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
+    assert_allclose(corners[1:-1, 0, 1], np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
     depth = np.arctanh(k)
-    np.testing.assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
+    assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
     assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
 
 
@@ -223,7 +227,7 @@ def test_an_axis_of_few_values_makes_curves_that_grey_prints_tell_apart():
     assert entries(figure) == [f"$z_0$ = {x} µm" for x in (1, 2, 10, 20, 100, 250)]
     lines = figure.axes[0].lines
     for curve, column in zip(lines, shown.T, strict=True):
-        np.testing.assert_array_equal(curve.get_ydata(), column)
+        assert_array_equal(curve.get_ydata(), column)
     dashes = {str(curve._unscaled_dash_pattern) for curve in lines}  # pyright: ignore[reportAttributeAccessIssue]
     assert len({curve.get_color() for curve in lines}) == z0.size and len(dashes) >= 4
     more = np.append(z0, 1e-3)
@@ -235,11 +239,11 @@ def test_loads_have_their_names():
     ds = made(shown, "contact_radius", "m", k=K, load_case=names)
     figure = map_picture(ds)
     assert entries(figure) == ["belt", r"cost in \$", "tail"]
-    np.testing.assert_allclose(line(figure, r"cost in \$")[1], shown[:, 1], rtol=1e-14)
+    assert_allclose(line(figure, r"cost in \$")[1], shown[:, 1], rtol=1e-14)
     with pytest.raises(MapError, match=r"^load_case = tial: is not in the sweep; did you mean tail\?$"):
         map_picture(ds, at={"load_case": "tial"})
     one = map_picture(ds, at={"load_case": "tail"})
-    np.testing.assert_allclose(line(one)[1], shown[:, 2], rtol=1e-14)
+    assert_allclose(line(one)[1], shown[:, 2], rtol=1e-14)
     assert one.get_suptitle() == "contact radius $a_0$, load = tail"
     assert ticks(map_picture(ds.isel(k=0, drop=True)).axes[0].xaxis) == ["belt", r"cost in \$", "tail"]
     many = np.array([f"case {number}" for number in range(8)], object)
@@ -257,42 +261,18 @@ def cube() -> xr.Dataset:
 
 def test_values_of_other_axes_are_chosen_and_told():
     figure = map_picture(cube(), at={"z0": Z0[3]})
-    np.testing.assert_array_equal(mesh(figure).get_array(), plane(K, PHI, Z0)[:, :, 3])
+    assert_array_equal(mesh(figure).get_array(), plane(K, PHI, Z0)[:, :, 3])
     assert figure.get_suptitle() == "shape, $z_0$ = 71.97 µm"
     figure = map_picture(cube(), at={"z0": "7.5e-5", "k": 0.3})
-    np.testing.assert_array_equal(line(figure)[1], plane(K, PHI, Z0)[8, :, 3])
+    assert_array_equal(line(figure)[1], plane(K, PHI, Z0)[8, :, 3])
     assert figure.get_suptitle() == "shape, $k$ = 0.3, $z_0$ = 71.97 µm (nearest to 75 µm)"
     single = drawn(PLANE[:, :, None], attrs={"label": "shape"}, k=K, phi=PHI, z0=[1e-4])
     assert single.get_suptitle() == "shape, $z_0$ = 100 µm"
 
 
-OUTSIDE = "is outside of the sweep: z0 (1e-05 to 0.001 m)"
-
-
-@pytest.mark.parametrize(
-    "asked, message",
-    [
-        ({"quantity": "penetrtion"}, "penetrtion: is not in the sweep; did you mean penetration?"),
-        (
-            {},
-            "penetration: choose a value for 1 of its 3 axes: k (-0.9 to 0.9); phi (0.1 to 0.9); z0 (1e-05 to 0.001 m)",
-        ),
-        ({"contours": -1}, "contours = -1: must be >= 0"),
-        ({"at": {"ph": 0.5}}, "ph: is no axis of penetration; did you mean phi?"),
-        ({"at": {"nu": 0.3}}, "nu: is no axis of penetration; allowed are k, phi, z0"),
-        ({"at": {"z0": 0.1}}, f"z0 = 0.1: {OUTSIDE}"),
-        ({"at": {"z0": "deep"}}, f"z0 = deep: {OUTSIDE}"),
-        ({"at": {"z0": np.nan}}, f"z0 = nan: {OUTSIDE}"),
-        (
-            {"at": {"z0": 1e-4, "k": 0, "phi": 0.5}},
-            "penetration: every axis has a single value; there is nothing to draw",
-        ),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused_in_a_line(asked, message):
-    with pytest.raises(MapError, match=f"^{re.escape(message)}$"):
-        map_picture(cube(), **asked)
-    assert issubclass(MapError, ValueError)
+@cases(Path(__file__).with_name("refused.toml"), "maps")
+def test_what_cannot_be_drawn_is_refused_in_a_line(case):
+    assert refusal(MapError, map_picture, cube(), **case["asked"]) == case["line"] and issubclass(MapError, ValueError)
 
 
 def test_sweeps_without_axes_are_refused():
@@ -346,14 +326,14 @@ def test_a_map_of_the_wear_volume_is_over_that_of_no_gradient():
     k, phi = np.linspace(-0.9, 0.9, 13), np.linspace(0.0, 0.9, 9)
     volume = worn(k, phi)
     figure = drawn(volume, "wear_volume", "a_0^4/R", k=k, phi=phi)
-    np.testing.assert_allclose(mesh(figure).get_array(), volume[:, 1:] / volume[6, 1:], rtol=1e-14)
+    assert_allclose(mesh(figure).get_array(), volume[:, 1:] / volume[6, 1:], rtol=1e-14)
     assert figure.axes[1].get_ylabel() == r"wear volume $\Delta V/\Delta V(k=0)$"
     without = drawn(np.delete(volume, 6, axis=0), "wear_volume", "a_0^4/R", k=np.delete(k, 6), phi=phi)
     assert without.axes[1].get_ylabel() == r"wear volume $\Delta V$ ($a_0^4/R$)"
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize(
+@compiled
+@parametrize(
     "k, phi",
     [
         (np.linspace(-0.9, 0.9, 25), np.linspace(0.0, 0.99, 20)),
@@ -369,9 +349,9 @@ def test_the_line_of_least_wear_is_that_of_the_optimiser(k, phi):
     known = np.isfinite(y)
     assert known.mean() > 0.8
     found = optima(x[known], (float(k[0]), float(k[-1])))
-    np.testing.assert_allclose(y[known], found.k, atol=0.012 * (k[-1] - k[0]), rtol=0)
+    assert_allclose(y[known], found.k, atol=0.012 * (k[-1] - k[0]), rtol=0)
     least = values("fretting.wear_volume", y[known], x[known])
-    np.testing.assert_allclose(least, found.wear_volume, rtol=1e-3)
+    assert_allclose(least, found.wear_volume, rtol=1e-3)
     # where the other end wears less the line is broken: no step across
     assert np.nanmax(np.abs(np.diff(y))) < 0.4 * (k[-1] - k[0])
 
@@ -387,9 +367,9 @@ def test_a_map_of_designs_shows_the_least_wear_and_its_plateau():
     bowl = 1.0 + (k[:, None] - k[22]) ** 2 + (0.5 * np.log10(z0 / 1e-5)) ** 2
     figure = drawn(3e-18 * bowl, "wear_volume", "m^3", k=k, z0=z0)
     assert entries(figure) == ["least wear", PLATEAU]
-    np.testing.assert_allclose(line(figure, "least wear"), [[k[22]], [1e-5]], rtol=1e-12)
+    assert_allclose(line(figure, "least wear"), [[k[22]], [1e-5]], rtol=1e-12)
     x, y = plateau(figure).T
-    np.testing.assert_allclose((x - k[22]) ** 2 + (0.5 * np.log10(y / 1e-5)) ** 2, 0.05, rtol=0.05)
+    assert_allclose((x - k[22]) ** 2 + (0.5 * np.log10(y / 1e-5)) ** 2, 0.05, rtol=0.05)
     assert entries(drawn(np.ones_like(bowl), "wear_volume", "m^3", k=k, z0=z0)) == []
 
 
@@ -411,23 +391,9 @@ def test_other_maps_have_no_least_wear():
 # --- what a sweep stores --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name, label",
-    [
-        ("wear_volume", r"wear volume $\Delta V$"),
-        ("gross_slip.force_drop", r"normal force lost $1-F_{N\infty}/F_{N0}$"),
-        ("design.E0", "best modulus $E_0^*$"),
-        ("optimal_exponent.k", "best exponent $k^*$"),
-        ("optimal_exponent.wear_volume", r"least wear volume $\Delta V$"),
-        ("optimal_exponent.certified", "certified"),
-        ("wear_volume.dk", r"derivative of wear volume $\partial \Delta V/(\partial k)$"),
-        ("wear_volume.dk.dphi", r"derivative of wear volume $\partial^2 \Delta V/(\partial k\,\partial \varphi)$"),
-        ("transient.wear_volume", r"wear volume by then $\Delta V$"),
-        ("design.indenter.E", "best modulus of the indenter $E_i^*$"),
-    ],
-)
-def test_quantities_are_stored_with_their_names_and_symbols(name, label):
-    assert label_of(name) == label
+@cases(Path(__file__).parents[1] / "sweep" / "names.toml", "labels", "label")
+def test_quantities_are_stored_with_their_names_and_symbols(case):
+    assert label_of(case["name"]) == case["label"]
 
 
 def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
@@ -437,7 +403,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     figure = map_picture(ds)
     assert figure.axes[0].get_xlabel() == "tangential force $F_x$ (N)" and figure.axes[0].get_xscale() == "log"
     assert figure.axes[1].get_ylabel() == r"worn radius $a_\infty$ (µm)"
-    np.testing.assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy(), rtol=1e-14)
+    assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy(), rtol=1e-14)
     assert "$F_N$ = 10 N" in figure.get_suptitle()
     for suffix in ("png", "pdf"):
         plots.save(figure, tmp_path / f"map.{suffix}")
@@ -445,7 +411,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     assert curve.axes[0].get_ylabel() == "contact radius $a_0$ (µm)"
 
 
-@pytest.mark.parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])
+@parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])
 def test_labels_of_axes_are_formulas_that_can_be_drawn(axis):
     figure = drawn(plane(K), **{axis: np.linspace(0.1, 0.2, K.size)})
     figure.draw_without_rendering()

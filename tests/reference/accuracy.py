@@ -144,12 +144,6 @@ def dome(rng: np.random.Generator, count: int, region: str) -> Points:
     return E0, z0, k, rng.uniform(-0.9, 0.5, count), R, F_N, mu, phi * mu * F_N
 
 
-def dome_holl(rng: np.random.Generator, count: int, region: str) -> Points:
-    """The same without nu."""
-    at = dome(rng, count, region)
-    return at[:3] + at[4:]
-
-
 def punch(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k) from 0 to 1000, crowded at both sides of the edge r = 1 down to 1e-12."""
     finest = 12.0 if region == "edges" else 3.0
@@ -194,10 +188,6 @@ def wear_volume_in_si(*at: jax.Array) -> jax.Array:
     return FrettingContact(PowerLawGraded(*material), R, F_N, mu).steady(F_x).wear_volume
 
 
-def wear_volume_in_si_holl(*at: jax.Array) -> jax.Array:
-    return wear_volume_in_si(*at[:3], "holl", *at[3:])  # pyright: ignore[reportArgumentType]
-
-
 def _of(module: Any, sampler: Callable[..., Points], *names: str, twin: str = "{}", **how: Any) -> list[Quantity]:
     room = module.__name__.rpartition(".")[2]
     return [Quantity(f"{room}.{name}", getattr(module, name), sampler, twin.format(name), **how) for name in names]
@@ -208,9 +198,8 @@ _FAR: dict[str, Any] = {"derivatives_from": 0.1}
 _NEAR: dict[str, Any] = {"regions": NEAR}
 _SI: dict[str, Any] = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
 QUANTITIES = (
-    *_of(fretting, k_phi, "wear_volume", twin="fretting_point", order=2),
-    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", twin="fretting_point"),
-    *_of(fretting, k_phi, "deepest_wear", "edge_intensity"),
+    *_of(fretting, k_phi, "wear_volume", order=2),
+    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "deepest_wear", "edge_intensity"),
     *_of(fretting, inside_edge, "edge_pressure"),
     *_of(fretting, beside_indenter, "initial_displacement", **_FAR),
     *_of(fretting, beside_stick, "steady_displacement", **_FAR),
@@ -228,7 +217,6 @@ QUANTITIES = (
     *_of(partial_slip, in_slip, "slip_amplitude", **_NEAR),
     *_of(partial_slip, k_phi, "energy_per_cycle", "energy_ratio", "loop_aperture"),
     Quantity("FrettingContact.wear_volume", wear_volume_in_si, dome, "wear_volume_in_si", **_SI),
-    Quantity('FrettingContact.wear_volume, "holl"', wear_volume_in_si_holl, dome_holl, "wear_volume_in_si_holl", **_SI),
 )
 
 # The promise, as value and derivatives of order 1 and 2, by region and dtype.
@@ -278,11 +266,6 @@ class Worst:
         )
 
 
-@functools.lru_cache(maxsize=4)
-def _exact(name: str, points: bytes, arguments: int, processes: int, order: int) -> list[Any]:
-    return oracle.map_points(name, np.frombuffer(points).reshape(-1, arguments).tolist(), processes, order=order)
-
-
 def measure(
     quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1, order: int = 2
 ) -> list[Worst]:
@@ -293,13 +276,10 @@ def measure(
     points = tuple(x[:count] for x in points)
     promised = PROMISED[dtype, region]
     kept = SHORT.get((quantity.name, dtype, region), promised)
-    needed = min(order, max(q.order for q in (quantity, *QUANTITIES) if q.oracle == quantity.oracle))
     order = min(order, quantity.order, len(promised) - 1)
     near = region in NEAR
-    # What several quantities have in common is computed once, to the order that the most demanding of them needs.
-    exact = _exact(quantity.oracle, np.stack(points, 1).astype(float).tobytes(), len(points), processes, needed)
-    if quantity.oracle == "fretting_point":
-        exact = [getattr(point, quantity.name.rpartition(".")[2]) for point in exact]
+    at = np.stack(points, 1).astype(float).tolist()
+    exact = oracle.map_points(quantity.oracle, at, processes, order=max(order, 1))  # near an edge a value needs a slope
 
     worst: list[Worst] = []
     measured = np.array([name not in quantity.with_unit for name in quantity.arguments], float)  # by the value
@@ -353,7 +333,7 @@ def _derivatives(quantity: Quantity, points: Points, order: int) -> list[np.ndar
     """[value, gradient, hessian] up to `order`, the last axis over their entries."""
     if quantity.name not in functions.FUNCTIONS:
         return list(functions.in_rounds(_with_gradient(quantity), *points))[: order + 1]
-    made = [functions.at_one_length(quantity.function)(*points)[:, None]]
+    made: list[Any] = [functions.at_one_length(quantity.function)(*points)[:, None]]
     if order > 0:
         made.append(functions.derivatives(quantity.name, *points)[2])
     if order > 1:

@@ -2,29 +2,18 @@
 
 import itertools
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 from typer.testing import CliRunner
 
-import plgwear_jax
 from plgwear_jax import cli
 
 
 def plgwear(*arguments: str) -> Any:
     """The result of a command, whose arguments may be the words of one text."""
     return CliRunner().invoke(cli.app, [word for text in arguments for word in text.split(" ") if word])
-
-
-def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    """What Python does with these arguments, in a process of its own with these variables."""
-    known = os.environ | {"PYTHONPATH": str(Path(plgwear_jax.__file__).parents[1])} | variables
-    command = [sys.executable, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, env=known, encoding="utf-8")
 
 
 def printed(*arguments: str) -> str:

@@ -17,6 +17,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import compiled, long, parametrize
 
 import plgwear_jax
 from plgwear_jax._startup.operations import UnknownError
@@ -112,13 +113,11 @@ FUNCTIONS = {
 
 
 # In the default run, what XLA has to compile anew for every function.
-of_each_kind = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.long) for name in FUNCTIONS]
-)
+of_each_kind = parametrize("name", [pytest.param(name, marks=() if name in COMPILED else long) for name in FUNCTIONS])
 
 # What one rule in `plgwear_jax._core.formula` decides for all of them is asked of one of each kind.
-by_one_rule = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.compiled) for name in FUNCTIONS]
+by_one_rule = parametrize(
+    "name", [pytest.param(name, marks=() if name in COMPILED else compiled) for name in FUNCTIONS]
 )
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape, WearLaw
 
 FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 COEFFICIENT = 1e-14
@@ -24,3 +24,13 @@ KINDS = {
     "a table under steel": contact_of(TABLE, STEEL),
     "a shape": contact_of(LAYERS, STEEL, PowerShape(4.0)),
 }
+
+
+class Linear(WearLaw):
+    """Archard's law, which only the march does not know."""
+
+    linear = True
+    coefficient: float
+
+    def rate(self, pressure, slip):
+        return self.coefficient * pressure * slip

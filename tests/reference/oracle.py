@@ -42,7 +42,7 @@ def quantity(formula: Callable) -> Callable:
         with mp.workdps(digits + GUARD_DIGITS + extra):
             exact = formula(*_read(names, arguments).values(), **options)
         with mp.workdps(digits):
-            return type(exact)(*(+x for x in exact)) if isinstance(exact, tuple) else +exact
+            return +exact
 
     rounded.formula, rounded.names, rounded.has_root = formula, names, "start" in parameters
     QUANTITIES[formula.__name__] = rounded
@@ -381,30 +381,6 @@ def wear_volume_in_si(
     )
 
 
-@quantity
-def wear_volume_in_si_holl(
-    E0: Number, z0: Number, k: Number, R: Number, F_N: Number, mu: Number, F_x: Number, *, start: Number | None = None
-) -> mpf:
-    """The same at Holl's ratio, which follows k."""
-    return wear_volume_in_si.formula(E0, z0, k, holl_ratio.formula(k), R, F_N, mu, F_x, start=start)
-
-
-class FrettingPoint(NamedTuple):
-    """What does not depend on r, from one root; with `derivatives`, a `Derivatives` of each."""
-
-    stick_radius: Any
-    worn_radius: Any
-    penetration: Any
-    wear_volume: Any
-
-
-@quantity
-def fretting_point(k: Number, phi: Number, *, start: Number | None = None) -> FrettingPoint:
-    """`stick_radius`, `worn_radius`, `penetration` and `wear_volume` at once."""
-    c, y = stick_radius.formula(k, phi), _ring(k, phi, start)
-    return FrettingPoint(c, c * mp.sqrt(1 + y), penetration.formula(k, phi), _wear_volume(k, phi, y))
-
-
 def _inside(r: mpf, edge: mpf, field: Callable[[mpf], mpf]) -> mpf:
     """`field` of 1 - (r/edge)^2 within `edge`, 0 outside, its limit on it (field(0) or infinity)."""
     if r > edge:
@@ -512,7 +488,7 @@ class Derivatives(NamedTuple):
 
 def derivatives(
     f: Callable | str, point: Sequence[Number], wrt: Sequence[int] | None = None, order: int = 1
-) -> Derivatives | FrettingPoint:
+) -> Derivatives:
     """Derivatives of a quantity by central differences, correct to about 30 digits.
 
     `wrt` holds positions in `point` (all of them by default), `order` is 1 or 2. Steps are 2^-60 of the distance to
@@ -533,33 +509,28 @@ def derivatives(
             at, root = dict(zip(f.names, centre, strict=True)), _deepest if f is deepest_wear else _ring
             formula = partial(formula, start=root(at["k"], _amplitude(at)))
 
-        def moved(*moves: tuple[int, int]) -> tuple[mpf, ...]:
+        def moved(*moves: tuple[int, int]) -> mpf:
             x = list(centre)
             for i, sign in moves:
                 x[i] += sign * step[i]
-            value = formula(*x)
-            return value if isinstance(value, tuple) else (value,)
+            return formula(*x)
 
         middle = moved()
         ahead, behind = ({i: moved((i, sign)) for i in wrt} for sign in (1, -1))
         pairs = [(i, j) for i in wrt for j in wrt if i < j] if order == 2 else []
         corners = {(i, j): (moved((i, 1), (j, 1)), moved((i, -1), (j, -1))) for i, j in pairs}
 
-        def differences(n: int) -> Derivatives:
-            def second(i: int, j: int) -> mpf:
-                i, j = min(i, j), max(i, j)
-                bends = {m: ahead[m][n] - 2 * middle[n] + behind[m][n] for m in (i, j)}
-                if i == j:
-                    return bends[i] / step[i] ** 2
-                along = corners[i, j][0][n] - 2 * middle[n] + corners[i, j][1][n]
-                return (along - bends[i] - bends[j]) / (2 * step[i] * step[j])
+        def second(i: int, j: int) -> mpf:
+            i, j = min(i, j), max(i, j)
+            bends = {m: ahead[m] - 2 * middle + behind[m] for m in (i, j)}
+            if i == j:
+                return bends[i] / step[i] ** 2
+            along = corners[i, j][0] - 2 * middle + corners[i, j][1]
+            return (along - bends[i] - bends[j]) / (2 * step[i] * step[j])
 
-            gradient = tuple((ahead[i][n] - behind[i][n]) / (2 * step[i]) for i in wrt)
-            hessian = tuple(tuple(second(i, j) for j in wrt) for i in wrt) if order == 2 else None
-            return Derivatives(middle[n], gradient, hessian)
-
-        found = [differences(n) for n in range(len(middle))]
-    return FrettingPoint(*found) if f is fretting_point else found[0]
+        gradient = tuple((ahead[i] - behind[i]) / (2 * step[i]) for i in wrt)
+        hessian = tuple(tuple(second(i, j) for j in wrt) for i in wrt) if order == 2 else None
+        return Derivatives(middle, gradient, hessian)
 
 
 def _distances_to_edge(f: Callable, at: dict[str, mpf]) -> list[mpf]:

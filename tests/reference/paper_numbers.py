@@ -32,20 +32,18 @@ def from_oracle() -> dict[str, mpf]:
     with mp.workdps(DIGITS + 10):
         almost, soft = mpf(1.0 - 1e-9), HALF  # the double, as in the library's column
         best = mp.findroot(slope_of_change, (mpf("0.1"), mpf("0.2")), solver="anderson")
-        crossings = {
-            "turn": mp.findroot(slope_at_zero, (mpf("0.19"), mpf("0.21")), solver="anderson"),
-            "turn_pair": crossing(oracle.wear_volume, -soft, soft, "0.1", "0.4"),
-            "turn_widest": crossing(oracle.wear_volume, -mpf(0.99), mpf(0.99), "0.1", "0.4"),
-            "turn_stiff": crossing(oracle.wear_volume, -soft, 0, "0.05", "0.4"),
-            "turn_stiffest": crossing(oracle.wear_volume, -mpf(0.99), 0, "0.05", "0.4"),
-            "turn_compliant": crossing(oracle.wear_volume, 0, soft, "0.1", "0.5"),
-            "return_pair": crossing(oracle.wear_volume, -soft, soft, "0.99", "0.999"),
-            "return_stiff": crossing(oracle.wear_volume, -soft, 0, "0.99", "0.999"),
-            "return_compliant": crossing(oracle.wear_volume, 0, soft, "0.99", "0.999"),
-            "rings_pair": crossing(oracle.worn_radius, -soft, soft, "0.99", "0.999"),
-            "rings_stiff": crossing(oracle.worn_radius, -soft, 0, "0.99", "0.999"),
-            "rings_compliant": crossing(oracle.worn_radius, 0, soft, "0.99", "0.999"),
+        far, turn = mpf(0.99), mp.findroot(slope_at_zero, (mpf("0.19"), mpf("0.21")), solver="anderson")
+        turns = {  # the exponents, and amplitudes on both sides
+            "turn_pair": (-soft, soft, "0.1", "0.4"),
+            "turn_widest": (-far, far, "0.1", "0.4"),
+            "turn_stiff": (-soft, 0, "0.05", "0.4"),
+            "turn_stiffest": (-far, 0, "0.05", "0.4"),
+            "turn_compliant": (0, soft, "0.1", "0.5"),
         }
+        crossings = {"turn": turn} | {name: crossing(oracle.wear_volume, *between) for name, between in turns.items()}
+        for again, quantity in {"return": oracle.wear_volume, "rings": oracle.worn_radius}.items():
+            for name, ends in {"pair": (-soft, soft), "stiff": (-soft, 0), "compliant": (0, soft)}.items():
+                crossings[f"{again}_{name}"] = crossing(quantity, *ends, "0.99", "0.999")
         return {
             "best_k": best,
             "best_change": change(best),

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 
-def cases(file: str | Path, kind: str) -> Any:
+def cases(file: str | Path, kind: str, called: str = "line") -> Any:
     """A decorator that gives a test the cases of a kind, one by one, as the argument `case`."""
     found = tomllib.loads(Path(file).read_text("utf-8"))[kind]
-    return pytest.mark.parametrize("case", found, ids=[case["line"][:60] for case in found])
+    return pytest.mark.parametrize("case", found, ids=[case[called][:60] for case in found])
 
 
 def is_told(line: str, case: dict[str, Any], file: str = "") -> bool:

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene
@@ -233,7 +235,7 @@ def test_load_has_the_amplitudes_of_the_file():
     for content, weights in ((LOADS, [0.25, 0.125, 0.625]), (heavy, [1e-308, 0.5, 0.5])):
         table = load('table = "loads.csv"', loads=content)
         assert table.amplitudes.tolist() == table.force.tolist() == [0.1, 0.4, 0.2]
-        np.testing.assert_allclose(table.weights, weights, rtol=1e-15)
+        assert_allclose(table.weights, weights, rtol=1e-15)
         assert table.largest == 0.4 and table.remark is None and table.tangential_force is None  # 0.6 has no weight
 
 
@@ -250,8 +252,8 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     design, front = vars(given.design()), vars(given.front(points=5))
     assert given.arguments().keys() == design.keys() - {"value"}
     for found in (design, front):
-        np.testing.assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
-        np.testing.assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
+        assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
+        assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
         assert found.pop("contact") == given.build_contact()
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius", "minimise": "wear_volume"}
     depth, x = {"penetration": {"below": 2e-6}}, {"edge_pressure": {"distance": 1e-6}}
@@ -286,7 +288,7 @@ def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch):
     assert line.endswith("from the stick-slip boundary in m must be a finite number > 0")
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "text, load, content, said, rtol",
     [
         (FRETTING, 'history = "few.csv"', CYCLES, "", 0.0),
@@ -297,7 +299,7 @@ def test_a_history_is_its_largest_amplitude_and_a_table_of_one_row_that_one(text
     one = read(changed(text, ("0.32", "0.4"))).solve()
     several = read(with_files(text, load, few=content)).solve()
     for name, quantity in one.items():
-        np.testing.assert_allclose(several[name].value, quantity.value, rtol=rtol)
+        assert_allclose(several[name].value, quantity.value, rtol=rtol)
         assert several[name].description == f"{'' if name in WITHOUT_LOAD else said}{quantity.description}"
 
 
@@ -311,34 +313,26 @@ def said_by(steady, name, radii):
     return found(radii) if radii is not None else found(**places) if places else found
 
 
-@pytest.mark.compiled
 def test_a_table_is_solved_for_its_mean():
-    wanted = [name for name, law in FRETTING_LAWS.items() if not {"r", "F_x"} <= {*law.arguments}]
-    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5\n{AT_PLACES}"))
-    given = read(with_files(text, 'table = "loads.csv"', loads=LOADS))
-    contact, found = given.build_contact(), given.solve()
-    assert list(found) == wanted
-    for name, quantity in found.items():
-        each = [said_by(contact.steady(force), name, quantity.radii) for force in (0.1, 0.4, 0.2)]
-        if name in WITHOUT_LOAD:
-            np.testing.assert_allclose(quantity.value, each[0], rtol=1e-14)
-            assert not quantity.description.startswith("mean")
-        elif quantity.radii is None:
-            expected = np.dot([0.25, 0.125, 0.625], each)
-            # Peaks are those of a fine grid: which of its places is the highest, roundings may decide.
-            np.testing.assert_allclose(quantity.value, expected, rtol=1e-5 if name in catalogue.STRESSES else 1e-14)
-            assert quantity.description.startswith("mean over loads.csv: ")
-        else:  # before any wear, as far as the worn ring reaches at worst
-            np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.steady(0.4).worn_radius, rtol=1e-14)
-            np.testing.assert_allclose(quantity.value, each[0], rtol=1e-12)
+    wanted = 'quantities = ["contact_radius", "wear_volume", "edge_pressure", "initial_pressure"]\ndistance = 1e-6'
+    given = read(with_files(changed(FRETTING, (QUANTITIES, wanted)), 'table = "loads.csv"', loads=LOADS))
+    steady, found = given.build_contact().steady([0.1, 0.4, 0.2]), given.solve()
+    radius, volume, pressure, before = found.values()
+    assert [one.description.startswith("mean over loads.csv: ") for one in found.values()] == [False, True, True, False]
+    assert_allclose(radius.value, steady.contact_radius, rtol=1e-14)
+    for one, each in ((volume, steady.wear_volume), (pressure, steady.edge_pressure(1e-6))):
+        assert_allclose(one.value, np.dot([0.25, 0.125, 0.625], each), rtol=1e-14)
+    # As far as the worn ring reaches at worst.
+    assert_allclose(before.radii[-1], 1.25 * np.max(steady.worn_radius), rtol=1e-14)
+    assert_allclose(before.value, steady.initial_pressure(before.radii[:, None])[:, 0], rtol=1e-12)
     assert list(read(with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == SINGLE
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "text, names",
     [
         (FRETTING, UNSTRESSED),
-        pytest.param(FRETTING, sorted(catalogue.STRESSES), marks=pytest.mark.compiled),
+        pytest.param(FRETTING, sorted(catalogue.STRESSES), marks=compiled),
         (GROSS_SLIP, [*PUNCH_LAWS]),
     ],
 )
@@ -355,10 +349,10 @@ def test_every_quantity_is_that_of_the_contact(text, names):
             assert isinstance(quantity.value, float)
             assert quantity.edge_distance == (1e-6 if name == "edge_pressure" else None)
         else:
-            np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
+            assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
         # A peak is searched for, and rounding decides where it is found.
         rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
-        np.testing.assert_allclose(quantity.value, said_by(steady, name, quantity.radii), rtol=rtol, atol=1e-30)
+        assert_allclose(quantity.value, said_by(steady, name, quantity.radii), rtol=rtol, atol=1e-30)
 
 
 def test_without_output_all_single_numbers_are_computed():
@@ -369,7 +363,7 @@ def test_without_output_all_single_numbers_are_computed():
     assert list(read(limited).solve()) == [*SINGLE[:8], "edge_pressure", *SINGLE[8:]]
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_life_is_solved_for_what_is_worn_by_then():
     names = [f"transient.{name}" for name in ("wear_volume", "energy_per_cycle", "profile", "pressure")]
     wear = "[wear]\nenergy_coefficient_mm3_per_J = 1e-4\ncycles = 1e5\n\n[output]"
@@ -379,13 +373,13 @@ def test_a_life_is_solved_for_what_is_worn_by_then():
     assert given.contact.friction == contact.friction
     coefficient = contact.friction * 1e-13
     run = contact.over_cycles(0.32, coefficient)
-    np.testing.assert_allclose(found["transient.wear_volume"].value, run.volume(1e5), rtol=1e-12)
+    assert_allclose(found["transient.wear_volume"].value, run.volume(1e5), rtol=1e-12)
     for name in ("profile", "pressure"):
         quantity = found[f"transient.{name}"]
-        np.testing.assert_allclose(quantity.value, getattr(run, name)(quantity.radii, 1e5), rtol=1e-9)
+        assert_allclose(quantity.value, getattr(run, name)(quantity.radii, 1e5), rtol=1e-9)
     (worn,) = np.diff(run.volume([0.999e5, 1.001e5]))
     energy = worn / 200.0 * contact.friction / coefficient
-    np.testing.assert_allclose(found["transient.energy_per_cycle"].value, energy, rtol=1e-4)
+    assert_allclose(found["transient.energy_per_cycle"].value, energy, rtol=1e-4)
     assert [found[name].unit for name in names] == ["m^3", "J", "m", "Pa"]
     said = '"transient.wear_volume" is not a quantity of a fretting contact'
     assert said in complaint(text)  # which has no life
@@ -394,7 +388,7 @@ def test_a_life_is_solved_for_what_is_worn_by_then():
 LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "changes, distance",
     [
         ((), None),
@@ -415,14 +409,14 @@ def test_what_is_unbounded_is_given_at_a_distance(changes, distance):
     assert pressure.edge_distance == traction.edge_distance == pytest.approx(inside, rel=1e-14)
     steady = contact.steady(0.32)
     expected = steady.edge_pressure(inside), steady.traction(steady.stick_radius - inside)
-    np.testing.assert_allclose([pressure.edge_value, traction.edge_value], expected, rtol=1e-10)
+    assert_allclose([pressure.edge_value, traction.edge_value], expected, rtol=1e-10)
     assert np.shape(pressure.value) == (201,)  # by default
 
 
 def test_the_punch_has_its_pressure_beside_its_edge():
     given = read(f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1e-5\n')
     expected = given.build_contact().steady().initial_pressure(2e-3 - 1e-5)
-    np.testing.assert_allclose(given.solve()["initial_pressure"].edge_value, expected, rtol=1e-10)
+    assert_allclose(given.solve()["initial_pressure"].edge_value, expected, rtol=1e-10)
 
 
 @cases(REFUSED, "solved")
@@ -433,20 +427,6 @@ def test_refusal_of_what_cannot_be_solved(case):
     assert is_told(refusal(scene.SceneError, read(text).solve), case)
 
 
-@pytest.mark.parametrize("k", [-0.9, -0.25, 0.0, 0.9])
-def test_the_initial_pressure_has_its_peak_in_the_middle(k):
-    unworn = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, 10.0, 0.4).steady(0.0)
-    along = unworn.initial_pressure(unworn.contact_radius * np.linspace(0.0, 1.0, 101))
-    np.testing.assert_allclose(unworn.peak_initial_pressure, np.max(along), rtol=1e-14)
-
-
-def test_fewer_digits_are_still_right():
-    given = read(FRETTING)
-    few, all_of_them = given.solve(digits=6), given.solve()
-    for name in few:
-        np.testing.assert_allclose(few[name].value, all_of_them[name].value, rtol=2e-6)
-
-
 # --- whatever a file holds ------------------------------------------------------------------------------------------
 
 
@@ -455,7 +435,7 @@ WHOLE = [tomllib.loads(file.read_text()) for file in DESIGNS.glob("*.toml")]
 WHOLE += [tomllib.loads(text) for text in (FRETTING, f"{GROSS_SLIP}{PUNCH_DESIGN}")]
 
 
-@pytest.mark.parametrize("sections", WHOLE, ids=lambda sections: sections["contact"]["kind"])
+@parametrize("sections", WHOLE, ids=lambda sections: sections["contact"]["kind"])
 def test_a_scene_holds_what_its_file_holds(sections):
     found = scene.scene_of(sections, folder=DESIGNS)
     for name, body in sections.items():
@@ -504,5 +484,5 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
     alone, load = contact.steady(0.0), loads.Displacement(1e-7, rig_stiffness=1e7)
     names = "gross_slip_displacement", "gross_slip_energy_ratio"
     onset, ratio = (catalogue.read(contact, name, load, {}) for name in names)
-    np.testing.assert_allclose(onset, alone.gross_slip_displacement + 0.4 * 10.0 / 1e7, rtol=1e-14)
-    np.testing.assert_allclose(ratio * onset, alone.gross_slip_energy_ratio * alone.gross_slip_displacement, rtol=1e-14)
+    assert_allclose(onset, alone.gross_slip_displacement + 0.4 * 10.0 / 1e7, rtol=1e-14)
+    assert_allclose(ratio * onset, alone.gross_slip_energy_ratio * alone.gross_slip_displacement, rtol=1e-14)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import tables
@@ -37,7 +38,7 @@ def test_a_table_is_read_however_it_is_written():
         assert found.name == "loads.csv" and found.row.tolist() == case["rows"], case
         assert found.columns.keys() == case["columns"].keys()
         for name, values in case["columns"].items():
-            np.testing.assert_allclose(found[name], values, rtol=1e-15, err_msg=case["content"])
+            assert_allclose(found[name], values, rtol=1e-15, err_msg=case["content"])
             assert found[name].dtype == float and not found[name].flags.writeable
 
 
@@ -48,7 +49,7 @@ def test_scenarios_name_their_units():
     content = "friction,radius (mm),E0_GPa,indenter.E [GPa],normal_force (kN)\n0.4,5,110,210,1\n"
     found = read(content, tables.scenarios(columns)).columns
     assert [*found] == [*columns]
-    np.testing.assert_allclose(np.ravel([*found.values()]), [0.4, 5e-3, 110e9, 210e9, 1e3], rtol=1e-15)
+    assert_allclose(np.ravel([*found.values()]), [0.4, 5e-3, 110e9, 210e9, 1e3], rtol=1e-15)
 
 
 @cases(REFUSED, "measured")
@@ -62,14 +63,14 @@ positive = st.floats(0, 1e300)
 @given(st.lists(st.tuples(positive, positive), min_size=1).filter(lambda rows: any(weight for _, weight in rows)))
 def test_round_trip(rows):
     found = read("tangential_force,weight\n" + "".join(f"{force},{weight}\n" for force, weight in rows))
-    np.testing.assert_array_equal(numbers(found), rows)
+    assert_array_equal(numbers(found), rows)
 
 
 @pytest.mark.parametrize("rows", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
 def test_large_tables_are_read(rows):
     expected = np.random.default_rng(1).random((rows, 2))
     content = "tangential_force,weight\n" + "".join(f"{force!r},{weight!r}\n" for force, weight in expected.tolist())
-    np.testing.assert_array_equal(numbers(read(content)), expected)
+    assert_array_equal(numbers(read(content)), expected)
     line = complaint(f"{content}0.1,-1\n")
     assert line == f"loads.csv: row {rows + 2}: weight = -1: {WEIGHT}"
 

@@ -7,8 +7,6 @@ import json
 import logging
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import jax
@@ -16,6 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 import optima
 import pytest
+from marks import compiled, parametrize
+from processes import output
 from test_kernels import PINNED, Size
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
@@ -100,35 +100,19 @@ def tell_compilations() -> None:
     print(json.dumps(told))
 
 
-@pytest.mark.compiled
+@compiled
 def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-W",
-            "error",
-            "-W",
-            os.environ["PYTHONWARNINGS"],
-            "-c",
-            "import test_compilations as t; t.tell_compilations()",
-        ],
-        cwd=Path(__file__).parent,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(optimise.__file__).parents[2]), *sys.path])},
-        capture_output=True,
-        text=True,
-        timeout=1800,
-    )
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    code = "import test_compilations as t; t.tell_compilations()"
+    told = json.loads(output("-W", "error", "-W", os.environ["PYTHONWARNINGS"], "-c", code))
     assert told.keys() == questions().keys()
-    for name, compiled in told.items():
-        large = [program for program in compiled if program not in TINY]
+    for name, programs in told.items():
+        large = [program for program in programs if program not in TINY]
         assert large == EXPECTED.get(name, []), name
         if "amplitude" not in name and name != "other bounds":
-            assert compiled == large, name
+            assert programs == large, name
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_second_gradient_over_cycles_compiles_nothing(caplog):
     moduli = np.array([110e9, 150e9, 200e9, 240e9, 210e9, 180e9, 205e9, 210e9])
     coating = DepthGraded(1e-6 * np.array([0.0, 1.0, 3.0, 10.0, 20.0, 50.0, 100.0, 200.0]), moduli, 0.3)
@@ -148,9 +132,7 @@ def size_of(lowered) -> Size:
     return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
 
 
-@pytest.mark.parametrize(
-    "limits, most", [({}, Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"]
-)
+@parametrize("limits, most", [({}, Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"])
 def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], **HELD, limits=limits)
     evaluator = evaluation.Evaluator(question, lanes=plan_of(1, len(question.limits)).lanes)
@@ -174,7 +156,7 @@ def test_what_is_asked_once_takes_few_steps(monkeypatch):
     assert len(steps._block.steps) <= 9500, len(steps._block.steps)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_loop_of_a_batch_holds_the_objective_once():
     phi = jnp.full(optima.LENGTH, 0.3)
     found = size_of(exponent._optimal_exponents.lower(phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi, None))

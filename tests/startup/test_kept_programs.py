@@ -2,14 +2,13 @@
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from processes import python
 
 import plgwear_jax
 from plgwear_jax._startup import programs
@@ -87,17 +86,7 @@ print(t.factored(4.0 * t.np.eye(3)).tolist())
 
 @pytest.mark.compiled
 def test_another_process_does_not_compile(tmp_path):
-    variables = {name: value for name, value in os.environ.items() if not name.startswith("JAX_")}
-    done = [
-        subprocess.run(
-            [sys.executable, "-c", IN_ANOTHER_PROCESS, str(tmp_path / "kept")],
-            env=variables | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        for _ in range(2)
-    ]
+    done = [python("-c", IN_ANOTHER_PROCESS, tmp_path / "kept", without=("JAX_",)) for _ in range(2)]
     assert done[0].stdout == done[1].stdout
     for name in ("scaled", "factored"):
         assert [f"Finished XLA compilation of jit({name})" in one.stderr for one in done] == [True, False]

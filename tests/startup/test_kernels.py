@@ -6,10 +6,7 @@ is taken away in turn, and XLA must then make more of the same formula; one that
 
 import functools
 import itertools
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +14,9 @@ import functions
 import jax
 import jax.numpy as jnp
 import pytest
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose
+from processes import output
 
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core import formula
@@ -86,7 +86,7 @@ AT_MOST = {
 }
 
 
-@pytest.mark.parametrize("name", AT_MOST)
+@parametrize("name", AT_MOST)
 def test_a_program_grows_no_further(name):
     function, ends, most = AT_MOST[name]
     found = plain_size(function, *ends)
@@ -112,8 +112,8 @@ TRICKS = {
 }
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("name", TRICKS)
+@compiled
+@parametrize("name", TRICKS)
 def test_a_trick_still_does_good(monkeypatch, name):
     modules, trick, nothing, function = TRICKS[name]
     with_it = plain_size(function, K, PHI)
@@ -136,13 +136,10 @@ print(value[0], slope[0])
 """
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_pair_is_compiled_where_a_register_holds_two_numbers():
     """Without what `one_kernel` does for LLVM this had not ended after seven minutes; it takes seconds."""
-    flags = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2"}  # on ARM this says nothing, and is not needed
-    done = subprocess.run(
-        [sys.executable, "-c", AT_TWO_NUMBERS], env=os.environ | flags, timeout=300, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    # On ARM the flag says nothing, and is not needed.
+    found = output("-c", AT_TWO_NUMBERS, limit=300.0, XLA_FLAGS="--xla_cpu_max_isa=SSE4_2")
     value, slope = jax.value_and_grad(material.h_N)(-0.5, 0.3)
-    assert [float(x) for x in done.stdout.split()] == pytest.approx([float(value), float(slope)], rel=1e-12)
+    assert_allclose([float(x) for x in found.split()], [float(value), float(slope)], rtol=1e-12)

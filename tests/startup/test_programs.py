@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import jax
-import numpy as np
 import pytest
+from dependence import FRETTING, GROSS_SLIP, MATERIAL, build, depends
 from functions import FUNCTIONS, arguments
+from marks import compiled, parametrize
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, fretting, optimise, scene
 from plgwear_jax.loads import Force
 from plgwear_jax.scene import solving
 
@@ -95,7 +96,7 @@ def of_function(name: str) -> Made:
     return made_of(program.lower(**{key: at[key] for key in arguments(name)}))
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@parametrize("name", FUNCTIONS)
 def test_a_function_is_made_of_no_other_one(name):
     made = of_function(name)
     module, _, own = name.partition(".")
@@ -106,7 +107,7 @@ def test_a_function_is_made_of_no_other_one(name):
     assert made.arguments == set(arguments(name))
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@parametrize("name", FUNCTIONS)
 def test_gamma_functions_and_series_are_only_where_the_formula_has_them(name):
     made = of_function(name)
     assert ("special/gamma.py" in made.files) == (name in GAMMA)
@@ -128,15 +129,15 @@ def operations(function, *at: float) -> int:
     return count("main")
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
+@compiled
+@parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
 def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
     function = getattr(fretting, name)
     by_k, by_phi, by_both = (operations(jax.grad(function, i), 0.3, 0.4) for i in (0, 1, (0, 1)))
     assert max(by_k, by_phi) < 0.9 * by_both
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_optimal_exponent_needs_the_wear_volume_alone():
     made = made_of(jax.jit(optimise.optimal_exponent).lower(0.3))
     assert made.functions == {"wear_volume"}
@@ -152,47 +153,32 @@ def test_the_optimal_exponent_needs_the_wear_volume_alone():
 
 # --- contacts in SI units -------------------------------------------------------------------------------------------
 
-COATING = PowerLawGraded(E0=110e9, z0=1e-4, k=0.25, nu=0.3)
-DOME = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
-PUNCH = GrossSlipContact(COATING, radius=2e-3, depth=1e-6)
+DOME, PUNCH = build(FrettingContact), build(GrossSlipContact)
+OF_DOME = (
+    *("amplitude", "contact_radius", "peak_initial_pressure", "stick_radius", "worn_radius", "penetration"),
+    *("wear_volume", "deepest_wear", "edge_intensity", "edge_pressure", "initial_displacement", "initial_pressure"),
+    *("steady_displacement", "pressure", "traction", "profile", "wear_depth"),
+)
+OF_PUNCH = (
+    *("force_ratio", "force_drop", "volume_change", "initial_force", "steady_force"),
+    *("initial_displacement", "steady_displacement", "initial_pressure", "steady_pressure"),
+)
+ASKED = [*((DOME, name) for name in OF_DOME), *((PUNCH, name) for name in OF_PUNCH)]
+PATHS = {name: f"material.{name}" for name in MATERIAL} | {"tangential_force": "load.tangential_force"}
 
-MATERIAL = {"material.E0", "material.z0", "material.k", "material.nu"}
-SCALE = MATERIAL | {"radius", "normal_force"}  # what sets the contact radius
-SLIP = SCALE | {"friction", "load.tangential_force"}
-FLAT, PRESSED = {"material.k", "radius", "depth"}, MATERIAL | {"radius", "depth"}
 
-ENTERS_DOME = {
-    "amplitude": {"normal_force", "friction", "load.tangential_force"},
-    "contact_radius": SCALE,
-    "peak_initial_pressure": SCALE,
-    "stick_radius": SLIP,
-    "worn_radius": SLIP,
-    "penetration": SLIP,
-    "wear_volume": SLIP,
-    "deepest_wear": SLIP,
-    "edge_intensity": SLIP,
-    "edge_pressure": SLIP | {"distance"},
-    "initial_displacement": SCALE | {"r"},
-    "initial_pressure": SCALE | {"r"},
-    "steady_displacement": SLIP | {"r"},
-    "pressure": SLIP | {"r"},
-    "traction": SLIP | {"r"},
-    "profile": SLIP | {"r"},
-    "wear_depth": SLIP | {"r"},
-}
-ENTERS_PUNCH = {
-    "force_ratio": {"material.k"},
-    "force_drop": {"material.k"},
-    "volume_change": FLAT,
-    "initial_force": PRESSED,
-    "steady_force": PRESSED,
-    "initial_displacement": FLAT | {"r"},
-    "steady_displacement": FLAT | {"r"},
-    "initial_pressure": PRESSED | {"r"},
-    "steady_pressure": PRESSED | {"r"},
-}
-METHODS = [(DOME, name, enters) for name, enters in ENTERS_DOME.items()]
-METHODS += [(PUNCH, name, enters) for name, enters in ENTERS_PUNCH.items()]
+def enters(contact, name: str) -> set[str]:
+    """The numbers that a quantity depends on, by their paths."""
+    return {PATHS.get(number, number) for number in depends(type(contact), name)}
+
+
+def has_stiffness(contact, name: str) -> bool:
+    """Whether that of the half-space does not cancel, and h_N with it."""
+    return {*MATERIAL} <= depends(type(contact), name)
+
+
+def about(contact, name: str) -> str:
+    return f"{type(contact).__name__}.{name}"
 
 
 def of_quantity(contact, name: str, **given: float) -> Made:
@@ -200,108 +186,49 @@ def of_quantity(contact, name: str, **given: float) -> Made:
         steady = contact.steady() if isinstance(contact, GrossSlipContact) else contact.steady(load)
         return getattr(steady, name)(**given) if given else getattr(steady, name)
 
-    made = made_of(
-        jax.jit(lambda contact, load, **given: read(contact, load, **given)).lower(contact, Force(0.3), **given)
-    )
-    return made
+    program = jax.jit(lambda contact, load, **given: read(contact, load, **given))
+    return made_of(program.lower(contact, Force(0.3), **given))
 
 
-@pytest.mark.parametrize("contact, name, enters", METHODS, ids=[f"{type(c).__name__}.{n}" for c, n, _ in METHODS])
-def test_only_what_a_result_depends_on_enters_its_program(contact, name, enters):
-    made = of_quantity(contact, name, **{key: 1e-5 for key in ("r", "distance") if key in enters})
-    assert made.arguments == enters
-    # h_N is there where the stiffness of the half-space is.
-    assert ("material.py" in made.files) == (enters >= MATERIAL)
+@parametrize("contact, name", ASKED, ids=[about(*one) for one in ASKED])
+def test_only_what_a_result_depends_on_enters_its_program(contact, name):
+    known = enters(contact, name)
+    made = of_quantity(contact, name, **{key: 1e-5 for key in ("r", "distance") if key in known})
+    assert made.arguments == known
+    assert ("material.py" in made.files) == has_stiffness(contact, name)
 
 
 def test_poissons_ratio_does_not_enter_where_it_follows_from_the_exponent():
-    holl = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.25, "holl"), 5e-3, 10.0, 0.4)
-    assert of_quantity(holl, "wear_volume").arguments == SLIP - {"material.nu"}
+    holl = build(FrettingContact, nu="holl")
+    assert of_quantity(holl, "wear_volume").arguments == enters(DOME, "wear_volume") - {"material.nu"}
 
 
 # --- scenes ---------------------------------------------------------------------------------------------------------
 
-BODY = {"E0": 110e9, "z0": 1e-4, "k": 0.25, "nu": 0.3}
+LOAD = {"tangential_force": 0.32}
 SCENES = {
-    "fretting": {
-        "material": BODY,
-        "contact": {"kind": "fretting", "radius": 5e-3, "normal_force": 10.0, "friction": 0.4},
-        "load": {"tangential_force": 0.32},
-    },
-    "gross-slip": {"material": BODY, "contact": {"kind": "gross-slip", "radius": 2e-3, "depth": 1e-6}},
+    FrettingContact: {"contact": {"kind": "fretting", **FRETTING}, "load": LOAD},
+    GrossSlipContact: {"contact": {"kind": "gross-slip", **GROSS_SLIP}},
 }
-QUANTITIES = [("fretting", name) for name in ENTERS_DOME if name not in ("amplitude", "edge_pressure")]
-QUANTITIES += [("gross-slip", name) for name in ENTERS_PUNCH if name != "force_drop"]
-each_quantity = pytest.mark.parametrize("kind, name", QUANTITIES)
+OF_SCENES = [one for one in ASKED if one[1] not in ("amplitude", "edge_pressure", "force_drop")]
 
 POINTS = 37  # of no other test, and no series has as many terms
 
 
-def asking_for(kind: str, *names: str) -> scene.Scene:
-    return scene.scene_of(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
+def asking_for(contact, name: str) -> scene.Scene:
+    wanted = {"material": MATERIAL, "output": {"quantities": [name], "points": POINTS}}
+    return scene.scene_of(SCENES[type(contact)] | wanted)
 
 
-def along_radius(kind: str, name: str) -> bool:
-    return "r" in (ENTERS_DOME if kind == "fretting" else ENTERS_PUNCH)[name]
-
-
-def needed(kind: str, name: str) -> set[str]:
+def needed(contact, name: str) -> set[str]:
     """The dimensionless functions behind a quantity of a scene."""
-    if kind == "gross-slip":
+    if contact is PUNCH:
         return {"initial_force": set(), "steady_force": {"force_ratio"}}.get(name, {name})
-    # A function of the radius is given to beyond the worn ring.
-    own = {"initial_pressure"} if name == "peak_initial_pressure" else {name} - {"contact_radius"}
-    own = {f"steady_{name}"} if name in ("pressure", "traction") else own
     # What is unbounded at the stick-slip boundary is given beside it as well.
-    edge = {"stick_radius"} if name in ("pressure", "traction") else set()
-    return own | edge | ({"worn_radius"} if along_radius(kind, name) else set())
-
-
-class TrapError(Exception):
-    """Something was computed that nobody asked for."""
-
-
-def trap(*_, **__):
-    raise TrapError
-
-
-def set_traps(monkeypatch, kind: str, names: set[str]) -> None:
-    own, other = (fretting, gross_slip) if kind == "fretting" else (gross_slip, fretting)
-    for name in set(own.__all__) - names:
-        monkeypatch.setattr(own, name, trap)
-    for name in other.__all__:
-        monkeypatch.setattr(other, name, trap)
-
-
-def is_unitless(kind: str, name: str) -> bool:
-    """Whether the half-space's stiffness cancels, and h_N with it."""
-    return kind == "gross-slip" and not ENTERS_PUNCH[name] >= MATERIAL
-
-
-# What the program holds is looked at for each quantity below; here each is compiled and run.
-RUN = {"contact_radius", "wear_volume", "profile", "force_ratio", "steady_force"}
-
-
-@pytest.mark.parametrize(
-    "kind, name",
-    [pytest.param(kind, name, marks=() if name in RUN else pytest.mark.long) for kind, name in QUANTITIES],
-)
-def test_a_scene_solves_while_all_else_is_a_trap(monkeypatch, kind, name):
-    set_traps(monkeypatch, kind, needed(kind, name))
-    if is_unitless(kind, name):
-        monkeypatch.setattr(PowerLawGraded, "log_stiffness", trap)
-    found = asking_for(kind, name).solve(digits=12)  # as in no other test: what was traced before knows no traps
-    assert list(found) == [name]
-    assert np.shape(found[name].value) == ((POINTS,) if along_radius(kind, name) else ())
-
-
-@pytest.mark.parametrize(
-    "kind, name", [("fretting", "profile"), ("fretting", "wear_volume"), ("gross-slip", "force_ratio")]
-)
-def test_the_traps_do_catch(monkeypatch, kind, name):
-    set_traps(monkeypatch, kind, set())
-    with pytest.raises(TrapError):
-        asking_for(kind, name).solve(digits=11)
+    own = {f"steady_{name}", "stick_radius"} if name in ("pressure", "traction") else {name} - {"contact_radius"}
+    own = {"initial_pressure"} if name == "peak_initial_pressure" else own
+    # A function of the radius is given to beyond the worn ring.
+    return own | ({"worn_radius"} if "r" in enters(contact, name) else set())
 
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
@@ -321,32 +248,23 @@ def program_of(monkeypatch, given: scene.Scene) -> Made:
     return programs[0]
 
 
-@each_quantity
-def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, kind, name):
-    made = program_of(monkeypatch, asking_for(kind, name))
-    assert made.functions == needed(kind, name)
-    assert ("material.py" in made.files) == (not is_unitless(kind, name))
-    gamma = {"steady_displacement", "volume_change"} if kind == "gross-slip" else set()
-    assert ("special/gamma.py" in made.files) == (name in gamma or not is_unitless(kind, name))
-    assert (f"tensor<{POINTS}x" in made.text) == along_radius(kind, name)
-    if kind == "gross-slip":
-        assert made.arguments == ENTERS_PUNCH[name] - {"r"}
-    else:  # the worn radius bounds the radii, so whatever runs along them feels the slip
-        assert made.arguments == (SLIP if along_radius(kind, name) else ENTERS_DOME[name])
+@parametrize("contact, name", OF_SCENES, ids=[about(*one) for one in OF_SCENES])
+def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, contact, name):
+    made, stiffness = program_of(monkeypatch, asking_for(contact, name)), has_stiffness(contact, name)
+    along_radius = "r" in enters(contact, name)
+    stiffness |= contact is DOME  # whose lengths are in the contact radius
+    assert made.functions == needed(contact, name)
+    assert ("material.py" in made.files) == stiffness
+    assert ("special/gamma.py" in made.files) == (stiffness or name in ("steady_displacement", "volume_change"))
+    assert (f"tensor<{POINTS}x" in made.text) == along_radius
+    # The worn radius bounds the radii, so whatever runs along them feels the slip.
+    feels = "wear_volume" if contact is DOME and along_radius else name
+    assert made.arguments == enters(contact, feels) - {"r"}
 
 
-def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkeypatch):
-    """Without units there is neither h_N nor any gamma function in it: they come with the contact radius in m."""
-    plain, scale = of_function("fretting.wear_volume"), of_quantity(DOME, "contact_radius")
-    made = program_of(monkeypatch, asking_for("fretting", "wear_volume"))
-    through = {"scene/solving.py", "_startup/programs.py", "steady/arguments.py", "loads.py"}
-    assert made.files - through == (plain.files | scale.files) - through
-    assert {"material.py", "special/gamma.py"} <= scale.files - plain.files
-
-
-@pytest.mark.parametrize("kind, name", [("fretting", "wear_volume"), ("gross-slip", "force_ratio")])
-def test_solving_compiles_nothing(caplog, kind, name):
-    given = asking_for(kind, name)
+@parametrize("contact, name", [(DOME, "wear_volume"), (PUNCH, "force_ratio")])
+def test_solving_compiles_nothing(caplog, contact, name):
+    given = asking_for(contact, name)
     with jax.log_compiles(), caplog.at_level(logging.WARNING):
         given.solve(digits=13)
     compiled = re.findall(r"Finished XLA compilation of (?:jit\()?(\w+)", caplog.text)

@@ -1,15 +1,11 @@
 """What shortens the start changes no result: a sample of all questions with it, from kept files, and without it."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-
-import plgwear_jax
+from numpy.testing import assert_allclose
+from processes import output
 
 QUESTIONS = """
 import json, sys
@@ -54,17 +50,8 @@ ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 
 def told(folder: Path, **variables: str) -> dict[str, list[float]]:
-    own = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "PLGWEAR_", "XLA_"))}
-    root = Path(plgwear_jax.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, "-c", QUESTIONS, str(folder), str(root / "design")],
-        env=own | {"PYTHONPATH": os.pathsep.join([str(root), *sys.path])} | variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    scenes = Path(__file__).parents[2] / "design"
+    return json.loads(output("-c", QUESTIONS, folder, scenes, without=("JAX_", "PLGWEAR_", "XLA_"), **variables))
 
 
 @pytest.mark.compiled
@@ -78,9 +65,9 @@ def test_results_are_the_same_without_it(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == kept
     assert again.keys() == first.keys()
     for name, values in again.items():  # on layers NumPy rounds by where its matrices lie in memory
-        np.testing.assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
+        assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
     assert first.keys() == plain.keys()
     for name, values in first.items():
         assert len(values) == len(plain[name])
         allowed = HALF if name == "the best exponent" else ROOTS if name.endswith("layers") else ROUNDING
-        np.testing.assert_allclose(values, plain[name], rtol=allowed, err_msg=name)
+        assert_allclose(values, plain[name], rtol=allowed, err_msg=name)

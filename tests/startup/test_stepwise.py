@@ -6,8 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import parametrize
+from numpy.testing import assert_allclose, assert_array_equal
 
-from plgwear_jax import fretting
 from plgwear_jax._startup import programs
 from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
 from plgwear_jax.special import cholesky
@@ -113,7 +114,7 @@ def steps_of(function, *at) -> SteppedProgram | None:
     return stepwise(jax.jit(function).trace(*at))
 
 
-@pytest.mark.parametrize("function, at, relative, absolute", CASES)
+@parametrize("function, at, relative, absolute", CASES)
 def test_every_operation_is_that_of_xla(function, at, relative, absolute):
     x, y = at, np.roll(at, 5)
     steps = steps_of(function, x, y)
@@ -124,24 +125,7 @@ def test_every_operation_is_that_of_xla(function, at, relative, absolute):
         assert isinstance(one, jax.Array) and (one.dtype, one.shape) == (other.dtype, other.shape)
         floats = np.issubdtype(one.dtype, np.floating)
         error = max(relative, float(np.finfo(one.dtype).eps)) if floats else 0.0
-        np.testing.assert_allclose(one, other, rtol=error, atol=absolute * floats)
-
-
-@pytest.mark.parametrize(
-    "dtype, error", [(np.float64, 1e-14), pytest.param(np.float32, 1e-5, marks=pytest.mark.compiled)]
-)
-def test_the_wear_volume_with_its_gradient(dtype, error):
-    def function(k, phi):
-        value, back = jax.vjp(fretting.wear_volume, k, phi)
-        return value, back(jnp.ones_like(value))
-
-    k, phi = np.linspace(-0.95, 0.95, 30, dtype=dtype), np.linspace(0.01, 0.99, 30, dtype=dtype)
-    steps = steps_of(function, k, phi)
-    assert steps is not None
-    mine, theirs = jax.tree.leaves(steps(k, phi)), jax.tree.leaves(jax.jit(function)(k, phi))
-    for one, other in zip(mine, theirs, strict=True):
-        assert one.dtype == other.dtype == dtype
-        assert np.all(np.abs(one - other) <= error * np.maximum(np.abs(other), theirs[0]))
+        assert_allclose(one, other, rtol=error, atol=absolute * floats)
 
 
 def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_program():
@@ -154,7 +138,7 @@ def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_progra
     assert steps(2.0).dtype == jnp.float32
 
 
-@pytest.mark.parametrize("shape, other", [((300, 40), (40, 700)), ((3, 90, 90), (3, 90, 90)), ((600, 600), (600,))])
+@parametrize("shape, other", [((300, 40), (40, 700)), ((3, 90, 90), (3, 90, 90)), ((600, 600), (600,))])
 def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, monkeypatch, seed):
     random = np.random.default_rng(seed)
     x, y = random.normal(size=shape), random.normal(size=other)
@@ -166,7 +150,7 @@ def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, mo
         return plain(x, y, out=out)
 
     monkeypatch.setattr(np, "matmul", counted)
-    np.testing.assert_allclose(steps(x, y), plain(x, y), rtol=0.0, atol=1e-12)
+    assert_allclose(steps(x, y), plain(x, y), rtol=0.0, atol=1e-12)
     assert max(counts) < 2**18 and sum(counts) == plain(x, y).size * shape[-1] / (shape[0] if len(shape) > 2 else 1)
 
 
@@ -174,7 +158,7 @@ def repeated(x):
     return jax.lax.while_loop(lambda count: count < 1000.0, lambda count: count + 1.0, 0.0 * x[0])
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "function",
     [
         pytest.param(lambda x: x.astype(int) // 3, id="quotient of integers"),
@@ -190,7 +174,7 @@ def repeated(x):
 )
 def test_xla_has_the_rest(function):
     x, asked = np.array([0.5, 1.5, 2.5]), programs.program()(function)
-    np.testing.assert_array_equal(asked(x), jax.jit(function)(x))
+    assert_array_equal(asked(x), jax.jit(function)(x))
     assert not isinstance(asked.by((), (x,)), SteppedProgram)
 
 

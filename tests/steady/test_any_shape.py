@@ -9,12 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_with, exact, steady
 
 from plgwear_jax import (
     Cone,
-    DepthGraded,
     Elastic,
     FrettingContact,
     Layered,
@@ -27,10 +28,8 @@ from plgwear_jax import (
     TruncatedSphere,
     scene,
 )
-from plgwear_jax.loads import Displacement
 from plgwear_jax.special.quadrature import logistic
 
-compiled, long = pytest.mark.compiled, pytest.mark.long
 SLOW = ("table", "rounded flat", "own rounded flat")  # to compile
 LAW = PowerLawGraded(110e9, 1e-4, 0.4, 0.3)
 BODIES = {
@@ -49,7 +48,7 @@ def on(body: str, shape: Shape) -> FrettingContact:
 # --- against the oracle -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "name, k, phi",
     [
         *(pytest.param(name, 0.3, 0.4, marks=compiled if name in SLOW else ()) for name in SHAPES | OWN),
@@ -66,47 +65,47 @@ def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
     known = exact(name, k, phi)
     # Small amplitudes leave the volume fewer digits, and the cone at k = -0.9 a wide ring.
     rtol = rtol if phi == 0.4 else max(rtol, 2e-11)
-    np.testing.assert_allclose(steady(contact_with(shape, k), phi * FRICTION * FORCE), known, rtol=rtol)
+    assert_allclose(steady(contact_with(shape, k), phi * FRICTION * FORCE), known, rtol=rtol)
 
 
-@pytest.mark.parametrize("name", [name for name in SHAPES if name != "table"])
+@parametrize("name", [name for name in SHAPES if name != "table"])
 def test_heights_are_those_of_their_slopes(name):
     shape, (piece,), _ = SHAPES[name]
     r, begin = np.array([2e-5, 7e-5, 2e-4]), float(piece.begin)
     terms = [(float(x), float(n) + 1.0) for x, n in piece.terms]
     known = sum(x / n * (np.maximum(r, begin) ** n - begin**n) for x, n in terms)
-    np.testing.assert_allclose(shape.height(r, R), known, rtol=1e-9, atol=1e-18)
+    assert_allclose(shape.height(r, R), known, rtol=1e-9, atol=1e-18)
 
 
 @long
-@pytest.mark.parametrize("phi", [0.01, 0.5])
+@parametrize("phi", [0.01, 0.5])
 def test_a_narrow_ring_of_a_truncated_sphere(phi):
     """At k = -0.9 its contact ends close to the flat face; at phi = 0.99 closer than floating-point numbers tell."""
     found = steady(contact_with(SHAPES["truncated sphere"][0], -0.9), phi * FRICTION * FORCE)
     known = exact("truncated sphere", -0.9, phi)
-    np.testing.assert_allclose(found[:4], known[:4], rtol=1e-11)
-    np.testing.assert_allclose(found[4], known[4], rtol=1e-4)
+    assert_allclose(found[:4], known[:4], rtol=1e-11)
+    assert_allclose(found[4], known[4], rtol=1e-4)
 
 
 def test_the_pressure_of_a_cone_is_that_of_textbooks():
     plane, steady = 110e9 / (1.0 - 0.3**2), contact_with(Cone(0.01), 0.0).steady(0.0)
     r = np.array([0.1, 0.5, 0.9])
     pressure = steady.initial_pressure(r * steady.contact_radius)
-    np.testing.assert_allclose(pressure, 0.5 * plane * 0.01 * np.arccosh(1.0 / r), rtol=1e-9)
+    assert_allclose(pressure, 0.5 * plane * 0.01 * np.arccosh(1.0 / r), rtol=1e-9)
     assert np.isinf(steady.initial_pressure(0.0))
 
 
-@pytest.mark.parametrize("dtype, error", [(np.float64, 1e-9), (np.float32, 1e-5)])
+@parametrize("dtype, error", [(np.float64, 1e-9), (np.float32, 1e-5)])
 def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
     """For k > 0 it is finite: s (p + s)/(s + p - 1) times the mean, with s = (1+k)/2 and f like T^p."""
     contact = jax.tree.map(dtype, contact_with(Cone(0.01), 0.2))
     steady = contact.steady(dtype(0.0))
     mean = contact.normal_force / (np.pi * steady.contact_radius**2)
-    np.testing.assert_allclose(steady.initial_pressure(dtype(0.0)) / mean, 0.6 * 1.1 / 0.1, rtol=error)
+    assert_allclose(steady.initial_pressure(dtype(0.0)) / mean, 0.6 * 1.1 / 0.1, rtol=error)
 
 
-# Numbers that `reference/contact_mechanics.py` prints with 512 cells a side.
-@pytest.mark.parametrize(
+# Numbers that `tools/contact_mechanics.py` prints with 512 cells a side.
+@parametrize(
     "shape, force, radius, penetration, pressures, error",
     [
         (Cone(0.1), 0.15, 0.97785, 0.15350, [0.11451, 0.078303, 0.054888, 0.034589], 3e-3),
@@ -120,17 +119,17 @@ def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
 def test_a_program_by_others_finds_the_same_contact(shape, force, radius, penetration, pressures, error):
     """ContactMechanics 1.8.3: lengths in units of a length, forces in units of E* times its square."""
     one = FrettingContact(PowerLawGraded(1.0, 1.0, 0.0, 0.0), 1.0, force, 0.4, shape=shape).steady(0.0)
-    np.testing.assert_allclose(one.contact_radius, radius, rtol=1e-3)  # a cell is 6e-3 of it
-    np.testing.assert_allclose(one.penetration, penetration, rtol=3e-5)
+    assert_allclose(one.contact_radius, radius, rtol=1e-3)  # a cell is 6e-3 of it
+    assert_allclose(one.penetration, penetration, rtol=3e-5)
     found = one.initial_pressure(one.contact_radius * np.array([0.2, 0.4, 0.6, 0.8]))
-    np.testing.assert_allclose(found, pressures, rtol=error)
+    assert_allclose(found, pressures, rtol=error)
 
 
 def test_of_a_parabola_it_is_the_closed_form():
     closed = contact_with(Parabola(), -0.4)
     expected = steady(dataclasses.replace(closed, shape=None), 1.5)
-    np.testing.assert_array_equal(steady(closed, 1.5), expected)
-    np.testing.assert_allclose(steady(contact_with(Blend(), -0.4), 1.5), expected, rtol=2e-6)
+    assert_array_equal(steady(closed, 1.5), expected)
+    assert_allclose(steady(contact_with(Blend(), -0.4), 1.5), expected, rtol=2e-6)
 
 
 class Third(Shape):
@@ -141,41 +140,34 @@ class Third(Shape):
 
 
 @compiled
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize(
+@parametrize("body", BODIES)
+@parametrize(
     "own, known", [(Third(), PowerShape(3.0)), (Blend(flat=5e-5), RoundedFlat(5e-5))], ids=["power", "rounded flat"]
 )
 def test_a_shape_of_ones_own_is_that_of_its_closed_forms(own, known, body):
     one, other, forces = on(body, own), on(body, known), np.array([0.2, 2.0, 3.8])
     ours, theirs = one.steady(forces), other.steady(forces)
     for name in (*STEADY, "deepest_wear", "energy_per_cycle", "displacement_amplitude"):
-        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-5, err_msg=name)
+        assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-5, err_msg=name)
     radii = np.linspace(0.0, 1.1, 7)[:, None] * ours.worn_radius
     for name in "initial_pressure", "initial_displacement":
         expected = getattr(theirs, name)(radii)
-        np.testing.assert_allclose(getattr(ours, name)(radii), expected, rtol=1e-4, atol=1e-6 * np.max(expected))
+        assert_allclose(getattr(ours, name)(radii), expected, rtol=1e-4, atol=1e-6 * np.max(expected))
     if isinstance(own, Third):
         ours, theirs = (each.over_cycles(2.0, COEFFICIENT) for each in (one, other))
-        np.testing.assert_allclose(ours.volume(1e5), theirs.volume(1e5), rtol=1e-5)
+        assert_allclose(ours.volume(1e5), theirs.volume(1e5), rtol=1e-5)
         r = radii[:, 1]
-        np.testing.assert_allclose(ours.profile(r, 1e5), theirs.profile(r, 1e5), rtol=1e-5, atol=1e-15)
+        assert_allclose(ours.profile(r, 1e5), theirs.profile(r, 1e5), rtol=1e-5, atol=1e-15)
 
 
 @compiled
 def test_all_quantities_hold_together():
     contact, force = contact_with(TruncatedSphere(4e-5), -0.3), 1.5
     state = contact.steady(force)
-    r = np.sqrt((np.arange(4000) + 0.5) / 4000)
-    for name, end in (("initial_pressure", state.contact_radius), ("pressure", state.stick_radius)):
-        pressed = np.mean(getattr(state, name)(r * end)) * np.pi * end**2
-        np.testing.assert_allclose(pressed, FORCE, rtol=2e-2)
-    assert state.wear_depth(state.worn_radius) < 1e-6 * state.deepest_wear
     ring = np.linspace(state.stick_radius, state.worn_radius, 4001)
     depth = np.asarray(state.wear_depth(ring))
-    np.testing.assert_allclose(2.0 * np.pi * np.trapezoid(depth * ring, ring), state.wear_volume, rtol=1e-3)
-    np.testing.assert_allclose(np.max(depth), state.deepest_wear, rtol=1e-4)
-    again = contact.steady(Displacement(state.displacement_amplitude)).tangential_force
-    np.testing.assert_allclose(again, force, rtol=1e-8)
+    assert_allclose(2.0 * np.pi * np.trapezoid(depth * ring, ring), state.wear_volume, rtol=1e-3)
+    assert_allclose(np.max(depth), state.deepest_wear, rtol=1e-4)
     assert np.isinf(state.peak_initial_pressure)
     assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).steady(0.0).peak_initial_pressure)
 
@@ -195,9 +187,9 @@ def work_of_friction(state):
     return 8.0 * np.pi * FRICTION * width * np.sum(state.initial_pressure(r) * state.slip_amplitude(r) * r * weights)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shape",
-    [*KINKED[:2], pytest.param(KINKED[2], marks=compiled)],  # which is computed as the second one is
+    [KINKED[0], *(pytest.param(shape, marks=compiled) for shape in KINKED[1:])],
     ids=lambda shape: type(shape).__name__,
 )
 def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(shape):
@@ -206,39 +198,21 @@ def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(sh
     layered, known = (contact.steady(0.05 * FRICTION * FORCE) for contact in (layers, known))
     r = np.array([0.05, 0.3, 0.6, 0.9, 0.99]) * known.contact_radius
     mean = FORCE / (np.pi * known.contact_radius**2)
-    np.testing.assert_allclose(layered.initial_pressure(r) / mean, known.initial_pressure(r) / mean, atol=1e-8)
-    np.testing.assert_allclose(layered.energy_per_cycle, work_of_friction(known), rtol=1e-5)
-    np.testing.assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
+    assert_allclose(layered.initial_pressure(r) / mean, known.initial_pressure(r) / mean, atol=1e-8)
+    assert_allclose(layered.energy_per_cycle, work_of_friction(known), rtol=1e-5)
+    assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
 
 
 def test_the_energy_of_a_kink_in_the_ring_is_the_area_of_its_loop():
     """4 F u less 8 times the integral of u over F, of the displacement amplitudes u of 192 forces F."""
     state = contact_with(OWN["own kink in the ring"][0]).steady(0.99 * FRICTION * FORCE)
-    np.testing.assert_allclose(state.energy_per_cycle, 2.38003e-07, rtol=5e-5)
-
-
-@compiled
-@pytest.mark.parametrize("name", [name for name in SHAPES if name != "sharp power"])
-def test_a_table_of_one_modulus_is_a_homogeneous_half_space(name):
-    contact, force = contact_with(SHAPES[name][0], 0.0), np.array([0.2, 2.0, 3.6])
-    other = dataclasses.replace(contact, material=DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3))
-    np.testing.assert_allclose(steady(other, force), steady(contact, force), rtol=1e-6)
-
-
-@compiled
-@pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
-def test_energies_of_kinks_are_the_work_of_friction(shape):
-    for phi in (1e-4, 0.05):
-        state = on("layers under steel", shape).steady(phi * FRICTION * FORCE)
-        np.testing.assert_allclose(state.energy_per_cycle, work_of_friction(state), rtol=1e-4)
-        around = 4.0 * phi * FRICTION * FORCE * state.displacement_amplitude
-        np.testing.assert_allclose(state.energy_ratio, state.energy_per_cycle / around, rtol=1e-10)
+    assert_allclose(state.energy_per_cycle, 2.38003e-07, rtol=5e-5)
 
 
 NARROW = np.array([1e-3, 1e-6, 1e-9])
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, indenter, known",
     [
         (-0.3, Elastic(1e22, 0.3), (None, None)),
@@ -252,21 +226,21 @@ def test_narrow_rings_keep_their_digits(k, indenter, known):
         state = contact_with(Parabola(), k, indenter).steady(NARROW * FRICTION * FORCE, digits=digits)
         return [getattr(state, name) for name in ("wear_volume", "deepest_wear", "energy_per_cycle", "energy_ratio")]
 
-    np.testing.assert_allclose(of(indenter, 4), of(*known), rtol=1e-4)
+    assert_allclose(of(indenter, 4), of(*known), rtol=1e-4)
 
 
 def test_narrow_rings_beside_a_tip_keep_their_digits():
     """The gap next to the stick area goes over into the sum of modes further out."""
     contact = contact_with(Cone(0.01), 0.3, STEEL)
     coarse, fine = (contact.steady([0.01 * FRICTION * FORCE], digits=digits).wear_volume for digits in (4, 5))
-    np.testing.assert_allclose(coarse, fine, rtol=1e-4)
+    assert_allclose(coarse, fine, rtol=1e-4)
 
 
 @compiled
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
     volumes = contact.steady(NARROW * FRICTION * FORCE).wear_volume / NARROW**2.5
-    np.testing.assert_allclose(volumes[2], volumes[1], rtol=1e-4)
+    assert_allclose(volumes[2], volumes[1], rtol=1e-4)
     slope = jax.grad(lambda contact: jnp.log(contact.steady(1e-9 * FRICTION * FORCE).wear_volume))(contact)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slope))
 
@@ -284,7 +258,7 @@ MOVED = [
 
 
 @compiled
-@pytest.mark.parametrize("shape, along, body", MOVED, ids=lambda x: x if isinstance(x, str) else type(x).__name__)
+@parametrize("shape, along, body", MOVED, ids=lambda x: x if isinstance(x, str) else type(x).__name__)
 def test_derivatives_are_those_of_differences(shape, along, body):
     def of(x):
         moved = {name: getattr(shape, name) * (1.0 + way * x) for name, way in along.items()}
@@ -296,17 +270,17 @@ def test_derivatives_are_those_of_differences(shape, along, body):
     def over_cycles(x):
         return of(x).over_cycles(2.0, COEFFICIENT).volume(1e5)
 
-    table, step = isinstance(shape, Profile), 1e-4
+    step = 1e-4
     ends = [volume(n * step) for n in (-2, -1, 0, 1, 2)]
     slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[3] - ends[4]) / (12.0 * step)
-    np.testing.assert_allclose(jax.jit(jax.grad(volume))(0.0), slope, rtol=1e-5 if isinstance(shape, Blend) else 1e-6)
+    assert_allclose(jax.jit(jax.grad(volume))(0.0), slope, rtol=1e-5 if isinstance(shape, Blend) else 1e-6)
     if not isinstance(shape, Blend | Profile):
         bend = (-ends[0] + 16.0 * ends[1] - 30.0 * ends[2] + 16.0 * ends[3] - ends[4]) / (12.0 * step**2)
-        np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(volume))(0.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
-    if not table:
+        assert_allclose(jax.jacfwd(jax.jacfwd(volume))(0.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
+    if not isinstance(shape, Profile):
         slope = (over_cycles(1e-3) - over_cycles(-1e-3)) / 2e-3
         most = 1e-4 if isinstance(shape, Blend) else 2e-2
-        np.testing.assert_allclose(jax.grad(over_cycles)(0.0), slope, rtol=most)
+        assert_allclose(jax.grad(over_cycles)(0.0), slope, rtol=most)
 
 
 def test_the_pressure_of_a_table_carries_the_normal_force():
@@ -318,7 +292,7 @@ def test_the_pressure_of_a_table_carries_the_normal_force():
     length = np.diff(ends)[:, None]
     r = ends[:-1, None] + length * x
     carried = 2.0 * np.pi * np.sum(length * weight * r * np.reshape(steady.initial_pressure(r.ravel()), r.shape))
-    np.testing.assert_allclose(carried, FORCE, rtol=1e-6)
+    assert_allclose(carried, FORCE, rtol=1e-6)
 
 
 def ball(rows):
@@ -328,17 +302,17 @@ def ball(rows):
 
 
 @compiled
-@pytest.mark.parametrize("rows", [120, 2000])
+@parametrize("rows", [120, 2000])
 def test_tables_of_many_heights_are_the_ball_that_they_describe(rows):
     one, force = contact_with(ball(rows)), 1.6
     closed = dataclasses.replace(one, shape=None)
     mine, known = one.steady(force), closed.steady(force)
     for name in (*STEADY, "deepest_wear", "energy_per_cycle", "displacement_amplitude"):
-        np.testing.assert_allclose(getattr(mine, name), getattr(known, name), rtol=1e-4, err_msg=name)
+        assert_allclose(getattr(mine, name), getattr(known, name), rtol=1e-4, err_msg=name)
     r = np.array([0.3, 0.7, 0.9, 1.05]) * float(known.stick_radius)
     for name, error in (("profile", 1e-5), ("wear_depth", 1e-4), ("slip_amplitude", 1e-4), ("initial_pressure", 5e-3)):
         found, exact = getattr(mine, name)(r), np.asarray(getattr(known, name)(r))
-        np.testing.assert_allclose(found, exact, rtol=0.0, atol=error * np.max(abs(exact)), err_msg=name)
+        assert_allclose(found, exact, rtol=0.0, atol=error * np.max(abs(exact)), err_msg=name)
 
 
 @compiled
@@ -346,11 +320,11 @@ def test_tables_of_many_heights_over_cycles_and_their_slopes():
     one, force = contact_with(ball(500)), 1.6
     closed = dataclasses.replace(one, shape=None)
     worn, expected = (each.over_cycles(force, COEFFICIENT).volume(1e5) for each in (one, closed))
-    np.testing.assert_allclose(worn, expected, rtol=2e-3)
+    assert_allclose(worn, expected, rtol=2e-3)
     slopes, known = (jax.grad(lambda contact: contact.steady(force).wear_volume)(each) for each in (one, closed))
     # Heights that all grow make a ball of another radius.
     found = slopes.normal_force, slopes.friction, np.sum(slopes.shape.heights * one.shape.heights)
-    np.testing.assert_allclose(found, [known.normal_force, known.friction, -R * known.radius], rtol=1e-3)
+    assert_allclose(found, [known.normal_force, known.friction, -R * known.radius], rtol=1e-3)
 
 
 def largest(jaxpr):
@@ -360,7 +334,7 @@ def largest(jaxpr):
     return max([*sizes, 0, *(largest(getattr(part, "jaxpr", part)) for part in inner if hasattr(part, "jaxpr"))])
 
 
-@pytest.mark.parametrize("name", ["wear_volume", "deepest_wear", "energy_per_cycle"])
+@parametrize("name", ["wear_volume", "deepest_wear", "energy_per_cycle"])
 def test_the_memory_of_tables_does_not_grow_with_their_rows(name):
     """A table of 121 heights took 12 GB, one of 601 asked for 290 GB."""
     for body in ("a power law", "layers"):
@@ -373,13 +347,13 @@ def test_batches_of_tables_and_single_precision():
     force = 2.0
     tables = Profile(RADII, HEIGHTS * np.array([[1.0], [1.1]]))
     alone = [contact_with(Profile(RADII, heights)).steady(force).wear_volume for heights in tables.heights]
-    np.testing.assert_allclose(contact_with(tables).steady(force).wear_volume, alone, rtol=1e-12)
+    assert_allclose(contact_with(tables).steady(force).wear_volume, alone, rtol=1e-12)
     shapes = Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)
     # The compliance of layers has some 1e-3 in single precision.
     for contact, error in (*((contact_with(shape), 2e-4) for shape in shapes), (on("layers", shapes[-1]), 5e-3)):
         single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).steady(jnp.float32(force)).wear_volume
         assert single.dtype == jnp.float32
-        np.testing.assert_allclose(single, contact.steady(force).wear_volume, rtol=error)
+        assert_allclose(single, contact.steady(force).wear_volume, rtol=error)
 
 
 class Even(Shape):
@@ -398,7 +372,7 @@ def test_a_shape_of_ones_own_may_hold_an_array():
     """1e-6 (r/1e-4)^2 is the sphere of the radius 5e-3."""
     whole, force = on("a power law under steel", Even(np.array([1.0, 0.0]))), np.array([1.0, 2.0])
     expected = dataclasses.replace(whole, shape=None).steady(force).wear_volume
-    np.testing.assert_allclose(whole.steady(force).wear_volume, expected, rtol=1e-5)
+    assert_allclose(whole.steady(force).wear_volume, expected, rtol=1e-5)
     slopes = jax.grad(lambda shape: dataclasses.replace(whole, shape=shape).steady(1.5).wear_volume)(whole.shape)
     assert slopes.coefficients.shape == (2,) and np.all(np.isfinite(slopes.coefficients))
 
@@ -414,7 +388,7 @@ class Nothing(Shape):
     """Without a height."""
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "shape, told",
     [
         (Nothing(), r"Nothing has no height\(r, radius\)"),
@@ -468,7 +442,7 @@ def built(folder, shape, table=""):
     return scene.load(folder / "scene.toml").build_contact()
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "words, shape",
     [
         ("kind = 'cone', slope = 0.01", Cone(0.01)),
@@ -487,7 +461,7 @@ PROFILE = "{ table = 'profile.csv' }"
 def test_input_files_take_tables(tmp_path):
     rows = "\n".join(f"{x},{0.1 * x * x}" for x in range(10, 200, 10))
     found = built(tmp_path, PROFILE, "r (um),height (nm)\n0,0\n" + rows).shape
-    np.testing.assert_allclose(found.heights, 0.1e-9 * (1e6 * np.asarray(found.r)) ** 2, rtol=1e-14)
+    assert_allclose(found.heights, 0.1e-9 * (1e6 * np.asarray(found.r)) ** 2, rtol=1e-14)
 
 
 @cases(Path(__file__).with_name("refused.toml"), "scene")

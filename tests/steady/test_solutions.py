@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose
 
-from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
+from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads
 from plgwear_jax.contact import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
@@ -18,9 +20,9 @@ from plgwear_jax.steady.closed import ClosedSteady
 F_X, CYCLES = 1.5, 1e5
 RADII = np.array([0.0, 3e-5, 7e-5])
 CLOSED, LAYERED = KINDS["closed forms"], KINDS["layers under steel"]
-each_engine = pytest.mark.parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
-each_engine_one_compiled = pytest.mark.parametrize(
-    "contact", [CLOSED, pytest.param(LAYERED, marks=pytest.mark.compiled)], ids=["closed forms", "numeric"]
+each_engine = parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
+each_engine_one_compiled = parametrize(
+    "contact", [CLOSED, pytest.param(LAYERED, marks=compiled)], ids=["closed forms", "numeric"]
 )
 
 
@@ -55,14 +57,14 @@ ASKED = {
 }
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "contact, asked, same",
     [
         (CLOSED, "steady", 1e-9),
         (LAYERED, "steady", 1e-9),  # searches for radii end at a step of 1e-10
         (CLOSED, "run", 1e-10),
-        pytest.param(LAYERED, "run", 1e-9, marks=pytest.mark.compiled),
-        pytest.param(CLOSED, "march", 1e-10, marks=pytest.mark.compiled),
+        pytest.param(LAYERED, "run", 1e-9, marks=compiled),
+        pytest.param(CLOSED, "march", 1e-10, marks=compiled),
     ],
     ids=["closed forms", "numeric", "a run", "a numeric run", "a march"],
 )
@@ -77,9 +79,9 @@ def test_solutions_are_pytrees(contact, asked, same):
     expected = read(one)
     for each in (one, pickle.loads(pickle.dumps(one)), jax.jit(ask)(contact, F_X), jax.tree.map(jnp.asarray, one)):
         assert type(each) is type(one) and each.digits is None
-        np.testing.assert_allclose(jax.jit(read)(each), expected, rtol=same)
+        assert_allclose(jax.jit(read)(each), expected, rtol=same)
     several = jax.vmap(ask, (None, 0))(contact, jnp.array([F_X, 1.0]))
-    np.testing.assert_allclose(jax.vmap(read)(several)[0], expected, rtol=max(same, 1e-5 * (asked == "march")))
+    assert_allclose(jax.vmap(read)(several)[0], expected, rtol=max(same, 1e-5 * (asked == "march")))
 
 
 @each_engine
@@ -87,7 +89,7 @@ def test_a_solution_of_another_trace_is_not_kept(contact):
     """Read for the first time under `jit`, known numbers give traced results, which must not be found afterwards."""
     steady = contact.steady(F_X, digits=2)
     inside = jax.jit(lambda r: steady.wear_volume + 0.0 * r)(1.0)
-    np.testing.assert_allclose(steady.wear_volume, inside, rtol=1e-11)
+    assert_allclose(steady.wear_volume, inside, rtol=1e-11)
 
 
 @each_engine_one_compiled
@@ -96,12 +98,12 @@ def test_derivatives_go_through_the_objects(contact):
         return contact.steady(force, digits=3).wear_volume
 
     slope = jax.grad(volume, argnums=1)(contact, F_X)
-    np.testing.assert_allclose(jax.jacfwd(volume, argnums=1)(contact, F_X), slope, rtol=1e-9)
+    assert_allclose(jax.jacfwd(volume, argnums=1)(contact, F_X), slope, rtol=1e-9)
     step = 1e-4 * F_X
     about = (volume(contact, F_X + step) - volume(contact, F_X - step)) / (2.0 * step)
-    np.testing.assert_allclose(slope, about, rtol=1e-5)
+    assert_allclose(slope, about, rtol=1e-5)
     by_contact = jax.grad(volume)(contact, F_X)
-    np.testing.assert_allclose(by_contact.friction * FRICTION, -slope * F_X, rtol=1e-9)  # phi = F_x/(mu F_N) alone
+    assert_allclose(by_contact.friction * FRICTION, -slope * F_X, rtol=1e-9)  # phi = F_x/(mu F_N) alone
 
 
 @each_engine
@@ -110,7 +112,7 @@ def test_objects_can_be_exported(contact):
         return contact.steady(force, digits=2).wear_volume
 
     exported = export.export(jax.jit(volume))(F_X)
-    np.testing.assert_allclose(exported.call(1.0), volume(1.0), rtol=1e-11)
+    assert_allclose(exported.call(1.0), volume(1.0), rtol=1e-11)
 
 
 @each_engine
@@ -136,7 +138,7 @@ def test_repr_says_what_was_asked():
 # --- the engines ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
+@parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
 def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
     def volume(contact):
         return contact.steady(F_X).wear_volume
@@ -144,7 +146,7 @@ def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
     pair, law = (contact_of(body, indenter) for body in (Elastic(110e9, 0.25), PowerLawGraded(110e9, 1e-4, 0.0, 0.25)))
     assert is_closed(pair) and isinstance(pair.steady(F_X), ClosedSteady)
     assert is_closed(law) == (indenter is None)  # by its type, whatever its k
-    np.testing.assert_allclose(jax.jit(volume)(pair), volume(pair), rtol=1e-14)
+    assert_allclose(jax.jit(volume)(pair), volume(pair), rtol=1e-14)
 
 
 def test_homogeneous_bodies_share_the_tangential_compliance():
@@ -152,32 +154,19 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
     one = contact_of(Elastic(100e9, 0.3), Elastic(100e9, 0.3))
     half = contact_of(Elastic(50e9, 0.3))
     for name in ("contact_radius", "gross_slip_displacement"):
-        np.testing.assert_allclose(*(getattr(each.steady(0.0), name) for each in (one, half)), rtol=1e-14)
+        assert_allclose(*(getattr(each.steady(0.0), name) for each in (one, half)), rtol=1e-14)
     a_0 = float(half.steady(0.0).contact_radius)
     theta = (2.0 - 0.3) / (2.0 * (1.0 - 0.3))
-    np.testing.assert_allclose(half.steady(0.0).gross_slip_displacement, FRICTION * theta * a_0**2 / 5e-3, rtol=1e-14)
+    assert_allclose(half.steady(0.0).gross_slip_displacement, FRICTION * theta * a_0**2 / 5e-3, rtol=1e-14)
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_run_leads_from_the_unworn_contact_to_the_steady_state():
-    run = CLOSED.over_cycles(F_X, wear_laws.Archard(COEFFICIENT))
-    np.testing.assert_allclose(run.energy_per_cycle(0.0), CLOSED.steady(F_X).energy_per_cycle, rtol=1e-9)
-    np.testing.assert_allclose(run.rate(0.0) * FRICTION, COEFFICIENT * run.energy_per_cycle(0.0), rtol=1e-14)
-    assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.steady(0.0).contact_radius), rel=1e-14)
-    np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
-    np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
-    np.testing.assert_allclose(run.force_amplitude(CYCLES), F_X, rtol=1e-15)
-    assert run.steady.wear_volume == CLOSED.steady(F_X).wear_volume
-    stuck = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
-    np.testing.assert_allclose(stuck, CLOSED.steady(np.array([0.0, F_X])).stick_radius, rtol=1e-14)
-
-
 def test_coefficients_of_one_contact_share_its_run():
     many = CLOSED.over_cycles(F_X, np.array([1e-15, COEFFICIENT]))
     assert many._solution.curves.edges.ndim == 1
-    np.testing.assert_allclose(many.volume(CYCLES)[1], CLOSED.over_cycles(F_X, COEFFICIENT).volume(CYCLES), rtol=1e-12)
+    assert_allclose(many.volume(CYCLES)[1], CLOSED.over_cycles(F_X, COEFFICIENT).volume(CYCLES), rtol=1e-12)
 
 
 def test_traced_bad_input_gives_nan():
@@ -186,7 +175,7 @@ def test_traced_bad_input_gives_nan():
     assert np.isnan(jax.jit(CLOSED.over_cycles(F_X, COEFFICIENT).volume)(-1.0))
 
 
-@pytest.mark.compiled
+@compiled
 def test_a_batch_of_amplitudes_has_its_axis_also_where_it_is_differentiated_under_jit():
     """What a state takes over from the contact, such as R, has no axis of its own in the rule of derivatives."""
 
@@ -195,4 +184,4 @@ def test_a_batch_of_amplitudes_has_its_axis_also_where_it_is_differentiated_unde
         return contact_of(half_space).steady(np.array([0.4, 0.2]), digits=2).edge_pressure(1e-6).sum()
 
     modulus = np.array([90e9, 100e9, 110e9])
-    np.testing.assert_allclose(jax.jit(jax.grad(pressures))(modulus), jax.grad(pressures)(modulus), rtol=1e-8)
+    assert_allclose(jax.jit(jax.grad(pressures))(modulus), jax.grad(pressures)(modulus), rtol=1e-8)

@@ -2,7 +2,7 @@
 
 import json
 
-import pytest
+from marks import compiled
 from typer.testing import CliRunner
 
 from plgwear_jax import FrettingContact, Layered
@@ -34,6 +34,7 @@ def solved(tmp_path, k, *options):
     return found.output
 
 
+@compiled
 def test_solve_says_where_stresses_are_largest(tmp_path):
     found = json.loads(solved(tmp_path, 0.2, "--json"))["quantities"]
     assert found["peak_tension"]["value"] < found["peak_mises"]["value"]
@@ -41,7 +42,7 @@ def test_solve_says_where_stresses_are_largest(tmp_path):
     assert "inf" in solved(tmp_path, -0.2)
 
 
-@pytest.mark.compiled
+@compiled
 def test_the_picture_has_both_peaks_in_its_title(tmp_path):
     steady = FrettingContact(Layered([15e-6], [400e9, 210e9], 0.3), 5e-3, 10.0, 0.6).steady(3.0)
     axes = stress_picture(steady).axes[0]

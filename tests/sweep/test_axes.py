@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 from scipy.special import expit, logit
 
@@ -20,10 +21,10 @@ def test_a_number_is_a_single_value():
 
 
 def test_ranges_hold_both_ends():
-    np.testing.assert_array_equal(read_axis("k", "-0.95:0.95:5"), np.linspace(-0.95, 0.95, 5))
-    np.testing.assert_array_equal(read_axis("z0", "1e-5:1e-3:7:log"), np.geomspace(1e-5, 1e-3, 7))
-    np.testing.assert_array_equal(read_axis("phi", "0.9:0.1:3:linear"), [0.9, 0.5, 0.1])
-    np.testing.assert_array_equal(read_axis("phi", "0.3:0.3:1"), [0.3])
+    assert_array_equal(read_axis("k", "-0.95:0.95:5"), np.linspace(-0.95, 0.95, 5))
+    assert_array_equal(read_axis("z0", "1e-5:1e-3:7:log"), np.geomspace(1e-5, 1e-3, 7))
+    assert_array_equal(read_axis("phi", "0.9:0.1:3:linear"), [0.9, 0.5, 0.1])
+    assert_array_equal(read_axis("phi", "0.3:0.3:1"), [0.3])
 
 
 @given(st.floats(-13.0, 13.0), st.floats(-13.0, 13.0), st.integers(2, 50))
@@ -36,16 +37,16 @@ def test_logit_spacing_is_even_in_the_logit(first, last, count):
         steps = logit(share)
         # A share near 1 is stored to 1e-16 only, and its logit to that over 1 - share.
         coarse = 4e-16 / np.minimum(share, 1.0 - share).min() + 1e-13
-        np.testing.assert_allclose(steps, np.linspace(steps[0], steps[-1], count), rtol=0.0, atol=coarse)
+        assert_allclose(steps, np.linspace(steps[0], steps[-1], count), rtol=0.0, atol=coarse)
 
 
 def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "values.txt").write_text("# amplitudes\n0.1\n\n  0.25\n1e-3\n")
-    np.testing.assert_array_equal(read_axis("phi", "values.txt"), [0.1, 0.25, 1e-3])
+    assert_array_equal(read_axis("phi", "values.txt"), [0.1, 0.25, 1e-3])
     (tmp_path / "0:1").write_text("0.5\n")
     assert refusal(AxisError, read_axis, "phi", "0:1").startswith("phi = 0:1: must be a number, start:stop:count")
-    np.testing.assert_array_equal(read_axis("phi", "./0:1"), [0.5])
+    assert_array_equal(read_axis("phi", "./0:1"), [0.5])
 
 
 @cases(REFUSED, "axes")

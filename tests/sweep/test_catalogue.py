@@ -1,8 +1,6 @@
 """The catalogue: all that stands in it can be swept, over any leaf of a contact, in its units."""
 
 import dataclasses
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -11,6 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
+from processes import output
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import (
@@ -85,7 +86,7 @@ def check_all(names, contact, digits=None, **given):
             changed = with_leaf(changed, path if path in paths_of(contact) else f"material.{path}", full[path])
         rtol = 1e-9 if digits is None else 10.0 ** (1 - digits)
         rtol = 1e-5 if name in ("transient.wear_rate", "transient.energy_per_cycle") else rtol
-        np.testing.assert_allclose(found, expected(name, changed, at), rtol=rtol, atol=1e-30)
+        assert_allclose(found, expected(name, changed, at), rtol=rtol, atol=1e-30)
         assert found.attrs["units"] == law.unit and found.attrs["long_name"] == law.description
 
 
@@ -93,14 +94,14 @@ STEADY = [name for name, law in FRETTING.items() if "r" not in law.arguments]
 FIELDS = [name for name, law in FRETTING.items() if "r" in law.arguments]
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("names", [STEADY, FIELDS], ids=["numbers", "over the radius"])
+@compiled
+@parametrize("names", [STEADY, FIELDS], ids=["numbers", "over the radius"])
 def test_every_quantity_of_a_closed_contact_can_be_swept(names):
     check_all(names, CLOSED, tangential_force=FORCE, z0=np.array([1e-5, 1e-3]), k=np.array([-0.3, 0.4]))
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize("name", [name for name in laws_of(CLOSED) if name.startswith("transient.")])
+@compiled
+@parametrize("name", [name for name in laws_of(CLOSED) if name.startswith("transient.")])
 def test_every_quantity_over_cycles_can_be_swept(name):
     check_all([name], CLOSED, tangential_force=FORCE)
 
@@ -109,7 +110,7 @@ def test_every_quantity_of_a_punch_can_be_swept():
     check_all(list(GROSS_SLIP), PUNCH, k=np.array([-0.3, 0.4]))
 
 
-@pytest.mark.compiled
+@compiled
 def test_quantities_of_a_numeric_contact_can_be_swept():
     names = ["contact_radius", "wear_volume", "energy_per_cycle", "displacement_amplitude", "slip_amplitude"]
     check_all(names, dataclasses.replace(LAYERED, shape=None), digits=3, tangential_force=FORCE)
@@ -122,14 +123,13 @@ def of_shape(shape):
     return dataclasses.replace(CLOSED, shape=shape)
 
 
-@pytest.mark.compiled
-@pytest.mark.parametrize(
+@compiled
+@parametrize(
     "contact, path, values",
     [
         (LAYERED, "material.modulus[1]", [60e9, 150e9]),
         (LAYERED, "indenter.nu", [0.1, 0.4]),
         (LAYERED, "shape.exponent", [2.5, 4.0]),
-        (LAYERED, "material.nu", [0.2, 0.3]),
         (LAYERED, "radius", [4e-3, 6e-3]),
         (of_shape(Cone(0.01)), "shape.slope", [0.009, 0.011]),
         (of_shape(RoundedFlat(3e-5)), "shape.flat_radius", [2.7e-5, 3.3e-5]),
@@ -138,18 +138,14 @@ def of_shape(shape):
     ids=str,
 )
 def test_every_leaf_can_be_an_axis(contact, path, values):
-    name = path.replace("material.nu", "nu")
-    given = {name: values}
-    ds = sweep.sweep(["contact_radius", "stick_radius"], contact=contact, digits=2, tangential_force=1.0, **given)
-    assert ds.stick_radius.dims == (name,) and ds[name].attrs["units"] == leaf(name).unit
-    for value in values:
-        alone, at = with_leaf(contact, path, value), ds.sel({name: value})
-        np.testing.assert_allclose(at.contact_radius, alone.steady(0.0, digits=2).contact_radius, rtol=1e-9)
-        np.testing.assert_allclose(at.stick_radius, alone.steady(1.0, digits=2).stick_radius, rtol=1e-9)
-    assert not np.isclose(*ds.contact_radius, rtol=1e-4)
+    ds = sweep.sweep("stick_radius", contact=contact, digits=2, tangential_force=1.0, **{path: values})
+    assert ds.stick_radius.dims == (path,) and ds[path].attrs["units"] == leaf(path).unit
+    alone = [with_leaf(contact, path, value).steady(1.0, digits=2).stick_radius for value in values]
+    assert_allclose(ds.stick_radius, alone, rtol=1e-9)
+    assert not np.isclose(*alone, rtol=1e-4)
 
 
-@pytest.mark.compiled
+@compiled
 def test_elements_are_axes_beside_each_other_and_have_derivatives():
     first, last = np.array([80e9, 100e9]), np.array([140e9, 160e9, 180e9])
     given = {"material.modulus[0]": first, "material.modulus[2]": last}
@@ -159,19 +155,19 @@ def test_elements_are_axes_beside_each_other_and_have_derivatives():
     radius_and_slopes = jax.value_and_grad(lambda contact: contact.steady(0.0, digits=3).contact_radius)
     for i, j in ((0, 1), (1, 2)):
         radius, by = radius_and_slopes(with_leaf(LAYERED, "material.modulus", np.array([first[i], 120e9, last[j]])))
-        np.testing.assert_allclose(found[i, j], radius, rtol=1e-9)
-        np.testing.assert_allclose([slope_of_another[i, j], slope[i, j]], by.material.modulus[1:], rtol=1e-6)
+        assert_allclose(found[i, j], radius, rtol=1e-9)
+        assert_allclose([slope_of_another[i, j], slope[i, j]], by.material.modulus[1:], rtol=1e-6)
 
 
 def test_a_leaf_has_one_name_or_its_path():
     names, by = ["stick_radius", "stick_radius.dk"], dict[str, Any]
     long, short = (sweep.sweep(names, contact=CLOSED, phi=0.5, **by({k: [0.1, 0.3]})) for k in ("material.k", "k"))
-    np.testing.assert_array_equal(long.stick_radius, short.stick_radius)
+    assert_array_equal(long.stick_radius, short.stick_radius)
     assert "k" not in long.coords and long["material.k"].attrs == short.k.attrs
-    np.testing.assert_allclose(long.stick_radius_dk, short.stick_radius_dk, rtol=1e-14)
+    assert_allclose(long.stick_radius_dk, short.stick_radius_dk, rtol=1e-14)
     holl = sweep.sweep("contact_radius", contact=with_leaf(CLOSED, "material.nu", "holl"), nu=np.array([0.2, 0.3]))
     expected = [with_leaf(CLOSED, "material.nu", nu).steady(0.0).contact_radius for nu in (0.2, 0.3)]
-    np.testing.assert_allclose(holl.contact_radius, expected, rtol=1e-13)
+    assert_allclose(holl.contact_radius, expected, rtol=1e-13)
 
 
 @cases(Path(__file__).with_name("refused.toml"), "leaves")
@@ -193,18 +189,16 @@ def test_a_leaf_is_set_by_its_path_or_that_of_jax():
     assert [jax.tree_util.keystr(path)[1:] for path, _ in paths] == list(paths_of(LAYERED))
     for path, value in paths:
         changed, text = with_leaf(LAYERED, path, 1.1 * value), jax.tree_util.keystr(path)[1:]
-        np.testing.assert_array_equal(leaf_of(changed, text), 1.1 * value)
-        jax.tree.map(np.testing.assert_array_equal, paths_of(changed), paths_of(LAYERED) | {text: 1.1 * value})
+        assert_array_equal(leaf_of(changed, text), 1.1 * value)
+        jax.tree.map(assert_array_equal, paths_of(changed), paths_of(LAYERED) | {text: 1.1 * value})
 
 
 def test_a_leaf_within_lists_dictionaries_and_arrays():
     held = Holder({"a": [1.0, (2.0, 3.0)]}, np.array([[1.0, 2.0], [3.0, 4.0]]))
     assert leaf_of(held, "inner['a'][1][0]") == 2.0
     assert with_leaf(held, "inner['a'][1][0]", 5.0).inner == {"a": [1.0, (5.0, 3.0)]}
-    np.testing.assert_array_equal(with_leaf(held, "rows[1]", 9.0).rows, [[1.0, 9.0], [3.0, 9.0]])
-    np.testing.assert_array_equal(
-        with_leaf(held, "rows[0]", np.array([[7.0], [8.0]])).rows[:, :, 0], [[7.0, 7.0], [8.0, 8.0]]
-    )
+    assert_array_equal(with_leaf(held, "rows[1]", 9.0).rows, [[1.0, 9.0], [3.0, 9.0]])
+    assert_array_equal(with_leaf(held, "rows[0]", np.array([[7.0], [8.0]])).rows[:, :, 0], [[7.0, 7.0], [8.0, 8.0]])
     for path in ("rows[2]", "inner['b']", "other", "rows.x"):
         with pytest.raises((LookupError, AttributeError)):
             with_leaf(held, path, 1.0)
@@ -215,12 +209,12 @@ def test_a_leaf_is_set_under_jit_and_grad():
         return with_leaf(CLOSED, "material.E0", value).steady(0.0).contact_radius
 
     whole = jax.grad(lambda contact: contact.steady(0.0).contact_radius)(CLOSED).material.E0
-    np.testing.assert_allclose(jax.jit(jax.grad(radius))(110e9), whole, rtol=1e-12)
+    assert_allclose(jax.jit(jax.grad(radius))(110e9), whole, rtol=1e-12)
 
     def last(value):
         return with_leaf(LAYERED, "material.modulus[2]", value).material.modulus
 
-    np.testing.assert_array_equal(jax.vmap(last)(jnp.array([1e9, 2e9]))[:, 2], [1e9, 2e9])
+    assert_array_equal(jax.vmap(last)(jnp.array([1e9, 2e9]))[:, 2], [1e9, 2e9])
     with pytest.raises(ValueError, match="modulus"):
         with_leaf(LAYERED, "material.modulus[2]", -1.0)
 
@@ -251,4 +245,4 @@ def test_what_a_name_differentiates():
 
 def test_the_catalogue_does_without_jax():
     code = "import sys, plgwear_jax.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
-    subprocess.run([sys.executable, "-c", code], check=True)
+    output("-c", code)

@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from stores import Stop, files, into, refused
+from marks import parametrize
+from stores import into, refused
 from sweep_process import KEYWORDS
 
-from plgwear_jax.sweep import UnfinishedWarning, open_sweep
+from plgwear_jax.sweep import open_sweep
 
 pytestmark = pytest.mark.faults
 
@@ -282,8 +283,8 @@ def test_a_cluster_whose_scheduler_dies(start, cluster, targets, alone):
 # --- many devices ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("wide", [True, False], ids=["float64", "float32"])
-@pytest.mark.parametrize("chunk, k, phi", [(1000, 131, 97), (200_000, 2001, 301)], ids=["small_chunks", "large_chunks"])
+@parametrize("wide", [True, False], ids=["float64", "float32"])
+@parametrize("chunk, k, phi", [(1000, 131, 97), (200_000, 2001, 301)], ids=["small_chunks", "large_chunks"])
 def test_eight_devices_compute_what_one_does(start, tmp_path, wide, chunk, k, phi):
     """Bit for bit, with chunks that eight devices cannot share evenly, and one program for all of them."""
     quantities = ["wear_volume", "wear_volume.dk", "optimal_exponent.k"]
@@ -327,7 +328,7 @@ def disk(tmp_path):
     subprocess.run(["umount", str(folder)], capture_output=True, check=False)
 
 
-@pytest.mark.parametrize("size", ["size=4k", "size=20k", "nr_inodes=2", "nr_inodes=6", "nr_inodes=12"])
+@parametrize("size", ["size=4k", "size=20k", "nr_inodes=2", "nr_inodes=6", "nr_inodes=12"])
 def test_no_room_to_begin(disk, size):
     """A sweep that cannot even be created leaves nothing, and begins once there is room."""
     folder = disk(size)
@@ -338,7 +339,7 @@ def test_no_room_to_begin(disk, size):
     assert small(folder / "map.zarr").attrs["unfinished"] == 0
 
 
-@pytest.mark.parametrize("size", ["size=40k", "size=80k", "nr_inodes=26"])
+@parametrize("size", ["size=40k", "size=80k", "nr_inodes=26"])
 def test_a_disk_that_is_full(disk, tmp_path, size):
     """What was written stays, and with room again the sweep goes on to the same arrays."""
     folder = disk(size)
@@ -358,19 +359,3 @@ def test_a_disk_that_is_full(disk, tmp_path, size):
     small(tmp_path / "roomy.zarr")
     assert arrays(out) == arrays(tmp_path / "roomy.zarr")
     assert litter(folder) == []
-
-
-def test_a_disk_that_cannot_be_written(disk):
-    """Neither a new sweep nor one that was begun; that one can be read nonetheless."""
-    folder = disk("size=1m")
-    out = folder / "map.zarr"
-    with contextlib.suppress(KeyboardInterrupt):
-        small(out, progress=Stop(5, KeyboardInterrupt()))
-    assert 5 <= len(finished(out)) < 12
-    before = files(folder)
-    disk("ro", again=True)
-    for path in (out, folder / "new.zarr"):
-        assert refused(small, path) == f"{path}: cannot be written: Read-only file system"
-    assert files(folder) == before
-    with pytest.warns(UnfinishedWarning):
-        assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
+from marks import parametrize
 from stores import AXES, CHUNKS, QUANTITIES, Stop, files, held, into, refused
 
 from plgwear_jax.sweep import UnfinishedWarning, open_sweep
@@ -27,7 +28,7 @@ def alone(tmp_path_factory):
     return chunk_files(out)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "after, error",
     [
         (0, KeyboardInterrupt()),
@@ -70,7 +71,7 @@ def test_a_finished_sweep_is_left_alone(tmp_path, monkeypatch):
     assert listener.done == [1200]
 
 
-@pytest.mark.parametrize("loss", ["gone", "empty"])
+@parametrize("loss", ["gone", "empty"])
 def test_only_the_chunk_that_is_missing_is_computed(tmp_path, loss):
     """A file that is not there, or holds nothing since the disk was full, is all that is written."""
     out = tmp_path / "map.zarr"
@@ -151,7 +152,7 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("make, said", OTHERS.values(), ids=OTHERS)
+@parametrize("make, said", OTHERS.values(), ids=OTHERS)
 def test_what_is_no_sweep_is_left_alone(tmp_path, make, said):
     """One line says what is there instead, whether it is to be written or read."""
     path = tmp_path / "map.zarr"
@@ -162,7 +163,7 @@ def test_what_is_no_sweep_is_left_alone(tmp_path, make, said):
     assert files(tmp_path) == before
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "changes, said",
     [
         ({"phi": np.linspace(0.02, 0.99, 30)}, "phi there is 30 values from 0.01 to 0.99"),

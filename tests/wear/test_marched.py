@@ -7,8 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from balance import sums
-from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, RADIUS, STEEL, contact_of
+from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, RADIUS, STEEL, Linear, contact_of
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
+from marks import compiled, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting
@@ -16,19 +18,8 @@ from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
-compiled = pytest.mark.compiled
 ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
-
-
-class Linear(WearLaw):
-    """Archard's law, which only the march does not know."""
-
-    linear = True
-    coefficient: float
-
-    def rate(self, pressure, slip):
-        return self.coefficient * pressure * slip
 
 
 SAME = Linear(COEFFICIENT)
@@ -52,10 +43,10 @@ def errors(one, force):
     return (volume[0] - volume[1]) / last, end, radius[0] / radius[1] - 1.0, stick[0] / stick[1] - 1.0
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "ks, shares",
     [
-        ((-0.6, 0.7), (0.02, 0.8)),
+        ((-0.6, 0.7), (0.8,)),
         pytest.param((-0.8, -0.6, -0.3, 0.0, 0.3, 0.5, 0.6, 0.7, 0.8), (0.02, 0.3, 0.5, 0.8, 0.98), marks=compiled),
     ],
 )
@@ -69,7 +60,7 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
 
 
 @compiled
-@pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
+@parametrize("kind", ["layers under steel", "a shape"])
 def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
     volume, end, radius, stick = errors(KINDS[kind], 2.0)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
@@ -81,12 +72,12 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
     run = dome(0.2).over_cycles([Block(x, n) for x, n in zip((1.0, 3.0, 0.5, 2.0), cycles, strict=True)], COEFFICIENT)
     ends = np.cumsum(cycles)[:, None] * (1.0 + np.array([-4.0, -1.0, 0.0, 1.0, 4.0]) * 2.0**-52)
     stick = np.asarray(run.stick_radius(ends))
-    np.testing.assert_array_equal(stick, stick[:, 2:3] + 0.0 * ends)
+    assert_array_equal(stick, stick[:, 2:3] + 0.0 * ends)
     assert np.all(abs(np.asarray(run.stick_radius(ends[:-1, 2] * (1.0 + 1e-6))) / stick[:-1, 2] - 1.0) > 0.05)
 
 
 @compiled
-@pytest.mark.parametrize("k, phi", [(0.6, 0.95), (-0.3, 0.8)])
+@parametrize("k, phi", [(0.6, 0.95), (-0.3, 0.8)])
 def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     """Of a fine ring around the radius that sticks at first nothing is left where it sticks in the end."""
     one = dome(k)
@@ -97,15 +88,15 @@ def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     at, a_0 = slice(60, None, 20), float(one.steady(0.0).contact_radius)
     cycles = MANY * n[at]
     volume = np.asarray(run.volume(cycles)) / (a_0**4 / RADIUS)
-    np.testing.assert_allclose(volume, worn[at], atol=(ERROR + 6e-3) * worn[-1])  # what these rings are off
-    assert volume[-1] == pytest.approx(worn[-1], rel=ERROR)
-    np.testing.assert_allclose(np.asarray(run.stick_radius(cycles)) / a_0, stick[at], rtol=0.02)
+    assert_allclose(volume, worn[at], atol=(ERROR + 6e-3) * worn[-1])  # what these rings are off
+    assert_allclose(volume[-1], worn[-1], rtol=ERROR)
+    assert_allclose(np.asarray(run.stick_radius(cycles)) / a_0, stick[at], rtol=0.02)
 
 
 # --- against rings ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, history",
     [
         (0.0, "from gross to partial slip"),
@@ -130,7 +121,7 @@ def test_it_wears_as_rings_do(k, history):
     # To no length of a step.
     n, volume = rough[0], rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
     found = np.asarray(run.volume(np.minimum(MANY * n, float(run.lasting_cycles)))) / (a_0**4 / RADIUS)
-    np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
+    assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
 
 # Volumes at a held displacement, by rings, over those at the force that it needs before any wear.
@@ -152,22 +143,23 @@ def test_less_is_worn_at_a_held_displacement_since_more_sticks():
     assert np.all(sticks > 0.995 * fretting.stick_radius(k, phi))
 
 
-@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=compiled), 0.6])
+@parametrize("k", [pytest.param(-0.5, marks=compiled), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
     rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
     run, final = Reduced(k, rising, blocks=np.diff(n, prepend=0.0)), np.asarray(fretting.wear_volume(k, rising))
-    np.testing.assert_allclose(run.volume(n) / final[-1], final / final[-1], atol=ERROR)
-    np.testing.assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
-    np.testing.assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
+    assert_allclose(run.volume(n) / final[-1], final / final[-1], atol=ERROR)
+    assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
+    assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
     mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7, 0.0]), blocks=[2.0, 1.0, 1e4, 5.0]), np.cumsum([2.0, 1.0, 1e4, 5.0])
     volume, alone = np.asarray(mixed.volume(n)), np.asarray(Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6])))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
-    assert volume[2] == pytest.approx(alone[2], rel=ERROR) and mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
+    assert mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
+    assert_allclose(volume[2], alone[2], rtol=ERROR)
     # Without an amplitude nothing wears, and after the steady state nothing is left for a smaller one.
     assert volume[3] == volume[2] and mixed.rate(n[2] + 2.0) == 0.0
     later = Reduced(k, np.array([0.7, 0.3, 0.5, 0.2]), blocks=[1e4, 1e2, 1e2, 1e2])
-    np.testing.assert_allclose(np.diff(later.volume(np.array([1e4, 1.03e4]))), 0.0, atol=1e-6)
+    assert_allclose(np.diff(later.volume(np.array([1e4, 1.03e4]))), 0.0, atol=1e-6)
 
 
 # --- what is known ----------------------------------------------------------------------------------------------------
@@ -185,10 +177,10 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     share = np.asarray(run.rate(cycles)) / (coefficient * FORCE * 4.0 * u)
     assert np.all((share > 0.9) & (share < 1.0))
     way = np.asarray(run.volume(0.5 * cycles)) / volume
-    np.testing.assert_allclose(way, 0.5, atol=0.02)
-    np.testing.assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
-    np.testing.assert_array_equal(run.stick_radius(cycles), 0.0)
-    np.testing.assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
+    assert_allclose(way, 0.5, atol=0.02)
+    assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
+    assert_array_equal(run.stick_radius(cycles), 0.0)
+    assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
 
 
 @compiled
@@ -197,7 +189,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     pressure = float(one.steady(0.0).peak_initial_pressure)
     run = one.over_cycles(Force(2.0), PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent))
     ends = run.volume(run.lasting_cycles) / one.steady(2.0).wear_volume
-    np.testing.assert_allclose(ends, 1.0, atol=ERROR)
+    assert_allclose(ends, 1.0, atol=ERROR)
     assert float(run.steady.wear_volume) == float(one.steady(2.0).wear_volume)
     early = np.asarray(run.volume(1e4))
     assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
@@ -216,21 +208,7 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     assert 0.5 * by > slope > 2.0 * by
 
 
-@compiled
-def test_derivatives_are_those_of_differences():
-    """By the exponent the cells move, and the compliance in them changes: the edge of the contact follows both."""
-    k, moved, cycles = 0.5, 0.55 * float(dome(0.5).steady(0.0).gross_slip_displacement), np.array([1e4, 1e5, 1e9])
-
-    def volume(k, moved):
-        return dome(k).over_cycles(Displacement(moved, 1e8), COEFFICIENT).volume(cycles)
-
-    slopes = jax.jacfwd(volume, (0, 1))(k, moved)
-    for slope, step in zip(slopes, ((1e-6, 0.0), (0.0, 1e-6 * moved)), strict=True):
-        ahead, behind = (np.asarray(volume(k + sign * step[0], moved + sign * step[1])) for sign in (1.0, -1.0))
-        np.testing.assert_allclose(slope, (ahead - behind) / (2.0 * sum(step)), rtol=5e-3)
-
-
-@pytest.mark.parametrize(
+@parametrize(
     "k, load, law",
     [
         (-0.3, "displacement", COEFFICIENT),
@@ -247,13 +225,13 @@ def test_equal_blocks_are_one(k, load, law):
     blocks = one.over_cycles([Block(force, cycles) for cycles in (1e5, 0.0, 1e5, 3e5)], law)
     whole, cycles = one.over_cycles(force, law), np.array([0.0, 5e4, 1e5, 3e5, 5e5])
     last = float(whole.volume(5e5))
-    np.testing.assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
+    assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
     for name in ("force_amplitude", "contact_radius", "stick_radius"):
-        np.testing.assert_allclose(getattr(blocks, name)(cycles), getattr(whole, name)(cycles), rtol=ERROR)
+        assert_allclose(getattr(blocks, name)(cycles), getattr(whole, name)(cycles), rtol=ERROR)
 
 
 @compiled
-@pytest.mark.parametrize("kind", ["a table under steel", "a cone"])
+@parametrize("kind", ["a table under steel", "a cone"])
 def test_any_contact_in_a_rig_carries_its_force(kind):
     one, stiffness = KINDS.get(kind) or contact_of(LAYERS, STEEL, Cone(0.01)), 1e7
     onset = float(one.steady(Force(0.0, stiffness)).gross_slip_displacement)
@@ -262,14 +240,14 @@ def test_any_contact_in_a_rig_carries_its_force(kind):
         for cycles in (0.0, 1e4, 1e5):
             # The displacements of rig and contact add up.
             moved = float(run.displacement_amplitude(cycles)) + float(run.force_amplitude(cycles)) / stiffness
-            assert moved == pytest.approx(times * onset, rel=1e-6)
+            assert_allclose(moved, times * onset, rtol=1e-6)
         cycles = np.array([[1e4], [1e5]])
         force, volume = sums(run, cycles)
-        np.testing.assert_allclose(force, FORCE, rtol=2e-2)
-        np.testing.assert_allclose(volume, run.volume(cycles)[:, 0], rtol=2e-2)
+        assert_allclose(force, FORCE, rtol=2e-2)
+        assert_allclose(volume, run.volume(cycles)[:, 0], rtol=2e-2)
 
 
-ONE, CYCLES = contact_of(LAW), 1e5
+ONE, LAYERED, CYCLES = contact_of(LAW), KINDS["layers under steel"], 1e5
 ONSET = float(ONE.steady(0.0).gross_slip_displacement)
 HELD, GROSS = Displacement(0.5 * ONSET), Displacement(3.0 * ONSET)
 WIDEST = r"cycles = .* outside .* after which the scar is ten times as wide"
@@ -283,13 +261,11 @@ def worn(load, law=COEFFICIENT):
     return ONE.over_cycles(load, law)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "ask, told",
     [
         (lambda: worn(["2.0"]), r"a list of Block\(load, cycles\), not of '2.0'"),
-        (lambda: worn("x"), "tangential_force takes real numbers"),
         (lambda: Block("x", 1e5), "tangential_force takes real numbers"),
-        (lambda: Block(-1.0, 1e5), "tangential_force = -1.0 is outside"),
         (lambda: Block(HELD, -1.0), "cycles = -1.0 is outside"),
         (lambda: Block(HELD, 1e5, normal_force=-1.0), "normal_force = -1.0 is outside"),
         (lambda: Block(HELD, 1e5, friction=0.0), "friction = 0.0 is outside"),
@@ -297,17 +273,19 @@ def worn(load, law=COEFFICIENT):
             (lambda law=law: worn(HELD, law), "law takes a wear coefficient K in 1/Pa or an instance")
             for law in ("x", None, Archard, lambda p, s: p * s)
         ),
-        (lambda: worn(HELD, -1.0), "wear_coefficient = -1.0 is outside"),
         (lambda: worn([Block(2.0, 1.0), Block(4.5, 1.0)]), "block 2: .* the slip is gross"),
         (lambda: worn([Block(2.0, 1.0, friction=0.1)]), "block 1: .* the slip is gross"),
-        (lambda: worn(Force(4.5), SAME), "the slip is gross"),
         (lambda: worn(3.999, SAME), "= 0.99975 is outside .* <= 0.995 under"),
         (lambda: Displacement(np.inf), "displacement_amplitude = inf is outside .* >= 0 and finite"),
         (lambda: worn(TWO).volume(2.1e5), "cycles = 210000.0 is outside .* where the blocks end"),
-        (lambda: worn(TWO).depth(0.0, 2.1e5), "where the blocks end"),
         (lambda: worn(HELD).volume(-1.0), "cycles = -1.0 is outside"),
         (lambda: worn(HELD).pressure(-1.0, 0.0), "r = -1.0 is outside"),
-        (lambda: worn(HELD).cycles_to(1.0), "share = 1.0 is outside"),
+        (lambda: Displacement(-1e-6), "displacement_amplitude = -1e-06 is outside"),
+        (lambda: Block(1.0, np.inf), "cycles = inf is outside"),
+        (lambda: worn(2.0).volume(np.inf), "cycles = inf is outside"),
+        (lambda: worn(2.0, 0.0), "wear_coefficient = 0.0 is outside"),
+        (lambda: LAYERED.steady(5.0), "beyond which the slip is gross"),
+        (lambda: LAYERED.steady(2.0).pressure(-1.0), "r = -1.0 is outside"),
         # The first question, before the run is solved.
         (lambda: worn(GROSS).deepest_wear(1e30), WIDEST),
     ],
@@ -318,17 +296,15 @@ def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
 
 
 @compiled
-@pytest.mark.parametrize(
+@parametrize(
     "ask, bad",
     [
-        (lambda u: worn(Displacement(u)).volume(CYCLES), -1e-7),
         (lambda u: worn(Displacement(u)).volume(CYCLES), np.inf),
         (lambda K: worn(HELD, K).volume(CYCLES), -1e-14),
         (lambda F: worn([Block(2.0, 1e5), Block(F, 1e5)]).volume(1.5e5), 4.5),
         (lambda n: worn(TWO).volume(n), 2.1e5),
         (lambda F: worn([Block(2.0, 1e5, normal_force=F)]).volume(CYCLES), -1.0),
         (lambda F: worn(F, SAME).volume(CYCLES), 3.999),
-        (lambda r: worn(HELD).depth(r, CYCLES), -1e-5),
         (lambda r: worn(HELD).pressure(r, CYCLES), np.nan),
     ],
 )
@@ -342,7 +318,7 @@ def test_traced_bad_input_gives_nan(ask, bad):
 def test_nothing_wears_without_amplitude_or_cycles():
     still = worn(Displacement(0.0))
     assert still.volume(CYCLES) == 0.0 and np.isnan(still.cycles_to(0.5))
-    np.testing.assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
+    assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
     none = worn([Block(GROSS, 0.0)])
     assert none.volume(0.0) == 0.0
 
@@ -364,19 +340,19 @@ class WithThreshold(WearLaw):
 HIGH = WithThreshold(COEFFICIENT, 2e9)  # twice the largest pressure
 
 
-@pytest.mark.parametrize("load", [pytest.param(2.0, marks=compiled), pytest.param(HELD, marks=compiled), GROSS])
+@parametrize("load", [pytest.param(2.0, marks=compiled), pytest.param(HELD, marks=compiled), GROSS])
 def test_nothing_wears_below_the_threshold_of_a_law(load):
     run = worn(load, HIGH)
     cycles = np.array([0.0, 1e5])
     for name in ("volume", "rate"):
-        np.testing.assert_array_equal(getattr(run, name)(cycles), 0.0)
-    np.testing.assert_array_equal(run.depth(0.5 * ONE.steady(0.0).contact_radius, cycles), 0.0)
-    np.testing.assert_allclose(run.contact_radius(cycles), ONE.steady(0.0).contact_radius, rtol=3e-3)
+        assert_array_equal(getattr(run, name)(cycles), 0.0)
+    assert_array_equal(run.depth(0.5 * ONE.steady(0.0).contact_radius, cycles), 0.0)
+    assert_allclose(run.contact_radius(cycles), ONE.steady(0.0).contact_radius, rtol=3e-3)
     assert run.lasting_cycles == 0.0 and np.isnan(run.cycles_to(0.5))
 
 
 @compiled
-@pytest.mark.parametrize("load", [2.0, HELD, GROSS])
+@parametrize("load", [2.0, HELD, GROSS])
 def test_where_nothing_wears_slopes_are_zero(load):
     slope = jax.grad(lambda K: worn(load, WithThreshold(K, HIGH.threshold)).volume(CYCLES))(COEFFICIENT)
     assert slope == 0.0
@@ -389,7 +365,7 @@ def test_a_threshold_inside_lets_less_wear():
     k = 0.2
     inside = 1.0 - 0.5 ** (2.0 / (1.0 + k))  # of the area
     above = 1.0 - (1.0 - inside) ** ((3.0 + k) / 2.0) - 0.5 * (3.0 + k) / 2.0 * inside
-    np.testing.assert_allclose(some.rate(0.0) / free.rate(0.0), above, rtol=0.05)
+    assert_allclose(some.rate(0.0) / free.rate(0.0), above, rtol=0.05)
 
 
 def test_beyond_the_widest_scar():
@@ -409,11 +385,9 @@ def test_contacts_and_loads_are_batches():
     assert found.shape == (2, 3) and many.depth(np.zeros((4, 1, 1)), CYCLES).shape == (4, 2, 3)
     for (i, j), volume in np.ndenumerate(found):
         single = contact_of(LAW, force=forces[i, 0]).over_cycles(Displacement(moved[j]), COEFFICIENT)
-        np.testing.assert_allclose(volume, single.volume(CYCLES), rtol=1e-5)
+        assert_allclose(volume, single.volume(CYCLES), rtol=1e-5)
     mapped = jax.vmap(lambda u: worn(Displacement(u)).volume(CYCLES))(jnp.asarray(moved))
-    np.testing.assert_allclose(mapped, found[1], rtol=1e-5)
-    blocks = [Block(Displacement(moved), 1e5, normal_force=forces), Block(1.0, 1e4)]
-    assert worn(blocks).volume(1.05e5).shape == (2, 3)
+    assert_allclose(mapped, found[1], rtol=1e-5)
 
 
 @compiled
@@ -424,9 +398,7 @@ def test_forty_blocks_are_one_history():
     volume = np.asarray(run.volume(at))
     assert np.all(np.diff(volume) > 0.0) and np.all(np.isfinite(run.contact_radius(at)))
     # In two parts: what the first 20 blocks leave is what the others find.
-    np.testing.assert_allclose(worn(rising[:20]).volume(2e5), volume[20], rtol=1e-2)
-    same = worn([Block(HELD, 1e4) for _ in range(40)])
-    np.testing.assert_allclose(same.volume(4e5), worn(HELD).volume(4e5), rtol=1e-2)
+    assert_allclose(worn(rising[:20]).volume(2e5), volume[20], rtol=1e-2)
 
 
 # --- derivatives ------------------------------------------------------------------------------------------------------
@@ -441,7 +413,12 @@ def by_radius(R):
 
 
 def by_friction(mu):
-    return KINDS["layers under steel"].over_cycles([Block(GROSS, 5e4, friction=mu), Block(HELD, 5e4)], COEFFICIENT)
+    return LAYERED.over_cycles([Block(GROSS, 5e4, friction=mu), Block(HELD, 5e4)], COEFFICIENT)
+
+
+def by_grading(k):
+    """The cells move, and the compliance in them changes: the edge of the contact follows both."""
+    return dome(k).over_cycles(Displacement(0.55 * ONSET, 1e8), COEFFICIENT)
 
 
 MOVED = [
@@ -451,21 +428,20 @@ MOVED = [
     *((by_exponent, m, 6e-2) for m in (0.8, 1.3, 1.5)),
     (by_radius, RADIUS, 2e-2),
     (by_friction, 0.5, 2e-2),
+    (by_grading, 0.5, 2e-2),
 ]
 
 
-@pytest.mark.parametrize(
-    "run, at, most", [MOVED[0], *(pytest.param(*x, marks=compiled) for x in MOVED[1:])], ids=range(len(MOVED))
-)
+@parametrize("run, at, most", [MOVED[0], *(pytest.param(*x, marks=compiled) for x in MOVED[1:])], ids=range(len(MOVED)))
 def test_derivatives_are_differences(run, at, most):
     volume = jax.jit(lambda x: run(x).volume(CYCLES))
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
     near, far = [(volume(at + h) - volume(at - h)) / (2.0 * h) for h in step]
-    np.testing.assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
+    assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
 
 
 @compiled
-@pytest.mark.parametrize("load", [HELD, GROSS, Displacement(1.01 * ONSET, 1e7)], ids=["held", "gross", "in a rig"])
+@parametrize("load", [HELD, GROSS, Displacement(1.01 * ONSET, 1e7)], ids=["held", "gross", "in a rig"])
 def test_derivatives_of_all_numbers_and_quantities_are_finite(load):
     """Also at pressures so small that their squares are nothing."""
 
@@ -481,12 +457,12 @@ def test_derivatives_of_all_numbers_and_quantities_are_finite(load):
 
 
 @compiled
-@pytest.mark.parametrize("load", [HELD, GROSS], ids=["held", "gross"])
+@parametrize("load", [HELD, GROSS], ids=["held", "gross"])
 def test_single_precision_keeps_two_digits(load):
     double, cycles = (ONE, load, COEFFICIENT), np.array([1e3, 1e5, 1e6])
     single = jax.tree.map(jnp.float32, double)
     one, other = (contact.over_cycles(load, law) for contact, load, law in (single, double))
     volume = one.volume(np.float32(cycles))
     assert volume.dtype == np.float32
-    np.testing.assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
-    np.testing.assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=2e-3)
+    assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
+    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=2e-3)

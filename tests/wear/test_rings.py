@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import transient_oracle
 from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of
+from marks import compiled, long, parametrize
+from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced, first_rate, unit_of
 
 from plgwear_jax import DepthGraded, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
@@ -17,8 +19,6 @@ from plgwear_jax.wear.closed_ring import curves_of
 from plgwear_jax.wear.numeric_ring import cells_at, widths
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution, edges_of
 from plgwear_jax.wear.ring_curves import volume_of
-
-compiled, long = pytest.mark.compiled, pytest.mark.long
 
 # The tests of closed forms ask for these shapes, so that they share their programs.
 K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
@@ -41,16 +41,16 @@ def volumes(resolution, k, phi, n):
     return np.asarray(volume_of(curves, phi, jnp.asarray(n)))
 
 
-@pytest.mark.parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
+@parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
 def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
     run, final, first, unit = of(amplitudes)
     times = unit * np.concatenate([[0.0, early], np.geomspace(1e-4, 10.0, 13), [1e3]])
     volume = np.asarray(run.volume(times))
-    np.testing.assert_array_equal(volume[:, 0], 0.0)
-    np.testing.assert_allclose(volume[:, 1], (first * times)[:, 1], rtol=1e-5)
-    np.testing.assert_allclose(run.rate(times)[:, :1], first, rtol=1e-6)
+    assert_array_equal(volume[:, 0], 0.0)
+    assert_allclose(volume[:, 1], (first * times)[:, 1], rtol=1e-5)
+    assert_allclose(run.rate(times)[:, :1], first, rtol=1e-6)
     assert np.all(np.diff(volume, axis=1) >= 0.0) and np.all(volume <= volume[:, -1:])
-    np.testing.assert_allclose(volume[:, -1:], final, rtol=1e-6)  # it is an integral over nodes
+    assert_allclose(volume[:, -1:], final, rtol=1e-6)  # it is an integral over nodes
 
 
 def test_the_rate_is_the_slope_of_the_volume():
@@ -58,7 +58,7 @@ def test_the_rate_is_the_slope_of_the_volume():
     times = unit * np.linspace(0.05, 7.0, 16)
     ahead, behind = (np.asarray(run.volume(times * (1.0 + sign * 1e-4))) for sign in (1.0, -1.0))
     rate = np.asarray(run.rate(times))
-    np.testing.assert_allclose((ahead - behind) / (2e-4 * times), rate, rtol=1e-4, atol=1e-5 * rate.max())
+    assert_allclose((ahead - behind) / (2e-4 * times), rate, rtol=1e-4, atol=1e-5 * rate.max())
     assert np.all(rate >= 0.0)
 
 
@@ -66,7 +66,7 @@ def test_the_rate_is_the_slope_of_the_volume():
 EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "k, phi, parts, rings, off",
     [
         (-0.5, 0.8, LATER, 80, 2e-4),
@@ -84,7 +84,7 @@ def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, parts
     rough, fine = (transient_oracle.worn_shares(k, phi, at, count, 5) for count in (rings // 2, rings))
     mine = np.asarray(Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16))))[0, :3]
     share = mine / float(fretting.wear_volume(k, phi))
-    np.testing.assert_allclose(share, (4.0 * fine - rough) / 3.0, atol=ERROR[4] + off)
+    assert_allclose(share, (4.0 * fine - rough) / 3.0, atol=ERROR[4] + off)
     assert parts is LATER or 0.1 < share[0] < 0.5
 
 
@@ -129,7 +129,7 @@ def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
     share = np.zeros((5, 1))
     n, slope = jax.jvp(Reduced(k, phi).n_to, (share,), (np.ones_like(share),))
     assert np.all(n >= 0.0)
-    np.testing.assert_allclose(slope, unit_of(k, phi), rtol=1e-6)
+    assert_allclose(slope, unit_of(k, phi), rtol=1e-6)
 
 
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
@@ -137,7 +137,7 @@ def test_the_rate_goes_on_at_the_last_time_of_the_run():
     curves = curves_of(RESOLUTIONS[4], jnp.asarray(0.0), jnp.asarray(0.8))
     last = float(curves.volume.time[-1] * curves.scales.unit) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = np.asarray(Reduced(0.0, 0.8).rate(last))
-    np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
+    assert_allclose(rate, rate[0], rtol=1e-9)
 
 
 @compiled
@@ -169,9 +169,7 @@ READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn
 
 
 # The derivatives of the march are in the programs of all of them.
-@pytest.mark.parametrize(
-    "name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ]
-)
+@parametrize("name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ])
 def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     at = ["r", "n"] if READ[name] == "rn" else [READ[name]]
     names = ["k", "phi", *at]
@@ -194,7 +192,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 
 
 @compiled
-@pytest.mark.parametrize("phi", [0.3, 0.9])
+@parametrize("phi", [0.3, 0.9])
 def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     """The cells of A p_0 = H: in too coarse cells inside c the ones next to c would have pressures of any size."""
     one = contact_of(PowerLawGraded(110e9, 1e-4, -0.8, 0.3), STEEL)
@@ -210,11 +208,11 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     edges = np.asarray(edges_of(*widths(state), steps)[0])[0, : count // 2 + 1]
     middle = float(state.c) * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
     pressure = one.steady(0.0).initial_pressure(middle)
-    np.testing.assert_allclose(np.asarray(cells.first)[: count // 2] / pressure, 1.0, rtol=0.04)
+    assert_allclose(np.asarray(cells.first)[: count // 2] / pressure, 1.0, rtol=0.04)
 
 
 @compiled
-@pytest.mark.parametrize("body", ["layers", "a power law"])
+@parametrize("body", ["layers", "a power law"])
 def test_narrow_rings_beside_a_flat_face_wear_to_their_steady_state(body):
     """The modes have no pressure beside a kink: where that gave no wear in the first cycle, all was NaN."""
     grid = np.meshgrid(np.array([3.0, 4.5, 6.0, 8.0, 10.0]) * 1e-5, [0.02, 0.035, 0.05], indexing="ij")
@@ -226,7 +224,7 @@ def test_narrow_rings_beside_a_flat_face_wear_to_their_steady_state(body):
     force = FRICTION * FORCE * (phi if body == "layers" else 8.0 * phi)
     one = contact_of(bodies[body], STEEL, TruncatedSphere(flat))
     run, steady = one.over_cycles(force, COEFFICIENT), one.steady(force).wear_volume
-    np.testing.assert_allclose(run.volume(np.full_like(flat, 1e15)), steady, rtol=1e-6)
+    assert_allclose(run.volume(np.full_like(flat, 1e15)), steady, rtol=1e-6)
     assert np.all(np.diff(run.volume(np.array([0.0, 1e4, 1e6, 1e8])[:, None]), axis=0) > 0.0)
 
 
@@ -237,4 +235,4 @@ def test_a_stiff_depth_between_compliant_ones():
     stiff, cycles = contact_of(table, None), np.array([[1e3], [4e5], [1e7]])
     volume = stiff.over_cycles(1.0, COEFFICIENT).volume(cycles)
     marched = stiff.over_cycles([loads.Block(1.0, 2e7)], COEFFICIENT).volume(cycles)
-    np.testing.assert_allclose(volume, marched, rtol=0.015)
+    assert_allclose(volume, marched, rtol=0.015)

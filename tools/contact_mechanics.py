@@ -2,7 +2,7 @@
 
 In an environment of its own, with `pip install ContactMechanics==1.8.3`,
 
-    python tests/reference/contact_mechanics.py
+    python tools/contact_mechanics.py
 
 prints what `tests/steady/test_any_shape.py` has recorded, in half a minute. Nothing here imports plgwear, and
 no test imports this program. Lengths are in units of a length, forces in units of E* times its square. The grid has so

@@ -1,0 +1,60 @@
+"""Questions about designs that make no sense are refused in a line, before anything is searched."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from coated import HOLD, RIGID, on
+from refusals import cases
+
+from plgwear_jax import GrossSlipContact, Layered, optimise
+from plgwear_jax.loads import Displacement
+
+REFUSED = Path(__file__).with_name("refused.toml")
+NAMED = {
+    "NONE": None,
+    "PUNCH": GrossSlipContact(RIGID.material, 1e-3, 1e-6),
+    "GRADED": on(RIGID, k=0.3),
+    "LAYERS": dataclasses.replace(RIGID, material=Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)),
+    "GROSS": Displacement(1e-5),
+}
+DESIGN = {"contact": RIGID, "load": 1.0, "vary": {"k": (-0.9, 0.9)}, "hold": HOLD}
+# What is asked where a case gives nothing else.
+ASKED = {
+    "design": DESIGN,
+    "front": DESIGN,
+    "optimal_exponent": {"phi": 0.5},
+    "minimise": {"objective": lambda v: v["x"]},
+}
+
+
+def given(case):
+    found = {name: NAMED.get(x, x) if isinstance(x, str) else x for name, x in case["given"].items()}
+    for name in {"tangential_force", "weight"} & found.keys():
+        found[name] = np.array(found[name])
+    return found
+
+
+def refused(ask, case, asked):
+    with pytest.raises((TypeError, ValueError), match=case["line"]) as error:
+        ask(**asked | given(case))
+    assert "\n" not in str(error.value)
+
+
+@cases(REFUSED, "asked")
+def test_what_makes_no_sense_is_refused(case):
+    def ask(space=None, **asked):
+        if space is not None:
+            asked["space"] = {name: optimise.Interval(*bounds) for name, bounds in space.items()}
+        return getattr(optimise, case["ask"])(**asked)
+
+    refused(ask, case, ASKED.get(case["ask"], {}))
+
+
+@cases(REFUSED, "arguments")
+@pytest.mark.parametrize("more", [{}, {"distance": 1e-6}], ids=["designs", "a front"])
+def test_what_an_argument_takes_is_said(more, case):
+    asks = (optimise.front,) if more else (optimise.design, optimise.designs)
+    for ask in asks:
+        refused(ask, case, DESIGN | {"hold": None, "load": 2.0} | more)

@@ -1,0 +1,58 @@
+"""Contacts in closed form with their numbers, and which of them each quantity depends on."""
+
+import inspect
+
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
+from plgwear_jax.contact.gross_slip_contact import SteadyPunch
+from plgwear_jax.steady.solution import Steady
+
+MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
+FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
+GROSS_SLIP = {"radius": 2e-3, "depth": 1e-6}
+
+
+def build(cls, **changed):
+    graded = PowerLawGraded(**{**MATERIAL, **{k: v for k, v in changed.items() if k in MATERIAL}})
+    if cls is PowerLawGraded:
+        return graded
+    fields = FRETTING if cls is FrettingContact else GROSS_SLIP
+    return cls(graded, **{**fields, **{k: v for k, v in changed.items() if k in fields}})
+
+
+def quantities(cls):
+    """What the steady state of a contact answers, and the names of the arguments that it takes."""
+    found = {}
+    for name, one in inspect.getmembers(Steady if cls is FrettingContact else SteadyPunch):
+        if name[0] != "_" and isinstance(one, property):
+            found[name] = []
+        elif name[0] != "_" and inspect.isfunction(one):
+            parameters = inspect.signature(one).parameters.items()
+            found[name] = [key for key, one in parameters if key != "self" and one.kind != one.KEYWORD_ONLY]
+    return found
+
+
+# Which fields a result depends on: only those can make it NaN.
+UNWORN, LOADED = {*MATERIAL, *FRETTING} - {"friction"}, {"normal_force", "friction", "tangential_force"}
+DEPENDS = {
+    "amplitude": LOADED,
+    "tangential_force": set(),
+    **dict.fromkeys(("contact_radius", "peak_initial_pressure"), UNWORN),
+    **dict.fromkeys(("initial_pressure", "initial_displacement"), UNWORN | {"r"}),
+    **{key: {"k"} for key in ("gross_slip_energy_ratio", "gross_slip_aperture")},
+    **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
+    "gross_slip_displacement": {*MATERIAL, *FRETTING},
+    "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
+    "modulus_at": {"E0", "z0", "k", "z"},
+}
+OF_PUNCH = {
+    **{key: {"k"} for key in ("force_ratio", "force_drop")},
+    "volume_change": {"k", "radius", "depth"},
+    "modulus_at": {"E0", "z0", "k", "z"},
+    **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
+}
+
+
+def depends(cls, name):
+    if cls is GrossSlipContact:
+        return OF_PUNCH.get(name, {*MATERIAL, *GROSS_SLIP, *quantities(cls)[name]})
+    return DEPENDS.get(name, {*MATERIAL, *FRETTING, "tangential_force", *quantities(cls)[name]})

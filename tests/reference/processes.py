@@ -1,0 +1,32 @@
+"""Programs in processes of their own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import plgwear_jax
+
+PATH = os.pathsep.join([str(Path(plgwear_jax.__file__).parents[1]), *sys.path])
+
+
+def python(
+    *arguments: object, without: tuple[str, ...] = (), limit: float = 3000.0, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """What Python does with these arguments and variables, and `without` those that begin so."""
+    known = {name: value for name, value in os.environ.items() if not name.startswith(without)}
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        env=known | {"PYTHONPATH": PATH} | variables,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=limit,
+    )
+
+
+def output(*arguments: object, **how) -> str:
+    """What it prints if it succeeds."""
+    done = python(*arguments, **how)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
