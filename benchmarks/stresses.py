@@ -22,6 +22,7 @@ RADIUS, FORCE, E = 5e-3, 10.0, 210e9
 DEPTHS = 0.02, 0.3, 1.0, 3.0  # in contact radii
 COUNT = 4  # contacts of each kind
 X = np.array([-2.0, -1.05, -0.9, -0.5, 0.0, 0.3, 0.6, 1.02])
+DIGITS = 2, 3, 4, 5  # 4 by default
 KINDS = "homogeneous", "a power law", "layers", "a table"
 
 
@@ -45,8 +46,11 @@ def divided(material: Any, a: float, z: float) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(1), np.ones(1)
     if isinstance(material, Layered):
         return np.append(0.0, np.cumsum(material.thickness)) / a, np.asarray(material.modulus) / E
-    tops = np.append(0.0, np.geomspace(1e-5, 1e2, 200))
-    tops[np.argmin(abs(tops - z))] = z
+    if isinstance(material, DepthGraded):  # constant below its last depth
+        tops = float(np.max(material.depth)) / a * np.linspace(0.0, 1.0, 240) ** 2
+    else:
+        tops = np.append(0.0, np.geomspace(1e-5, 3e1, 360))
+    tops = np.sort(np.append(tops[abs(tops - z) > 1e-6], z))
     middle = np.sqrt(np.maximum(tops[:-1], 1e-9) * tops[1:])
     moduli = np.append(np.asarray(material.modulus_at(middle * a)), float(material.modulus_at(tops[-1] * a)))
     if isinstance(material, PowerLawGraded):  # the skin, whose modulus may be infinite
@@ -78,9 +82,15 @@ def answers(material: Any, a: float) -> Any:
     return respond
 
 
+@functools.cache
+def nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's nodes and weights, as many as the shortest waves need."""
+    return np.polynomial.legendre.leggauss(800)
+
+
 def rule(a: float) -> tuple[np.ndarray, np.ndarray]:
     """Radii from 0 to a and the weights of an integral over them, which takes a root at a."""
-    node, weight = np.polynomial.legendre.leggauss(250)
+    node, weight = nodes()
     u = 0.25 * np.pi * (1.0 + node)
     return a * np.sin(u), a * 0.25 * np.pi * np.cos(u) * weight
 
@@ -104,35 +114,37 @@ def worn_transforms(steady: Any, a: float, p_0: float, phi: float) -> tuple[Any,
     return reference.transform(r, weight, pressure), reference.transform(r, weight, traction)
 
 
-def errors(contact: Any, phi: float) -> tuple[float, float]:
-    """The largest errors of a stress before any wear and in the steady state, over the largest pressure before it."""
+def errors(contact: Any, phi: float) -> dict[int, tuple[float, float]]:
+    """By digits the largest errors of a stress before any wear and in the end, over the largest pressure before it."""
     force, mu = float(contact.normal_force), float(contact.friction)
-    steady = contact.steady(phi * mu * force)
-    inner = FrettingContact(contact.material, RADIUS, (1.0 - phi) * force, mu).steady(0.0)
+    steady = contact.steady(phi * mu * force, digits=max(DIGITS))
+    inner = FrettingContact(contact.material, RADIUS, (1.0 - phi) * force, mu).steady(0.0, digits=max(DIGITS))
     a, c, p_0 = (float(x) for x in (steady.contact_radius, steady.stick_radius, steady.peak_initial_pressure))
     p, stuck = transform_of(steady, a, a, p_0), transform_of(inner, c, a, p_0)
     respond = answers(contact.material, a)
     known = [(p, lambda xi: mu * (p(xi) - stuck(xi))), worn_transforms(steady, a, p_0, phi)]
-    worst = [at_the_surface(steady, inner, a, p_0), 0.0]
+    asked = {digits: contact.steady(phi * mu * force, digits=digits) for digits in DIGITS}
+    worst = {digits: [at_the_surface(one, steady, inner, a, p_0), 0.0] for digits, one in asked.items()}
     for z in DEPTHS:
         for worn, (pressure, traction) in enumerate(known):
-            want = reference.stresses(pressure, traction, respond, X, z, min(40.0 / z, 500.0))
-            found = np.array(steady.stress(X * a, z * a, worn=bool(worn))) / p_0
-            worst[worn] = max(worst[worn], float(np.max(abs(found - want))))
-    return worst[0], worst[1]
+            want = reference.stresses(pressure, traction, respond, X, z, 40.0 / z)
+            for digits, one in asked.items():
+                found = np.array(one.stress(X * a, z * a, worn=bool(worn))) / p_0
+                worst[digits][worn] = max(worst[digits][worn], float(np.max(abs(found - want))))
+    return {digits: (before, after) for digits, (before, after) in worst.items()}
 
 
-def at_the_surface(steady: Any, inner: Any, a: float, p_0: float) -> float:
+def at_the_surface(asked: Any, steady: Any, inner: Any, a: float, p_0: float) -> float:
     """The error of what the surface carries, the pressure and the traction."""
-    x, mu = X * a, float(steady.contact.friction)
-    found = steady.stress(x, 0.0)
+    x, mu = np.linspace(-1.18, 1.18, 60) * a, float(steady.contact.friction)
+    found = asked.stress(x, 0.0)
     pressure, stuck = (np.asarray(one.initial_pressure(abs(x))) for one in (steady, inner))
     return float(np.max(abs(np.array([found.zz + pressure, found.xz + mu * (pressure - stuck)]))) / p_0)
 
 
-def peaks(contact: Any) -> Any:
+def peaks(contact: Any, digits: int | None = None) -> Any:
     """Both peaks of a contact."""
-    steady = contact.steady(2.0)
+    steady = contact.steady(2.0, digits=digits)
     return steady.peak_tension, steady.peak_mises
 
 
@@ -145,23 +157,32 @@ def once(question: Any, contact: Any) -> float:
 
 def stresses(report: Report, quick: bool) -> None:
     """Errors over random contacts, and times of peaks."""
-    random, rows, times = harness.generator(), [], []
+    random, rows, times, trades = harness.generator(), [], [], []
     a = float(FrettingContact(Elastic(E, 0.3), RADIUS, FORCE, 0.5).steady(0.0).contact_radius)
     for kind in KINDS:
         found = []
         for _ in range(1 if quick else COUNT):
             contact = FrettingContact(half_space(kind, random, a), RADIUS, FORCE, random.uniform(0.1, 1.0))
             found.append(errors(contact, random.uniform(0.0, 0.99)))
-        told = [f"{number:.0e}" for row in np.transpose(found) for number in (np.median(row), max(row))]
-        rows.append([kind, f"{len(found)}", *told])
+        told = np.transpose([one[4] for one in found])
+        rows.append([kind, f"{len(found)}", *(f"{x:.0e}" for row in told for x in (np.median(row), max(row)))])
         contact = FrettingContact(half_space(kind, random, a), RADIUS, FORCE, 0.5)
         peak = jax.jit(lambda contact: peaks(contact)[0])
         first, eager = once(peaks, contact), once(jax.grad(lambda contact: peaks(contact)[0]), contact)
         slope, _ = once(jax.jit(jax.grad(peak)), contact), peak(contact)
         _, taken = harness.seconds(functools.partial(peak, contact), 5 if quick else 25)
         times.append([kind, f"{first:.1f}", f"{eager:.1f}", f"{slope:.1f}", f"{1e3 * taken:.1f}"])
+        each = {digits: jax.jit(functools.partial(peaks, digits=digits)) for digits in DIGITS}
+        calls = {digits: functools.partial(call, contact) for digits, call in each.items()}
+        again = harness.interleave(calls, 3 if quick else 15)
+        for digits in DIGITS:
+            worst = np.max([one[digits] for one in found], axis=0)
+            taken = f"{1e3 * np.median(again[digits]):.1f}"
+            trades.append([kind, f"{digits}", *(f"{x:.0e}" for x in worst), taken])
     heads = ["half-space", "contacts", "error, median", "error, worst", "worn, median", "worn, worst"]
     report.table("Errors over the largest pressure, at depths from 0 to 3 contact radii, worn from 0.02", heads, rows)
+    heads = ["half-space", "digits", "error, worst", "worn, worst", "both peaks again (ms)"]
+    report.table("Fewer digits, which are 4 by default", heads, trades)
     heads = ["half-space", "first answer of both peaks (s)", "first gradient of one (s)"]
     heads += ["the same within jit (s)", "a peak again (ms)"]
     report.table("What peaks take within a process", heads, times)

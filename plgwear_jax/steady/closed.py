@@ -188,18 +188,18 @@ class ClosedSteady(Steady):
 
     @property
     def _pressed(self) -> "Pressed":
-        from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
+        from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 
         shape = jnp.shape(self._of_each_contact(self.amplitude))
         k, phi, mean = (
             jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self.k), self.amplitude, self.mean_pressure)
         )
-        stick, s, inside = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k, jnp.asarray(INSIDE)
+        stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
+        inside = samples(self.digits, k.dtype)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
         unit = mean * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5 * jnp.exp((s - 0.5) * jnp.log(inside))
-        own = unit * (1.0 + s) / (0.5 + s) * inside
-        flat = ended(phi / (stick * stick) * unit, s[..., 0] - 0.5, singular=True)
-        own, share = ended(own, s[..., 0] + 0.5), (1.0 - phi) / (stick * stick)
+        own, share = unit * (1.0 + s) / (0.5 + s) * inside, (1.0 - phi) / (stick * stick)
+        flat = phi / (stick * stick) * unit
         nu = poisson_ratio_of(self.contact.material)
         given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)

@@ -21,7 +21,7 @@ from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import as_numbers, each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
-from plgwear_jax.stresses.field import INSIDE, Pressed, ended, poisson_ratio_of
+from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
@@ -101,15 +101,13 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
 
 def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array]:
     """`own`, `stuck` and `flat` of `Pressed`."""
-    del effort
-    inside, s = jnp.asarray(INSIDE, state.force.dtype), state.compliance.s
+    inside = samples(effort.digits, state.force.dtype)
     own, stuck = (
         state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
         for punch in (state.unworn, state.punch)
     )
     further = state.height(state.punch) * (state.depth - state.punch.depth)
-    flat = further * flat_pressure(state.compliance, state.punch, inside, 0.5)
-    return ended(own, s + 0.5), ended(stuck, s + 0.5), ended(flat, s - 0.5, singular=True)
+    return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5)
 
 
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB

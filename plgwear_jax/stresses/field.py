@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise, horner
-from plgwear_jax.stresses.images import Grid, Tractions, bends, grid, transforms
+from plgwear_jax.stresses.images import Grid, Tractions, grid, strips, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -52,8 +52,32 @@ def _root(square: Array) -> Array:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
+class Fineness(NamedTuple):
+    """How finely stresses are divided."""
+
+    radii: int  # of the spline of a pressure
+    near: int  # of these at the edge, between which it is linear
+    spacing: float  # of the logarithms of depths of the exponentials
+    rounds: int  # of the search for a peak
+
+
+_FINENESS = {
+    2: Fineness(8, 3, 0.8, 2),
+    3: Fineness(12, 3, 0.6, 3),
+    4: Fineness(16, 3, 0.5, 3),
+    5: Fineness(32, 4, 0.4, 4),
+}
+_SINGLE = Fineness(40, 40, 0.4, 3)  # in float32, where the far field of parabolas would cancel
+
+
+def samples(digits: int | None, dtype: Any) -> Array:
+    """1 - t^2 where `Pressed` has P, for digits of 2 to 5, by default 4."""
+    fine = _FINENESS[min(max(4 if digits is None else digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
+    return jnp.asarray(strips(fine.radii, fine.near)[1], dtype)
+
+
 class Pressed(NamedTuple):
-    """What the stresses follow from; P, as in `images`, in units of its radius, at the shares `STRIPS` of it."""
+    """What the stresses follow from; P, as in `images`, in units of its radius, at `samples`."""
 
     force: Array  # F_N in N
     radius: Array  # a_0 in m
@@ -70,41 +94,29 @@ class Pressed(NamedTuple):
         """The shape of the contacts, () for one."""
         return self.force.shape
 
+    @property
+    def fineness(self) -> Fineness:
+        """How finely it is divided, which the shape of P tells."""
+        return next(each for each in (_SINGLE, *_FINENESS.values()) if 3 * each.radii == self.own.shape[-1])
+
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        t, c = jnp.asarray(STRIPS[1:], self.own.dtype), self.stick
-        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], t.dtype)
-        bend = jnp.asarray(bends(STRIPS), self.own.dtype)
+        c, (radii, near, *_) = self.stick, self.fineness
+        b, _, fit = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
+        # Without a singularity of the pressure there must be no trace of one, which is the last weight.
+        own, stuck, flat = ((fit @ p)[:, None] for p in (self.own, self.stuck, self.flat))
+        both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], c.dtype)
+        powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
         if worn:
-            more = self.flat[:, None] * both
-            whole = self.stuck[:, None] * normal + more
-            return Tractions(c * t, bend @ whole / c, c, c * more[-1])
-        stuck = self.stuck[:, None] * (both * (normal - 1.0) / c)
-        weight = jnp.concatenate([bend @ (self.own[:, None] * both), bend @ stuck])
-        return Tractions(jnp.append(t, c * t), weight, c, None)
+            weight = powers * (stuck[:-1] * normal + flat[:-1] * both)
+            return Tractions(near, c * b[None], weight[None], c * flat[-1:] * both)
+        weight = jnp.stack([own[:-1] * both, powers * stuck[:-1] * (both * (normal - 1.0))])
+        return Tractions(near, jnp.stack([b, c * b]), weight, None)
 
 
 def poisson_ratio_of(material: Any) -> Array:
     """Poisson's ratio of a half-space, also where it is Holl's."""
     return holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
-
-
-STRIPS = 1.0 - (1.0 - np.linspace(0.0, 1.0, 49)) ** 3.5
-INSIDE = ((1.0 - STRIPS) * (1.0 + STRIPS))[:-1]  # 1 - t^2
-
-
-def ended(strips: Array, power: Array, singular: bool = False) -> Array:
-    """P at `STRIPS` from those inside, for a P like (1 - t^2)^power at the edge, with the right mean between them."""
-    node, weight = np.polynomial.legendre.leggauss(4)
-    between = INSIDE[:-1, None] + np.diff(INSIDE)[:, None] * (0.5 + 0.5 * node)
-    relative = jnp.asarray(np.log(between / np.stack([INSIDE[:-1], INSIDE[1:]])[..., None]), strips.dtype)
-    above = 1.0 - jnp.exp(power[..., None, None, None] * relative) @ jnp.asarray(0.5 * weight, strips.dtype)
-    excess = 0.5 * (strips[..., :-1] * above[..., 0, :] + strips[..., 1:] * above[..., 1, :])
-    beside = jnp.concatenate([excess, jnp.zeros_like(excess[..., :1])], -1)
-    inner = strips[..., 1:] - 0.5 * (beside[..., :-1] + beside[..., 1:])
-    outer = 2.0 * strips[..., -1] / (1.0 + power) - inner[..., -1]
-    # Without a singularity of the pressure there must be no trace of one.
-    return jnp.concatenate([strips[..., :1], inner, (outer if singular else 0.0 * outer)[..., None]], -1)
 
 
 # --- E(z) -------------------------------------------------------------------------------------------------------------
@@ -210,8 +222,9 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: G
     fit = jnp.asarray(given.fit.T, z.dtype)
     if isinstance(body, PowerModulus):
         stiff = body.at(z)[:, None] * q**body.k
-        return (jnp.where(moved, stiff, 1.0) * body.responses(z, q)) @ fit
-    edges, even = depths_for(body, q, 4)
+        # At the surface itself tractions are those that are given, however stiff the skin below it is.
+        return (jnp.where(moved, stiff, (z > 0.0)[:, None]) * body.responses(z, q)) @ fit
+    edges, even = depths_for(body, q, 2)
 
     def at(z: Array) -> Array:
         found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
@@ -249,7 +262,7 @@ def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stres
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, given = pressed.nu, grid(x.dtype == jnp.float64)
+    nu, given = pressed.nu, grid(pressed.fineness.spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)

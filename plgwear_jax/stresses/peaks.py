@@ -68,7 +68,7 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
 
     none = jnp.zeros_like(pressed.radius)
     begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
-    rounds = 5 if kind is None else 4  # below the edge the tension in a power law is steep
+    rounds = pressed.fineness.rounds + (kind is None)  # below the edge the tension in a power law is steep
     rounds = jnp.where(_unbounded(pressed, kind, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 

@@ -89,7 +89,7 @@ def transform(r, weight, pressure):
 
 def stresses(p, q, respond, x, z, most, scale=1.0):
     """(xx, yy, zz, xz) at one depth and places x, under the pressure and the traction with the transforms p and q."""
-    edges = np.concatenate([np.geomspace(1e-5, 0.5, 25), np.arange(1.0, most, 1.0)])
+    edges = np.concatenate([np.geomspace(1e-5, 0.5, 25), np.arange(1.0, most, 2.0)])
     node, weight = np.polynomial.legendre.leggauss(6)
     half = 0.5 * np.diff(np.append(0.0, edges))
     xi = ((np.append(0.0, edges[:-1]) + half)[:, None] + half[:, None] * node).ravel() / scale

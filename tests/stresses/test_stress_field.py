@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
+from scipy.special import gamma, jv
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.stresses import Stress
+from plgwear_jax.stresses.images import Tractions, strips, transforms
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -139,6 +141,66 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
             assert_allclose(found, want, rtol=0, atol=1e-3)
 
 
+# --- sums in closed form ----------------------------------------------------------------------------------------------
+
+
+def bessel_integrals(b, zeta, x):
+    """The integrals of `transforms` for P = (b^2 - t^2)^2 by quadrature."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    q = 30.0 * (1.0 + node)
+    of_p = 8.0 * np.sqrt(np.pi / 2.0) * b**2.5 * jv(2.5, q * b) / q**2.5
+    rows = np.stack([jv(i, q * x) for i in range(4)]) * (30.0 * weight * q * of_p * np.exp(-q * zeta))
+    return np.stack([rows.sum(-1), (rows * q).sum(-1)])
+
+
+def test_integrals_of_squares_of_parabolas_and_their_derivatives():
+    def sums(b, zeta, x):
+        return transforms(Tractions(0, b[None, None], jnp.ones((1, 1, 1)), None), zeta[None], x[None])[..., 0, 0]
+
+    for at in (np.array([0.4, 0.8, 0.0]), np.array([1.0, 0.7, 1.2])):
+        along = np.array([1.0, -0.5, 2.0])
+        found, slope = jax.jvp(sums, tuple(map(jnp.asarray, at)), tuple(map(jnp.asarray, along)))
+        ends = [bessel_integrals(*(at + h * along)) for h in (1e-4, -1e-4)]
+        assert_allclose(found, bessel_integrals(*at), rtol=0, atol=1e-9)
+        assert_allclose(slope, (ends[0] - ends[1]) / 2e-4, rtol=0, atol=1e-6)
+
+
+@parametrize("power", [0.9, 1.0, 1.3])
+def test_splines_make_the_pressure_of_a_power(power):
+    b, inside, fit = strips(16, 3)
+    weight = fit @ inside**power
+    r = np.linspace(0.0, 0.97, 60)[:, None]
+    squares = np.maximum((b - r) * (b + r), 0.0)
+    found = squares[:, :-3] ** 1.5 @ weight[:-4] * (8.0 / 3.0) + squares[:, -3:] ** 0.5 @ weight[-4:-1] * 2.0
+    known = np.sqrt(np.pi) * gamma(power + 1.0) / gamma(power + 0.5) * (1.0 - r[:, 0] ** 2) ** (power - 0.5)
+    assert_allclose(found, known, rtol=0, atol=5e-4 * known[0])
+
+
+PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
+
+
+@parametrize("worn", [False, pytest.param(True, marks=compiled)])
+def test_each_digit_is_worth_its_time(worn):
+    for k in (0.3, -0.3):
+        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+        found = [contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
+        best, *others = (np.array(one.stress(*PLACES, worn=worn)) for one in found)
+        errors = [np.max(abs(one - best)) / float(found[0].peak_initial_pressure) for one in others]
+        assert errors[0] < errors[1] < errors[2]
+        assert np.all(np.array(errors) < [5e-4, 2e-3, 2e-2])
+
+
+@parametrize("worn", [False, pytest.param(True, marks=compiled)])
+def test_stresses_in_single_precision(worn):
+    for k in (0.3, -0.3):
+        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+        found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5)).stress(*map(np.float32, PLACES), worn=worn)
+        assert found.xx.dtype == jnp.float32
+        known, most = contact.steady(1.5), 0.1 if worn and k < 0.0 else 2e-3
+        gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / float(known.peak_initial_pressure)
+        assert_allclose(gap, 0.0, atol=most)
+
+
 # --- what is special at the surface -----------------------------------------------------------------------------------
 
 
@@ -152,6 +214,22 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
     pressure, stuck = steady.initial_pressure(abs(x)), inner.initial_pressure(abs(x))
     assert_allclose(found.zz / p_0, -pressure / p_0, rtol=0, atol=1e-3)
     assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
+
+
+def test_a_surface_of_infinite_modulus_carries_the_traction():
+    steady = steady_of(PowerLawGraded(210e9, 1e-4, -0.9, 0.3), 0.999)
+    x = np.array([-1.5, -0.9, -0.3, 0.1, 0.5, 0.9]) * steady.contact_radius
+    found = (steady.stress(x, 0.0).xz + FRICTION * steady.initial_pressure(abs(x))) / steady.peak_initial_pressure
+    stuck = abs(x) < steady.stick_radius
+    assert np.max(abs(found[~stuck])) < 2e-3
+
+
+@compiled
+def test_the_surface_of_a_steep_table_carries_the_pressure():
+    steady = steady_of(DepthGraded([0.0, 0.05 * A, 0.12 * A, A], [150e9, 400e9, 120e9, 210e9], 0.3), 0.6)
+    x = np.linspace(-1.2, 1.2, 48) * A
+    found, known = (np.asarray(each) for each in (steady.stress(x, 0.0).zz, steady.initial_pressure(abs(x))))
+    assert_allclose((found + known) / float(steady.peak_initial_pressure), 0.0, atol=5e-4)
 
 
 def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_an_infinite_one():
