@@ -173,7 +173,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
         now, contact = known, first
         for _ in range(rounds):  # Newton's method, for a depth that is proportional to the pressure at once
-            some = jnp.maximum(guess, 1e-3 * mean)
+            some = jnp.maximum(guess, 1e-9 * mean)
             worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
             matrix = disc.compliance + jnp.diag(slope)
