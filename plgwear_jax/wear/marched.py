@@ -298,7 +298,7 @@ class MarchedRun(Run):
     and near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner
     than a thirtieth of the contact radius, or a kink beside the stick area, volumes are up to 4 % off. After a
     displacement within some percent of the transition to gross slip, the last volume of a test without an end is up to
-    7 % off. In single precision volumes are up to 1.5 % off. Derivatives have about two digits; those by the exponent
+    7 % off. In single precision volumes are up to 2.5 % off. Derivatives have about two digits; those by the exponent
     of `PressurePower` in gross slip are up to 6 % off. Where gross slip turns into partial slip late in a test, those
     by k have only the right sign and size.
     """
