@@ -7,17 +7,16 @@ from pathlib import Path
 
 import plgwear_jax
 
-PATH = os.pathsep.join([str(Path(plgwear_jax.__file__).parents[1]), *sys.path])
-
 
 def python(
     *arguments: object, without: tuple[str, ...] = (), limit: float = 3000.0, **variables: str
 ) -> subprocess.CompletedProcess[str]:
     """What Python does with these arguments and variables, and `without` those that begin so."""
+    path = os.pathsep.join([str(Path(plgwear_jax.__file__).parents[1]), *sys.path])  # with the folders of the tests
     known = {name: value for name, value in os.environ.items() if not name.startswith(without)}
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
-        env=known | {"PYTHONPATH": PATH} | variables,
+        env=known | {"PYTHONPATH": path} | variables,
         capture_output=True,
         text=True,
         encoding="utf-8",

@@ -3,9 +3,11 @@
 import json
 
 from marks import compiled
+from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from plgwear_jax import FrettingContact, Layered
+from plgwear_jax._core.units import written
 from plgwear_jax.cli import app
 from plgwear_jax.plots import stress_picture
 
@@ -46,7 +48,9 @@ def test_solve_says_where_stresses_are_largest(tmp_path):
 def test_the_picture_has_both_peaks_in_its_title(tmp_path):
     steady = FrettingContact(Layered([15e-6], [400e9, 210e9], 0.3), 5e-3, 10.0, 0.6).steady(3.0)
     axes = stress_picture(steady).axes[0]
-    assert axes.get_title() == "largest tension 1.817 GPa; largest von Mises stress 1.851 GPa"
+    tension, mises = (written(float(peak), "Pa") for peak in (steady.peak_tension, steady.peak_mises))
+    assert axes.get_title() == f"largest tension {tension}; largest von Mises stress {mises}"
+    assert_allclose([steady.peak_tension, steady.peak_mises], [1.8170e9, 1.8506e9], rtol=1e-3)
     assert axes.get_ylim()[1] == 0.0
     solved(tmp_path, 0.0, "--picture", str(tmp_path / "stress.png"))
     assert (tmp_path / "stress.png").stat().st_size > 1000

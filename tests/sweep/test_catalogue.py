@@ -29,7 +29,7 @@ from plgwear_jax import (
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.record import record
 from plgwear_jax._core.units import PREFIXED
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, Law, derivative, entry, laws_of, leaf
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, Law, derivative, entry, laws_of, leaf
 
 GRADED = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
 CLOSED = FrettingContact(GRADED, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -86,6 +86,7 @@ def check_all(names, contact, digits=None, **given):
             changed = with_leaf(changed, path if path in paths_of(contact) else f"material.{path}", full[path])
         rtol = 1e-9 if digits is None else 10.0 ** (1 - digits)
         rtol = 1e-5 if name in ("transient.wear_rate", "transient.energy_per_cycle") else rtol
+        rtol = 1e-7 if name in PEAKS and digits is None else rtol  # whose places are those of a search
         assert_allclose(found, expected(name, changed, at), rtol=rtol, atol=1e-30)
         assert found.attrs["units"] == law.unit and found.attrs["long_name"] == law.description
 
