@@ -62,10 +62,10 @@ class Fineness(NamedTuple):
 
 
 _FINENESS = {
-    2: Fineness(12, 3, 0.8, 2),
-    3: Fineness(16, 3, 0.6, 3),
-    4: Fineness(24, 4, 0.5, 3),
-    5: Fineness(36, 6, 0.4, 4),
+    2: Fineness(8, 3, 0.8, 2),
+    3: Fineness(12, 3, 0.6, 3),
+    4: Fineness(16, 3, 0.5, 3),
+    5: Fineness(32, 4, 0.4, 4),
 }
 _SINGLE = Fineness(40, 40, 0.4, 3)  # in float32, where the far field of parabolas would cancel
 
@@ -102,14 +102,9 @@ class Pressed(NamedTuple):
     def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
         c, (radii, near, *_) = self.stick, self.fineness
-        b, inside, fit = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
-
-        def spline(p: Array) -> Array:
-            middle = p[-1] / inside[-1]  # of the parabola, whose pressure stays exact
-            return (fit @ (p - middle * inside)).at[radii - 1].add(middle)[:, None]
-
+        b, _, fit = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
         # Without a singularity of the pressure there must be no trace of one, which is the last weight.
-        own, stuck, flat = map(spline, (self.own, self.stuck, self.flat))
+        own, stuck, flat = ((fit @ p)[:, None] for p in (self.own, self.stuck, self.flat))
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], c.dtype)
         powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
         if worn:

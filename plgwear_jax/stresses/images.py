@@ -32,17 +32,14 @@ def strips(radii: int, near: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     P is the spline of least squares. It is linear between the last radii, where the weights of parabolas would be so
     large that roundings are felt.
     """
-    # Dense at the edge, where they grow by factors, and evenly spaced in the middle.
-    share = np.append((np.arange(3 * radii) + 0.5) / (3 * radii), [*np.arange(radii)[::-1] / radii, 1.0])
-    grown = np.logaddexp(0.0, 18.0 * share - 9.0) - np.logaddexp(0.0, -9.0)
-    left, below, _ = np.split(grown / grown[-1], [3 * radii, 4 * radii])
+    grade = min(4.0, 10.4 / np.log(radii))  # so that both are dense at the edge
+    left, below = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** grade, (np.arange(radii)[::-1] / radii) ** grade
     inside = left * (2.0 - left)  # left is 1 - t, and below 1 - b
     every = np.maximum(inside[:, None] - np.append(below * (2.0 - below), -1.0), 0.0)
     every[:, : radii - near] **= 2
     every[:, radii] = 1.0
     felt = left[:, None] ** 0.3  # of a pressure that is infinite at the edge
-    turned, upper = np.linalg.qr(felt * every)
-    fit = np.linalg.solve(upper, turned.T) * felt.T
+    fit = np.linalg.pinv(felt * every) * felt.T
     return 1.0 - below, inside, fit + (np.eye(radii + 1) - fit @ every) @ fit
 
 
