@@ -205,11 +205,12 @@ def stacked(kinks: Any, dtype: Any) -> Array | np.ndarray:
 
 def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
     """`Image.bends` of these radii."""
-    return jax.lax.stop_gradient(-inwards(stacked(kinks, c.dtype), c))
+    return jax.lax.stop_gradient(-inwards(kinks, c))
 
 
 def inwards(kinks: Any, c: Array) -> Array:
     """1 - T at these radii."""
+    kinks = stacked(kinks, c.dtype)
     return (c - kinks) * (c + kinks) / (c * c)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.powers import Power
-from plgwear_jax.shapes.shape import Image, Outline, inwards, stacked
+from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
@@ -169,7 +169,7 @@ def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Ou
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
     """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
-    ends = inwards(stacked(outline.kinks, c.dtype), c) / z
+    ends = inwards(outline.kinks, c) / z
     parts = pieces(ends[::-1], c, logistic(count, 26.0))
     piece, own = np.arange(parts.x.size)[:, None] // parts.places, np.arange(ends.size)[::-1]
     ahead = jnp.where(piece == own, parts.ahead[:, None], ends - parts.x[:, None])

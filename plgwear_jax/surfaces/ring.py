@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes.shape import Image, Outline, inwards, stacked
+from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
@@ -132,7 +132,7 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
         # The indenter is flat punches of radii up to c: how fast its depth rises with c is its size at c.
         log_c, one, further = punch.log_c, jnp.ones_like(c), 2.0 * (_nodes()[begin] - _nodes()[begin:])
         _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
-        rate = image.rate(one[None], inwards(stacked(outline.kinks, c.dtype), c)[None])
+        rate = image.rate(one[None], inwards(outline.kinks, c)[None])
         near = size * (depth + 0.5 * rise) / rate * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)

@@ -196,7 +196,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         # Where the rate falls faster than the pressure, as p^m, this dies out as the cycles to the power -1/(m-1).
         rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
         fall = jnp.where(rates[1] > 0.0, rates[0] / jnp.where(rates[1] > 0.0, rates[1], 1.0), 100.0)
-        longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _HUNDRED, 0.0, 3.0 * _HUNDRED))
+        longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
         last = jnp.where(gross, 0.5 * _flat(outline, reach) / rate, _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
         # seems to stick as a whole.
@@ -219,7 +219,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
 
 
-_HUNDRED = float(np.log(100.0))
+_LOG_HUNDRED = float(np.log(100.0))
 _LONG = 200.0  # units of time after which nothing wears any more where the contact sticks
 
 
