@@ -49,8 +49,8 @@ def divided(material: Any, a: float, z: float) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(material, DepthGraded):  # constant below its last depth
         tops = float(np.max(material.depth)) / a * np.linspace(0.0, 1.0, 240) ** 2
     else:
-        tops = np.append(0.0, np.geomspace(1e-5, 3e1, 360))
-    tops = np.sort(np.append(tops[abs(tops - z) > 1e-6], z))
+        tops = np.append(0.0, np.geomspace(1e-7, 1e3, 720))
+    tops = np.sort(np.append(tops[abs(tops / z - 1.0) > 1e-6], z))
     middle = np.sqrt(np.maximum(tops[:-1], 1e-9) * tops[1:])
     moduli = np.append(np.asarray(material.modulus_at(middle * a)), float(material.modulus_at(tops[-1] * a)))
     if isinstance(material, PowerLawGraded):  # the skin, whose modulus may be infinite

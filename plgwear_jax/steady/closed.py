@@ -195,7 +195,7 @@ class ClosedSteady(Steady):
             jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self.k), self.amplitude, self.mean_pressure)
         )
         stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
-        inside = samples(self.digits, k.dtype)
+        inside = samples(self.digits, k.dtype, alone=True)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
         unit = mean * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5 * jnp.exp((s - 0.5) * jnp.log(inside))
         own, share = unit * (1.0 + s) / (0.5 + s) * inside, (1.0 - phi) / (stick * stick)
@@ -203,7 +203,7 @@ class ClosedSteady(Steady):
         nu = poisson_ratio_of(self.contact.material)
         given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)
-        return Pressed(force, radius, stick, friction, own, share * own, flat, nu, (k[..., 0],))
+        return Pressed(force, radius, stick, friction, own, share * own, flat, s[..., 0], nu, (k[..., 0],))
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 

@@ -99,15 +99,15 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     return state.friction * _more_pressure(state, state.c - r)
 
 
-def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array]:
-    """`own`, `stuck` and `flat` of `Pressed`."""
+def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array, Array]:
+    """`own`, `stuck`, `flat` and `s` of `Pressed`."""
     inside = samples(effort.digits, state.force.dtype)
     own, stuck = (
         state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
         for punch in (state.unworn, state.punch)
     )
     further = state.height(state.punch) * (state.depth - state.punch.depth)
-    return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5)
+    return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5), state.compliance.s
 
 
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
@@ -461,14 +461,14 @@ class NumericSteady(Steady):
     @property
     def _pressed(self) -> Pressed:
         state, material = self._solution, self.contact.material
-        own, stuck, flat = _each_state(("strips_of", self._effort), state)
+        own, stuck, flat, s = _each_state(("strips_of", self._effort), state)
         if isinstance(material, PowerLawGraded):
             body = (jnp.broadcast_to(jnp.asarray(material.k), state.shape),)
         else:
             arrays = material.arrays()
             body = tuple(jnp.broadcast_to(x, (*state.shape, x.shape[-1])) for x in arrays)
         a_0, nu = jnp.exp(state.unworn.log_c), jnp.broadcast_to(poisson_ratio_of(material), state.shape)
-        return Pressed(state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, nu, body)
+        return Pressed(state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, s, nu, body)
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 

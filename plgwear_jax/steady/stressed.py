@@ -12,14 +12,14 @@ from jax import Array
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.steady.batch import as_numbers, each_state
-from plgwear_jax.stresses.field import Half, Pressed, Stress, body_of, field
+from plgwear_jax.stresses.field import Given, Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    read = functools.partial(_stress_program, (_half_of(steady.contact.material), worn))
+    read = functools.partial(_stress_program, (_given_of(steady), worn))
     more = jnp.asarray(x), jnp.asarray(z)
     return _with_slopes(read, steady, more) if _follows(steady, more) else read(_pressed_of(steady), more)
 
@@ -46,19 +46,20 @@ def _pressed_of(steady: Any) -> Pressed:
     return steady._once("pressed", lambda: _pressed_program(steady._known))
 
 
-def _half_of(material: Any) -> Half:
+def _given_of(steady: Any) -> Given:
+    material = steady.contact.material
     if isinstance(material, AnyModulus):
-        return type(material)
-    return "homogeneous" if isinstance(material, Elastic) else None
+        return Given(type(material), steady.digits)
+    return Given("homogeneous" if isinstance(material, Elastic) else None, steady.digits)
 
 
 @program(static=1, level=1)
-def _stress_program(fixed: tuple[Half, bool], pressed: Pressed, places: tuple[Array, Array]) -> Stress:
-    kind, worn = fixed
+def _stress_program(fixed: tuple[Given, bool], pressed: Pressed, places: tuple[Array, Array]) -> Stress:
+    given, worn = fixed
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in places)
 
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
-        return field(pressed, body_of(pressed, kind), worn, x / pressed.radius, z / pressed.radius)
+        return field(pressed, body_of(pressed, given.half), given, worn, x / pressed.radius, z / pressed.radius)
 
     if pressed.shape == () and x.size and z.size:
         return one(pressed, x, z)
@@ -66,20 +67,20 @@ def _stress_program(fixed: tuple[Half, bool], pressed: Pressed, places: tuple[Ar
 
 
 @program(static=1, level=1)
-def _searched(kind: Half, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
+def _searched(given: Given, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
     def one(pressed: Pressed, *wanted: Array) -> tuple[Peak, Peak]:
-        found = highest(pressed, kind, Wanted(*wanted))
-        return in_si(pressed, kind, Wanted(*wanted), found), found
+        found = highest(pressed, given, Wanted(*wanted))
+        return in_si(pressed, given, Wanted(*wanted), found), found
 
     return each_state(one, pressed, wanted)
 
 
 @program(static=1, level=1)
-def _at_known_place(kind: Half, pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Peak:
+def _at_known_place(given: Given, pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Peak:
     def one(pressed: Pressed, mises: Array, least: Array, most: Array, *place: Array) -> Peak:
-        return peak_at(pressed, kind, Wanted(mises, least, most), *place)
+        return peak_at(pressed, given, Wanted(mises, least, most), *place)
 
     wanted, *place = known
     return each_state(one, pressed, (*wanted, *place))
@@ -87,11 +88,11 @@ def _at_known_place(kind: Half, pressed: Pressed, known: tuple[Wanted, Array, Ar
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    kind, wanted = _half_of(steady.contact.material), Wanted(*as_numbers((float(name == "mises"), least, most)))
+    given, wanted = _given_of(steady), Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
-        return _searched(kind, _pressed_of(steady), wanted)[0]
+        return _searched(given, _pressed_of(steady), wanted)[0]
     still, few = jax.lax.stop_gradient, _follows(steady, wanted)
     pressed = _pressed_program(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
-    _, place = _searched(kind, still(pressed), still(wanted))
-    read, more = functools.partial(_at_known_place, kind), (wanted, place.x, place.z)
+    _, place = _searched(given, still(pressed), still(wanted))
+    read, more = functools.partial(_at_known_place, given), (wanted, place.x, place.z)
     return _with_slopes(read, steady, more) if few else read(pressed, more)

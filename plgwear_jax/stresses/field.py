@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from plgwear_jax.material import holl_ratio
 from plgwear_jax.special.pchip import Piecewise, horner
-from plgwear_jax.stresses.images import Grid, Tractions, grid, strips, transforms
+from plgwear_jax.stresses.images import Grid, Tractions, grid, on_path, path, strips, transforms
 from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -52,28 +52,51 @@ def _root(square: Array) -> Array:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
+Half = Literal["homogeneous"] | type[AnyModulus] | None
+"""What the half-space is: the class of a table, or None for a power law."""
+
+
 class Fineness(NamedTuple):
     """How finely stresses are divided."""
 
     radii: int  # of the spline of a pressure
     near: int  # of these at the edge, between which it is linear
     spacing: float  # of the logarithms of depths of the exponentials
+    step: float  # along the path for a power
     rounds: int  # of the search for a peak
 
 
 _FINENESS = {
-    2: Fineness(8, 3, 0.8, 2),
-    3: Fineness(12, 3, 0.6, 3),
-    4: Fineness(16, 3, 0.5, 3),
-    5: Fineness(32, 4, 0.4, 4),
+    2: Fineness(8, 3, 0.8, 1.2, 2),
+    3: Fineness(12, 3, 0.6, 1.0, 3),
+    4: Fineness(16, 3, 0.45, 0.75, 3),
+    5: Fineness(32, 4, 0.4, 0.5, 4),
 }
-_SINGLE = Fineness(40, 40, 0.4, 3)  # in float32, where the far field of parabolas would cancel
+_SINGLE = Fineness(40, 40, 0.4, 0.6, 3)  # in float32, where the far field of parabolas would cancel
 
 
-def samples(digits: int | None, dtype: Any) -> Array:
-    """1 - t^2 where `Pressed` has P, for digits of 2 to 5, by default 4."""
-    fine = _FINENESS[min(max(4 if digits is None else digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
-    return jnp.asarray(strips(fine.radii, fine.near)[1], dtype)
+class Given(NamedTuple):
+    """What of a contact is known to its programs before they are traced."""
+
+    half: Half
+    digits: int | None  # of 2 to 5, by default 4
+
+    def fineness(self, dtype: Any) -> Fineness:
+        """How finely stresses are divided."""
+        return _FINENESS[min(max(4 if self.digits is None else self.digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
+
+
+_ALONE = 1, 1  # radii where P is such a power alone
+
+
+def _edge(dtype: Any) -> float:
+    """1 - t^2 so near to the edge that a power is all of P; still nearer roundings count."""
+    return float(jnp.finfo(dtype).eps) ** 0.2
+
+
+def samples(digits: int | None, dtype: Any, alone: bool = False) -> Array:
+    """1 - t^2 where `Pressed` has P; few places are enough for a P that is `alone` what it is next to the edge."""
+    return jnp.asarray(strips(*_ALONE if alone else Given(None, digits).fineness(dtype)[:2])[1], dtype)
 
 
 class Pressed(NamedTuple):
@@ -86,6 +109,7 @@ class Pressed(NamedTuple):
     own: Array  # P of a_0 before any wear in Pa
     stuck: Array  # P of c under (1 - phi) F_N
     flat: Array  # P of c, what the worn contact adds
+    s: Array  # beside the edge `flat` goes as (1 - t^2)^(s - 1/2), and the others with one more factor of 1 - t^2
     nu: Array
     body: tuple[Array, ...]  # the exponent of a power law, or the two arrays of `AnyModulus`
 
@@ -94,24 +118,37 @@ class Pressed(NamedTuple):
         """The shape of the contacts, () for one."""
         return self.force.shape
 
-    @property
-    def fineness(self) -> Fineness:
-        """How finely it is divided, which the shape of P tells."""
-        return next(each for each in (_SINGLE, *_FINENESS.values()) if 3 * each.radii == self.own.shape[-1])
-
-    def tractions(self, worn: bool) -> Tractions:
+    def tractions(self, given: Given, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        c, (radii, near, *_) = self.stick, self.fineness
-        b, _, fit = (jnp.asarray(each, c.dtype) for each in strips(radii, near))
-        # Without a singularity of the pressure there must be no trace of one, which is the last weight.
-        own, stuck, flat = ((fit @ p)[:, None] for p in (self.own, self.stuck, self.flat))
+        c, fine, graded = self.stick, given.fineness(self.stick.dtype), given.half is None
+        alone = self.own.shape[-1] < fine.radii  # there are three samples for each radius
+        size = _ALONE if alone else fine[:2]
+        b, inside, fit = (jnp.asarray(each, c.dtype) for each in strips(*size))
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], c.dtype)
-        powers = jnp.full_like(b, 1.0 / c**3).at[radii - near :].set(1.0 / c)[:, None]
-        if worn:
-            weight = powers * (stuck[:-1] * normal + flat[:-1] * both)
-            return Tractions(near, c * b[None], weight[None], c * flat[-1:] * both)
-        weight = jnp.stack([own[:-1] * both, powers * stuck[:-1] * (both * (normal - 1.0))])
-        return Tractions(near, jnp.stack([b, c * b]), weight, None)
+
+        def added(own: Array, stuck: Array, flat: Array) -> Array:
+            own, stuck, flat = own[:, None], stuck[:, None], flat[:, None]
+            if worn:
+                return (stuck * normal + flat * both)[None]
+            return jnp.stack([own * both, stuck * both * (normal - 1.0)])
+
+        pressures, beside, weight, flat = jnp.stack([self.own, self.stuck, self.flat]), None, None, None
+        if graded:
+            # Next to an edge a pressure is mostly a power, which no spline can follow.
+            power, at = self.s + jnp.asarray([0.5, 0.5, -0.5], c.dtype), jnp.searchsorted(inside, _edge(c.dtype))
+            law = jnp.exp(power[:, None] * jnp.log(inside))
+            share = (pressures[:, at] / law[:, at])[:, None]
+            pressures -= share * law
+            own, stuck, more = share * on_path(fine.step, power)
+            beside = jnp.asarray(path(fine.step)[0], own.dtype), added(own, c * c * stuck, c * c * more)
+        if not (alone and graded):
+            powers = jnp.full_like(b, 1.0 / c**3).at[-size[1] :].set(1.0 / c)
+            own, stuck, more = pressures @ fit.T
+            # Without a singularity of the pressure there must be no trace of one, which is the last weight.
+            weight = added(own[:-1], powers * stuck[:-1], powers * more[:-1])
+            flat = c * more[-1:, None] * both if worn and not graded else None
+        edges = c * b[None] if worn else jnp.stack([b, c * b])
+        return Tractions(size[1], edges, weight, flat, beside)
 
 
 def poisson_ratio_of(material: Any) -> Array:
@@ -120,9 +157,6 @@ def poisson_ratio_of(material: Any) -> Array:
 
 
 # --- E(z) -------------------------------------------------------------------------------------------------------------
-
-Half = Literal["homogeneous"] | type[AnyModulus] | None
-"""What the half-space is: the class of a table, or None for a power law."""
 
 _NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
 _STEP = 0.25  # of the logarithms of depths in units of 1/q
@@ -169,11 +203,11 @@ class _Powers(NamedTuple):
 Body = Piecewise | PowerModulus | None
 
 
-def body_of(pressed: Pressed, kind: Half) -> Body:
+def body_of(pressed: Pressed, half: Half) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    if kind == "homogeneous":
+    if half == "homogeneous":
         return None
-    if kind is None:
+    if half is None:
         (k,), nu = pressed.body, pressed.nu
         depths = jnp.asarray(_DEPTHS, k.dtype)
         found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
@@ -181,7 +215,7 @@ def body_of(pressed: Pressed, kind: Half) -> Body:
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, whole, depths)
         return PowerModulus(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
-    table = kind.by_depth(*pressed.body)
+    table = half.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
     return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
 
@@ -216,10 +250,10 @@ def _own_responses(nu: Array, whole: Array, height: Array) -> Array:
     return (first + second * height) * jnp.exp(-height)
 
 
-def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, given: Grid) -> Array:
+def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: Grid) -> Array:
     """Of each exponential in the responses at depths (n,) less `_own_responses`, shape (8, n, exponentials)."""
-    q, moved = jnp.asarray(given.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
-    fit = jnp.asarray(given.fit.T, z.dtype)
+    q, moved = jnp.asarray(images.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
+    fit = jnp.asarray(images.fit.T, z.dtype)
     if isinstance(body, PowerModulus):
         stiff = body.at(z)[:, None] * q**body.k
         # At the surface itself tractions are those that are given, however stiff the skin below it is.
@@ -258,25 +292,26 @@ def _parts(nu: Array) -> Array:
     return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))
 
 
-def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stress:
+def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, given = pressed.nu, grid(pressed.fineness.spacing, x.dtype == jnp.float64)
+    nu, images = pressed.nu, grid(given.fineness(x.dtype).spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
     places, heights = (jnp.broadcast_to(at, shape).ravel() for at in (x, near))
     if body is not None:
-        places = jnp.append(places, jnp.repeat(x.ravel(), given.zeta.size))
-        heights = jnp.append(heights, jnp.tile(jnp.asarray(given.zeta, z.dtype), x.size))
-    found, count = transforms(pressed.tractions(worn), heights, places), math.prod(shape)
-    value, rate = found[:, :, :count].reshape(2, 4, *shape, 2)
+        places = jnp.append(places, jnp.repeat(x.ravel(), images.zeta.size))
+        heights = jnp.append(heights, jnp.tile(jnp.asarray(images.zeta, z.dtype), x.size))
+    count = math.prod(shape)
+    found, rate = transforms(pressed.tractions(given, worn), heights, places, count)
+    value, rate = found[:, :count].reshape(4, *shape, 2), rate.reshape(4, *shape, 2)
     first, second = _first_responses(nu, body.whole if isinstance(body, PowerModulus) else jnp.ones_like(nu))
     stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
     stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
     if body is not None:
-        weights = _image_weights(body, nu, z.ravel(), given).reshape(8, *z.shape, -1)
-        images = found[0, :, count:].reshape(4, *x.shape, -1, 2)
-        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, images))
+        weights = _image_weights(body, nu, z.ravel(), images).reshape(8, *z.shape, -1)
+        each = found[:, count:].reshape(4, *x.shape, -1, 2)
+        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, each))
     return Stress(*stress)

@@ -1,7 +1,7 @@
 """Hankel integrals of axisymmetric tractions over exp(-q zeta), in closed form, and responses as sums of these.
 
-A traction t(r) is a sum of (b^2 - r^2)^(n - 1/2), each up to its radius b: what lies in a strip across it, P(t) in
-t^(q) = integral of P(t) cos(q t) dt, is then a sum of (b^2 - t^2)^n, a quadratic spline of t^2.
+What lies in strips across a traction is P(t) in t^(q) = integral of P(t) cos(q t) dt. It is a sum of (b^2 - t^2)^n,
+each up to its own radius b, which is a quadratic spline of t^2, and on a power law of a power of 1 - (t/b)^2.
 """
 
 import functools
@@ -17,12 +17,13 @@ from jax.custom_derivatives import SymbolicZero
 
 
 class Tractions(NamedTuple):
-    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b."""
+    """Sums of tractions with P(t) = (b^2 - t^2)^n where t < b, and of others by their values beside the real axis."""
 
     near: int  # of the last radii, where n = 1; else it is 2
     b: Array  # (edges, radii)
-    weight: Array  # (edges, radii, tractions)
-    flat: Array | None  # of n = 0, (edges, tractions)
+    weight: Array | None  # (edges, radii, tractions)
+    flat: Array | None = None  # of n = 0 and the last radius, (edges, tractions)
+    beside: tuple[Array, Array] | None = None  # the places t/b of the last radius, (nodes,); (edges, nodes, tractions)
 
 
 @functools.cache
@@ -32,7 +33,7 @@ def strips(radii: int, near: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     P is the spline of least squares. It is linear between the last radii, where the weights of parabolas would be so
     large that roundings are felt.
     """
-    grade = min(4.0, 10.4 / np.log(radii))  # so that both are dense at the edge
+    grade = min(4.0, 10.4 / np.log1p(radii))  # so that both are dense at the edge
     left, below = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** grade, (np.arange(radii)[::-1] / radii) ** grade
     inside = left * (2.0 - left)  # left is 1 - t, and below 1 - b
     every = np.maximum(inside[:, None] - np.append(below * (2.0 - below), -1.0), 0.0)
@@ -43,29 +44,58 @@ def strips(radii: int, near: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return 1.0 - below, inside, fit + (np.eye(radii + 1) - fit @ every) @ fit
 
 
-def transforms(tractions: Tractions, zeta: Array, x: Array) -> Array:
-    """The integrals of q t^(q) exp(-q zeta) J_i(q x) dq for i < 4, and those with another factor q.
+def transforms(tractions: Tractions, zeta: Array, x: Array, count: int) -> tuple[Array, Array]:
+    """The integrals of q t^(q) exp(-q zeta) J_i(q x) dq for i < 4, and those with another factor q at the first places.
 
     Args:
         tractions: The tractions, with their transforms t^(q), the integrals of t J_0(q r) r dr.
         zeta: Depths > 0, (places,).
         x: Distances from the axis, >= 0, (places,).
+        count: Of places where both are wanted.
 
     Returns:
-        An array of shape (2, 4, places, tractions).
+        Arrays of the shapes (4, places, tractions), (4, count, tractions).
     """
-    near, b, weight, flat = tractions
-    found = _of_bowls(near, b, weight, zeta, x)
-    if flat is None:
-        return found
-    wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
-    return found + jnp.stack([-wave.imag, rate.imag])[:, :4] @ flat
+    near, b, weight, flat, beside = tractions
+    found: list[tuple[Array, Array]] = []
+    if weight is not None:
+        found.append(_of_bowls(near, count, b, weight, zeta, x))
+    if flat is not None:
+        wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
+        found.append((-wave.imag[:4] @ flat, rate.imag[:4, :count] @ flat))
+    if beside is not None:
+        turn, values = beside
+        found.append(_of_values(count, (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1]), zeta, x))
+    return jax.tree.map(lambda *each: functools.reduce(jnp.add, each), *found)
 
 
-def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array]:
-    """(G_i = e^i/D for i < 5 with Z = zeta + i b, D = (Z^2 + x^2)^(1/2), e = x/(D + Z), its slope by Z, Re e^i, T_i).
+@functools.cache
+def path(step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(Places t, 1 - t^2, weights): Re of the integral of P(t) f(t) dt from 0 to 1 is that of a sum over the places.
 
-    G_i is the integral of exp(-q Z) J_i(q x) dq, and T_i that of its real part over b from 0. Shapes (5, places, n).
+    P is a power of 1 - t^2 and f real on the imaginary axis, and both are analytic below the real one, so that the
+    integral may go along the circle from -i to 1. Places are dense at the edge, whence the singularities of f appear at
+    the angle of pi/2 or more: steps of ln(1 - t) may be long, and longer still within 1e-4 of the edge.
+    """
+    along = 0.1 * step * np.arange(int(20.0 / step))
+    angle = np.pi / (1.0 + np.exp(10.0 * np.sinh(along)))
+    weight = step * np.cosh(along) * angle * (1.0 - angle / np.pi)
+    weight[0] *= 0.5
+    t = np.exp(-1j * angle)
+    return t, 2j * np.sin(angle) * t, 1j * t * weight
+
+
+def on_path(step: float, power: Array) -> Array:
+    """(1 - t^2)^power times the weights at the places of `path`, for powers of shape (n,)."""
+    _, square, weight = (jnp.asarray(each, jnp.result_type(power, jnp.complex64)) for each in path(step))
+    return jnp.exp(power[:, None] * jnp.log(square)) * weight
+
+
+def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """(G_i = e^i/D for i < 5, its three slopes by Z, Re e^i, T_i), shapes (5, places, n).
+
+    There Z = zeta + i b, D = (Z^2 + x^2)^(1/2), e = x/(D + Z). G_i is the integral of exp(-q Z) J_i(q x) dq, and T_i
+    that of its real part over b from 0.
     """
     # The root by real numbers, so that none of its parts cancels.
     real, imaginary = (x - b) * (x + b) + zeta * zeta, 2.0 * zeta * b
@@ -78,8 +108,11 @@ def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array]
     e = jnp.conj(total) * (x / (total.real**2 + total.imag**2))
     powers = jnp.stack([jnp.ones_like(e), e, e * e, e * e * e, (e * e) * (e * e)])
     over = jnp.append(jnp.arctan2(total.imag, total.real)[None], powers[1:].imag / -_ORDER[1:], 0)
-    wave = powers * inverse
-    return wave, -wave * (depth + _ORDER * distance) * (inverse * inverse), powers.real, over
+    wave, turn = powers * inverse, depth * inverse
+    rate = -wave * (turn + _ORDER) * inverse
+    more = -(rate * (3.0 * turn + _ORDER) + wave * (1.0 + _ORDER * turn) * inverse) * inverse
+    most = -(more * (5.0 * turn + _ORDER) + 2.0 * rate * (2.0 + _ORDER * turn) * inverse) * inverse
+    return wave, rate, more, most - _ORDER * wave * (x * inverse) ** 2 * inverse**3, powers.real, over
 
 
 _ORDER: Any = np.arange(5)[:, None, None]
@@ -89,7 +122,7 @@ _SIGN = 1 - 2 * (_ORDER > 0)
 def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
     """The integrals for n = 0, 1 and 2, and those with one and, but for n = 0, with two factors q more, for i < 5."""
     zeta, x, square = zeta[:, None], x[:, None], 4.0 * b * b
-    wave, rate, real, over = _waves(b, zeta, x)
+    wave, rate, _, _, real, over = _waves(b, zeta, x)
 
     def turned(more: Array) -> Array:
         return x * jnp.concatenate([-more[1:2], more[:-1]]) - zeta * more
@@ -114,37 +147,81 @@ def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
     return each.reshape(*shape[:2], -1) @ weight.reshape(-1, weight.shape[-1])
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _of_bowls(near: int, b: Array, weight: Array, zeta: Array, x: Array) -> Array:
-    found = _bowls(b.ravel(), zeta, x)[:2]
-    return jnp.stack([_total(near, first[:4], second[:4], weight) for _, first, second in found])
+Pair = tuple[Array, Array]
+"""What `transforms` returns."""
 
 
-def _of_bowls_jvp(near: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> tuple[Array, Array]:
+def _moved(count: int, steeper: Pair, by_zeta: Any, by_x: Any) -> Pair:
+    """Integrals along tangents of the places, from those with another factor q for i < 5."""
+
+    def along(steeper: Array, size: int) -> Array:
+        found = jnp.zeros_like(steeper[:4])
+        if not isinstance(by_zeta, SymbolicZero):
+            found -= steeper[:4] * by_zeta[:size, None]
+        if not isinstance(by_x, SymbolicZero):
+            lower = jnp.concatenate([-steeper[1:2], steeper[:3]])
+            found += 0.5 * (lower - steeper[1:]) * by_x[:size, None]
+        return found
+
+    return along(steeper[0], steeper[0].shape[1]), along(steeper[1], count)
+
+
+def _plus(one: Pair, other: Pair) -> Pair:
+    return one[0] + other[0], one[1] + other[1]
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _of_bowls(near: int, count: int, b: Array, weight: Array, zeta: Array, x: Array) -> Pair:
+    (_, *value), (_, *more), _ = _bowls(b.ravel(), zeta, x)
+    return _sums(near, count, 4, value, more, weight)
+
+
+def _sums(near: int, count: int, orders: int, value: list[Array], more: list[Array], weight: Array) -> Pair:
+    (first, second), (steep, steeper) = value, more
+    both = _total(near, first[:orders], second[:orders], weight)
+    return both, _total(near, steep[:orders, :count], steeper[:orders, :count], weight)
+
+
+def _of_bowls_jvp(near: int, count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
     b, weight, zeta, x = primals
     value, more, most = _bowls(b.ravel(), zeta, x)
-
-    def sums(rows: list[list[Array]], weight: Array) -> Array:
-        return jnp.stack([_total(near, first, second, weight) for first, second in rows])
-
-    found, steeper = sums([value[1:], more[1:]], weight), sums([more[1:], most], weight)
-    by_b, by_weight, by_zeta, by_x = tangents
-    along = jnp.zeros_like(found)
+    sums, (by_b, by_weight, by_zeta, by_x) = functools.partial(_sums, near, count), tangents
+    along = _moved(count, sums(5, more[1:], most, weight), by_zeta, by_x)
     if not isinstance(by_b, SymbolicZero):
         # The slope of (b^2 - t^2)^n is that with n - 1, times 2 n b.
         power = jnp.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
-        along += sums([value[:2], more[:2]], (power * b * by_b)[..., None] * weight)
+        along = _plus(along, sums(4, value[:2], more[:2], (power * b * by_b)[..., None] * weight))
     if not isinstance(by_weight, SymbolicZero):
-        along += sums([value[1:], more[1:]], by_weight)
-    if not isinstance(by_zeta, SymbolicZero):
-        along -= steeper * by_zeta[:, None]
-    if not isinstance(by_x, SymbolicZero):
-        lower = jnp.concatenate([-steeper[:, 1:2], steeper], 1)
-        along += 0.5 * (lower[:, :-1] - jnp.roll(steeper, -1, axis=1)) * by_x[:, None]
-    return found[:, :4], along[:, :4]  # that for i = 4 is of no use
+        along = _plus(along, sums(4, value[1:], more[1:], by_weight))
+    return sums(4, value[1:], more[1:], weight), along
 
 
 _of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _of_values(count: int, places: Array, values: Array, zeta: Array, x: Array) -> Pair:
+    _, rate, more, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
+    return -(rate[:4] @ values).real, (more[:4, :count] @ values).real
+
+
+def _of_values_jvp(count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
+    places, values, zeta, x = primals
+    by_places, by_values, by_zeta, by_x = tangents
+    _, rate, more, most, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
+
+    def sums(value: Array, more: Array, values: Array) -> Pair:
+        return -(value @ values).real, (more[:, :count] @ values).real
+
+    along = _moved(count, sums(-more, -most, values), by_zeta, by_x)
+    if not isinstance(by_places, SymbolicZero):
+        along = _plus(along, sums(more[:4], most[:4], 1j * by_places[:, None] * values))
+    if not isinstance(by_values, SymbolicZero):
+        along = _plus(along, sums(rate[:4], more[:4], by_values))
+    return sums(rate[:4], more[:4], values), along
+
+
+_of_values.defjvp(_of_values_jvp, symbolic_zeros=True)
 
 
 # --- responses --------------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Body, Half, Pressed, Stress, body_of, field
+from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field
 
 
 class Peak(NamedTuple):
@@ -44,9 +44,9 @@ class Wanted(NamedTuple):
         return jnp.clip(jnp.append(_sides(body, dtype), jnp.stack([low, high])), low, high)
 
 
-def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
+def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
-    body = body_of(pressed, kind)
+    body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
@@ -57,7 +57,7 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
         # The top of a parabola is one more place, since a stress may also have a kink.
         xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
-        found = wanted.of(field(pressed, body, False, xs, zs[:, None]))
+        found = wanted.of(field(pressed, body, given, False, xs, zs[:, None]))
         found = jnp.where(jnp.isnan(found), -jnp.inf, found)
         z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
         x, z = xs[x_at], zs[z_at]
@@ -68,8 +68,10 @@ def highest(pressed: Pressed, kind: Half, wanted: Wanted) -> Peak:
 
     none = jnp.zeros_like(pressed.radius)
     begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
-    rounds = pressed.fineness.rounds + (kind is None)  # below the edge the tension in a power law is steep
-    rounds = jnp.where(_unbounded(pressed, kind, wanted), 0, rounds)
+    rounds = given.fineness(ends.dtype).rounds + (
+        given.half is None
+    )  # below the edge the tension in a power law is steep
+    rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 
 
@@ -82,30 +84,30 @@ def _top(at: Array, found: Array, best: Array) -> Array:
     return jnp.where((left > 0.0) & (right < 0.0), y + shift, y)
 
 
-def peak_at(pressed: Pressed, kind: Half, wanted: Wanted, x: Array, z: Array) -> Peak:
+def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
     It is there in units of a_0 as the derivatives go, but for the depths that are ends.
     """
-    body = body_of(pressed, kind)
+    body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    return in_si(pressed, kind, wanted, Peak(wanted.of(field(pressed, body, False, x, z)), x, z))
+    return in_si(pressed, given, wanted, Peak(wanted.of(field(pressed, body, given, False, x, z)), x, z))
 
 
-def in_si(pressed: Pressed, kind: Half, wanted: Wanted, peak: Peak) -> Peak:
+def in_si(pressed: Pressed, given: Given, wanted: Wanted, peak: Peak) -> Peak:
     """The peak with its place in m, at the surface where the modulus is infinite there."""
     value, x, z = peak
-    unbounded = _unbounded(pressed, kind, wanted)
+    unbounded = _unbounded(pressed, given, wanted)
     infinite = jnp.inf + 0.0 * pressed.radius  # NaN where an argument is outside
     value, z = jnp.where(unbounded, infinite, value), jnp.where(unbounded, 0.0, z)
     known = jnp.where(jnp.isnan(value), value, pressed.radius)
     return Peak(value, x * known, z * known)
 
 
-def _unbounded(pressed: Pressed, kind: Half, wanted: Wanted) -> Array | bool:
-    return False if kind is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
+def _unbounded(pressed: Pressed, given: Given, wanted: Wanted) -> Array | bool:
+    return False if given.half is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
 
 
 def _sides(body: Body, dtype: jnp.dtype) -> Array:

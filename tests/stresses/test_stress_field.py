@@ -41,12 +41,12 @@ def test_stresses_on_the_axis_are_those_of_huber():
 
 
 @parametrize("nu", [0.0, 0.3, 0.49])
-def test_the_tension_at_the_edge_is_that_of_hamilton(nu):
-    steady = steady_of(PowerLawGraded(210e9, 1e-4, 0.0, nu), 1.0 - 1e-9)
+@parametrize("material", [Elastic, lambda E, nu: PowerLawGraded(E, 1e-4, 0.0, nu)])
+def test_the_tension_at_the_edge_is_that_of_hamilton(material, nu):
+    steady = steady_of(material(210e9, nu), 1.0 - 1e-9)
     a, p_0 = steady.contact_radius, steady.peak_initial_pressure
     want = (1.0 - 2.0 * nu) / 3.0 + FRICTION * np.pi * (4.0 + nu) / 8.0
-    assert float(steady.tension(-a, 0.0) / p_0) == pytest.approx(want, abs=1e-6)
-    assert float(steady.peak_tension / p_0) == pytest.approx(want, abs=1e-6)
+    assert_allclose([steady.tension(-a, 0.0) / p_0, steady.peak_tension / p_0], want, rtol=1e-6)
     assert_allclose(steady.peak_tension_at[0] / a, -1.0, rtol=1e-12)
     assert float(steady.peak_tension_at[1]) == 0.0
 
@@ -155,7 +155,8 @@ def bessel_integrals(b, zeta, x):
 
 def test_integrals_of_squares_of_parabolas_and_their_derivatives():
     def sums(b, zeta, x):
-        return transforms(Tractions(0, b[None, None], jnp.ones((1, 1, 1)), None), zeta[None], x[None])[..., 0, 0]
+        tractions = Tractions(0, b[None, None], jnp.ones((1, 1, 1)))
+        return jnp.stack(transforms(tractions, zeta[None], x[None], 1))[..., 0, 0]
 
     for at in (np.array([0.4, 0.8, 0.0]), np.array([1.0, 0.7, 1.2])):
         along = np.array([1.0, -0.5, 2.0])
@@ -181,24 +182,24 @@ PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [
 
 @parametrize("worn", [False, pytest.param(True, marks=compiled)])
 def test_each_digit_is_worth_its_time(worn):
-    for k in (0.3, -0.3):
+    for k in (0.3, -0.6):
         contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
         found = [contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
         best, *others = (np.array(one.stress(*PLACES, worn=worn)) for one in found)
         errors = [np.max(abs(one - best)) / float(found[0].peak_initial_pressure) for one in others]
         assert errors[0] < errors[1] < errors[2]
-        assert np.all(np.array(errors) < [5e-4, 2e-3, 2e-2])
+        assert np.all(np.array(errors) < [2e-4, 1e-3, 1e-2])
 
 
 @parametrize("worn", [False, pytest.param(True, marks=compiled)])
 def test_stresses_in_single_precision(worn):
-    for k in (0.3, -0.3):
+    for k in (0.3, -0.6):
         contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
         found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5)).stress(*map(np.float32, PLACES), worn=worn)
         assert found.xx.dtype == jnp.float32
-        known, most = contact.steady(1.5), 0.1 if worn and k < 0.0 else 2e-3
+        known = contact.steady(1.5)
         gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / float(known.peak_initial_pressure)
-        assert_allclose(gap, 0.0, atol=most)
+        assert_allclose(gap, 0.0, atol=2e-3)
 
 
 # --- what is special at the surface -----------------------------------------------------------------------------------
