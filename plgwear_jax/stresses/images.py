@@ -87,7 +87,7 @@ def path(step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def on_path(step: float, power: Array) -> Array:
     """(1 - t^2)^power times the weights at the places of `path`, for powers of shape (n,)."""
-    _, square, weight = (jnp.asarray(each, jnp.result_type(power, jnp.complex64)) for each in path(step))
+    _, square, weight = (jnp.asarray(each, (1j * power).dtype) for each in path(step))
     return jnp.exp(power[:, None] * jnp.log(square)) * weight
 
 

@@ -1,6 +1,7 @@
 """Stresses in the half-space against known numbers, point forces, and integrals over all wavenumbers by SciPy."""
 
 import dataclasses
+import functools
 
 import half_space_stress as reference
 import jax
@@ -14,7 +15,8 @@ from scipy.special import gamma, jv
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.stresses import Stress
-from plgwear_jax.stresses.images import Tractions, strips, transforms
+from plgwear_jax.stresses.field import Given, Pressed, samples
+from plgwear_jax.stresses.images import Tractions, on_path, path, strips, transforms
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -144,26 +146,49 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
 # --- sums in closed form ----------------------------------------------------------------------------------------------
 
 
-def bessel_integrals(b, zeta, x):
-    """The integrals of `transforms` for P = (b^2 - t^2)^2 by quadrature."""
+def bessel_integrals(power, size, b, zeta, x):
+    """The integrals of `transforms` for P = size (1 - (t/b)^2)^power by quadrature."""
     node, weight = np.polynomial.legendre.leggauss(400)
-    q = 30.0 * (1.0 + node)
-    of_p = 8.0 * np.sqrt(np.pi / 2.0) * b**2.5 * jv(2.5, q * b) / q**2.5
+    q, order = 30.0 * (1.0 + node), power + 0.5
+    of_p = 0.5 * np.sqrt(np.pi) * gamma(power + 1.0) * size * b * (2.0 / (q * b)) ** order * jv(order, q * b)
     rows = np.stack([jv(i, q * x) for i in range(4)]) * (30.0 * weight * q * of_p * np.exp(-q * zeta))
     return np.stack([rows.sum(-1), (rows * q).sum(-1)])
 
 
-def test_integrals_of_squares_of_parabolas_and_their_derivatives():
-    def sums(b, zeta, x):
-        tractions = Tractions(0, b[None, None], jnp.ones((1, 1, 1)))
-        return jnp.stack(transforms(tractions, zeta[None], x[None], 1))[..., 0, 0]
+def of_bowl(size, b):
+    return Tractions(0, b[None, None], jnp.reshape(size / b**4, (1, 1, 1)))
 
-    for at in (np.array([0.4, 0.8, 0.0]), np.array([1.0, 0.7, 1.2])):
-        along = np.array([1.0, -0.5, 2.0])
-        found, slope = jax.jvp(sums, tuple(map(jnp.asarray, at)), tuple(map(jnp.asarray, along)))
-        ends = [bessel_integrals(*(at + h * along)) for h in (1e-4, -1e-4)]
-        assert_allclose(found, bessel_integrals(*at), rtol=0, atol=1e-9)
-        assert_allclose(slope, (ends[0] - ends[1]) / 2e-4, rtol=0, atol=1e-6)
+
+def of_power(power, size, b):
+    beside = jnp.asarray(path(0.3)[0]), size * b * on_path(0.3, jnp.full(1, power))[..., None]
+    return Tractions(1, b[None, None], None, beside=beside)
+
+
+@parametrize("power, tractions", [(2.0, of_bowl), (0.7, functools.partial(of_power, 0.7))])
+def test_integrals_and_their_derivatives(power, tractions):
+    def sums(size, b, zeta, x):
+        return jnp.stack(transforms(tractions(size, b), zeta[None], x[None], 1))[..., 0, 0]
+
+    for at in (np.array([1.3, 0.4, 0.8, 0.0]), np.array([0.5, 1.0, 0.7, 1.2])):
+        for along in np.eye(4):
+            found, slope = jax.jvp(sums, tuple(map(jnp.asarray, at)), tuple(map(jnp.asarray, along)))
+            ends = [bessel_integrals(power, *(at + h * along)) for h in (1e-4, -1e-4)]
+            assert_allclose(found, bessel_integrals(power, *at), rtol=0, atol=1e-9)
+            assert_allclose(slope, (ends[0] - ends[1]) / 2e-4, rtol=0, atol=1e-6)
+
+
+def test_a_power_among_other_pressures_is_that_power():
+    given, stick = Given(None, 4), jnp.asarray(0.6)
+    s, one = jnp.asarray(0.3), jnp.asarray(1.0)
+    for worn in (False, True):
+        alone, among = (
+            Pressed(one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, ()).tractions(
+                given, worn
+            )
+            for z in (samples(4, s.dtype, alone=alone) for alone in (True, False))
+        )
+        assert_allclose(among.beside[1], alone.beside[1], rtol=1e-12)
+        assert_allclose(among.weight, 0.0, atol=1e-9)
 
 
 @parametrize("power", [0.9, 1.0, 1.3])
@@ -283,9 +308,9 @@ def test_derivatives_of_peaks_by_all_numbers(name):
         return getattr(contact.steady(1.5), name)
 
     slopes = jax.grad(value)(contact)
-    for path, number in paths_of(contact).items():
-        ends = [float(value(with_leaf(contact, path, number * (1.0 + side)))) for side in (1e-4, -1e-4)]
-        along = 1e-4 * float(np.sum(leaf_of(slopes, path) * number))
+    for leaf, number in paths_of(contact).items():
+        ends = [float(value(with_leaf(contact, leaf, number * (1.0 + side)))) for side in (1e-4, -1e-4)]
+        along = 1e-4 * float(np.sum(leaf_of(slopes, leaf) * number))
         assert along == pytest.approx((ends[0] - ends[1]) / 2.0, rel=2e-2, abs=2e-6 * ends[0])
 
 
