@@ -67,17 +67,8 @@ def answers(material: Any, a: float) -> Any:
         if z in known:
             return known[z]
         tops, moduli = divided(material, a, z)
-        parts = [reference.responses(q, z, tops, moduli, nu) for q in np.array_split(xi, 1 + xi.size // 200)]
-        found = [np.concatenate(rows) for rows in zip(*parts, strict=True)]
-        if tops.size > 100:
-            place, ratio = np.searchsorted(tops, z, side="right") - 1, nu / (1.0 - nu)
-            there = float(material.modulus_at(z * a)) / float(material.modulus_at(a)) / moduli[place]
-            for n in (0, 1, 4, 5):
-                normal = ratio * found[n + 2 - n % 2]
-                found[n] = normal + there * (found[n] - normal)
-            found[8] = there * found[8]
-        known[z] = found
-        return found
+        there = float(material.modulus_at(z * a)) / float(material.modulus_at(a)) if tops.size > 100 else None
+        return known.setdefault(z, reference.responses(xi, z, tops, moduli, nu, there))
 
     return respond
 

@@ -32,7 +32,7 @@ def _upwards(m, xi, h):
     return even - m @ odd
 
 
-def responses(xi, z, tops, moduli, nu):
+def responses(xi, z, tops, moduli, nu, own=None):
     """(A, B, S, T) of n and of t, (G, tau) of h at one depth, each an array over xi.
 
     Args:
@@ -41,7 +41,11 @@ def responses(xi, z, tops, moduli, nu):
         tops: The depth at which each layer begins, the first one 0.
         moduli: Young's modulus of each.
         nu: Poisson's ratio, below 1/2.
+        own: Young's modulus at the depth itself, where layers stand for one that varies.
     """
+    if xi.size > 200:  # at once, the matrices of all would take much memory
+        parts = [responses(q, z, tops, moduli, nu, own) for q in np.array_split(xi, 1 + xi.size // 200)]
+        return [np.concatenate(rows) for rows in zip(*parts, strict=True)]
     tops, moduli = np.asarray(tops, float), np.asarray(moduli, float)
     place = max(np.searchsorted(tops, z, side="right") - 1, 0)
     tops = np.concatenate([tops[: place + 1], [z], tops[place + 1 :]])
@@ -64,7 +68,7 @@ def responses(xi, z, tops, moduli, nu):
         if i <= place:
             chain = chain @ (np.linalg.inv(back) * np.exp(-xi * h)[:, None, None])
             shares = shares * 2 * np.exp(-xi * h) / ((1 - y) * (1 + turned))
-    modulus = moduli[place + 1]
+    modulus = moduli[place + 1] if own is None else own
     mu, lame = modulus / (2 + 2 * nu), modulus * nu / ((1 + nu) * (1 - 2 * nu))
     g, found = lame + 2 * mu, []
     for tractions in ([0.0, 1.0], [1.0, 0.0]):

@@ -120,17 +120,7 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
     def respond(xi, z):
         near = tops.copy()
         near[np.argmin(abs(near - z))] = z  # so that the depth is that of an edge, in the middle of two moduli
-        known = [
-            np.concatenate(x)
-            for x in zip(*(reference.responses(q, z, near, moduli, nu) for q in np.array_split(xi, 8)), strict=True)
-        ]
-        place, ratio = np.searchsorted(near, z, side="right") - 1, nu / (1.0 - nu)
-        there = z**k / moduli[place]
-        for n in (0, 1, 4, 5):
-            normal = ratio * known[n + 2 - n % 2]
-            known[n] = normal + there * (known[n] - normal)
-        known[8] = there * known[8]
-        return known
+        return reference.responses(xi, z, near, moduli, nu, z**k)
 
     share, flat = (1.0 - phi) / c**2, phi / c**2 * s / (1.0 + s)
     p, p_c, punch = (reference.bowl(m, b) for m, b in ((s, 1.0), (s, c), (s - 1.0, c)))
