@@ -94,10 +94,10 @@ def _cell_shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
 
 
 def edges_of_grid(grid: _Grid, count: int) -> Array:
-    """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at that of the contact, before any wear
-    or in blocks under the largest normal force.
+    """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
-    Where nothing sticks or slips, or the contact grows far, their size grows with the radius instead.
+    In blocks it is that under the largest normal force, whose ring can lie outside of the others. Where nothing sticks
+    or slips, or the contact grows far, their size grows with the radius instead.
     """
     inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _cell_shares(grid.end.dtype == jnp.float64, count))
     pressed = grid.pressed / grid.end
