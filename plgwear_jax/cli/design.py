@@ -53,7 +53,7 @@ def design_command(
 
         comparison = optimise.compared(found)
         told = DesignReport(given, found, comparison)
-        slopes = optimise.sensitivities(found) if sensitivities else None
+        slopes = optimise.sensitivities(found) if sensitivities and found.keeps_limits else None
     report.draw("design_picture", found, comparison)
     doubt_units(scene_file, given, told.reference.get("contact_radius"))
     told.tell(report)

@@ -52,10 +52,13 @@ def sensitivities(found: Design) -> Sensitivities:
         The derivatives by input, to some ten digits in float64.
 
     Raises:
-        ValueError: The design is one for scenarios: where two of them are equally bad, there are none.
+        ValueError: The design is one for scenarios: where two of them are equally bad, there are none. Or it breaks a
+            limit, and is no optimum.
     """
     if found.question.scenarios is not None:
         raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
+    if not found.keeps_limits:
+        raise ValueError("sensitivities takes a design that keeps its limits: one that breaks them is no optimum")
     minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
     at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])

@@ -66,6 +66,7 @@ class _Grid(NamedTuple):
 
     stick: Array  # the smallest radius in m that sticks at the end of a block
     unworn: Array  # contact radius before any wear
+    pressed: Array  # that at the beginning of the block with the largest normal force
     end: Array  # outer edge
     last: Array  # cycles of a test without an end; none in the first pass
     longer: Array  # logarithm of how many times as long it takes as by a law that is proportional to the pressure
@@ -95,21 +96,22 @@ def _cell_shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
 def edges_of_grid(grid: _Grid, count: int) -> Array:
     """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
-    Where nothing sticks or slips, or the contact grows far, their size grows with the radius instead.
+    In blocks it is that under the largest normal force, whose ring can lie outside of the others. Where nothing sticks
+    or slips, or the contact grows far, their size grows with the radius instead.
     """
     inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _cell_shares(grid.end.dtype == jnp.float64, count))
-    unworn = grid.unworn / grid.end
-    stick = jnp.minimum(grid.stick / grid.end, (1.0 - 1e-6) * unworn)
-    area = stick**2 + (unworn - stick) * (unworn + stick) * ring
-    beyond = unworn**2 + (1.0 - unworn) * (1.0 + unworn) * towards
+    pressed = grid.pressed / grid.end
+    stick = jnp.minimum(grid.stick / grid.end, (1.0 - 1e-6) * pressed)
+    area = stick**2 + (pressed - stick) * (pressed + stick) * ring
+    beyond = pressed**2 + (1.0 - pressed) * (1.0 + pressed) * towards
     first = jnp.sqrt(area[1]) - stick
     steep = jnp.log(jnp.maximum(2.0 / _INSIDE * stick / first, 1.0001))
     within = (stick * (1.0 - jnp.expm1(steep * inside) / jnp.expm1(steep))) ** 2
     around = jnp.concatenate([within, area[1:], beyond])
-    middle = 0.5 * unworn
+    middle = 0.5 * grid.unworn / grid.end
     outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=grid.end.dtype)[1:]
     wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
-    return jnp.where((grid.stick < grid.unworn) & (stick >= 0.1 * unworn), around, wide)
+    return jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
 
 
 def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid, count: int) -> Disc:
@@ -158,6 +160,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
     begins = np.arange(number) * (count + 1)
+    most_pressed = jnp.argmax(blocks.normal_force) * (count + 1)
 
     def moved(found: Moments) -> Array:
         return found.force_amplitude[begins] > 1e-9 * blocks.friction * blocks.normal_force
@@ -179,7 +182,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         least = jnp.nanmin(sticks)
         # While a displacement is held more and more sticks: what is worn deepest ends where it sticks in the end.
         stick = jnp.where(least > 0.0, jnp.nanmin(sticks[:, -1]), least)
-        unworn, widest = radius[0], jnp.nanmax(radius[begins])
+        unworn, widest, pressed = radius[0], jnp.nanmax(radius[begins]), radius[most_pressed]
         # --- the cycles of a test without an end: until the scar has grown, or for many times what it takes to wear
         slips, reach = found.rate[0] > 0.0, _REACH * widest
         rate = jnp.where(slips, found.rate[0], 1.0)
@@ -201,16 +204,16 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
         # seems to stick as a whole.
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))
-        first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, widest * (1.0 + room), last, longer)
+        first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, pressed, widest * (1.0 + room), last, longer)
         most = jnp.nanmax(radius)
         moves = jnp.any(moved(found))
         end = jnp.where(moves, most + 0.25 * (most - stick), 1.1 * widest)
-        after = _Grid(jnp.where(moves, stick, unworn), unworn, end, grid.last, grid.longer)
+        after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
         return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
     estimate = compliance.radius
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
-    start = _Grid(zero, estimate, _REACH * estimate, zero, zero)
+    start = _Grid(zero, estimate, estimate, _REACH * estimate, zero, zero)
     _, histories = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
     history = jax.tree.map(lambda x: x[-1], histories)
     # A ring that slips but is narrower than its cells would seem to stick, and nothing would ever wear.

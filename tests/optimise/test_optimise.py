@@ -495,6 +495,8 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     assert loose.variables["k"] == pytest.approx(held.variables["k"], abs=1e-9)
     hopeless = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(1e-3 * free))
     assert not hopeless.converged and not hopeless.keeps_limits and not hopeless.certified
+    with pytest.raises(ValueError, match="keeps its limits"):
+        optimise.sensitivities(hopeless)
     # What is reachable, from a scan.
     why, k = optimise.conflict(hopeless), np.linspace(-0.9, 0.9, 2001)
     a_0 = float(CONTACT.steady(0.0).contact_radius)

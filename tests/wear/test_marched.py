@@ -124,6 +124,15 @@ def test_it_wears_as_rings_do(k, history):
     assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
 
+def test_a_narrow_ring_of_a_heavier_block_wears_as_it_does_alone():
+    """Where it slips nothing touched before."""
+    one, force = dome(0.0), 2.0 * FORCE
+    alone = contact_of(one.material, force=force).over_cycles(0.05 * FRICTION * force, COEFFICIENT)
+    last = float(alone.cycles_to(0.3))
+    test = [Block(2.0, 1.0), Block(0.05 * FRICTION * force, last, force), Block(2.0, 0.0), Block(2.0, 0.0)]
+    assert_allclose(one.over_cycles(test, COEFFICIENT).volume(last + 1.0), alone.volume(last), rtol=ERROR)
+
+
 # Volumes at a held displacement, by rings, over those at the force that it needs before any wear.
 LESS = {(0.0, 0.5): 0.93, (0.0, 0.8): 0.81, (0.4, 0.5): 0.915, (-0.4, 0.3): 0.977, (0.5, 0.8): None, (0.9, 0.2): None}
 
