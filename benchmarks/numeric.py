@@ -238,7 +238,7 @@ SCALARS = {
 PLACES = np.array([0.0, 0.3, 0.5, 0.7, 0.85])  # r/c
 NODES, WEIGHTS = (0.5 * x for x in np.polynomial.legendre.leggauss(32))
 NODES = 0.5 + NODES
-STEPS = np.array([-2e-3, -1e-3, 1e-3, 2e-3, np.log(1.1)])  # the last one of all sizes
+STEPS = np.array([-2e-4, -1e-4, 1e-4, 2e-4, np.log(1.1)])  # the last one of all sizes
 SIZES: dict[str, float] = dict.fromkeys(("radius", "z0", "thickness", "depth", "r", "heights", "flat_radius"), 1.0)
 SIZES["normal_force"] = 2.0
 NOT_MOVED = {"r", "heights", "depth", "nu", "friction", "exponent", "k"}  # by the step of a derivative
@@ -268,7 +268,7 @@ def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
     steps = jnp.asarray(STEPS, a.dtype).at[:4].multiply(lack)
     ways = jax.tree.map(lambda x, y: jnp.stack([x, x, x, x, y]), along, size)
     *near, larger = jax.lax.map(lambda given: volume(*given), (steps, ways))
-    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / (12e-3 * lack)
+    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / (12e-4 * lack)
     # Integrals over 1 - (r/c)^2 = v^m take the power of the pressure at the edge off.
     nodes, weights = jnp.asarray(NODES, a.dtype), jnp.asarray(WEIGHTS, a.dtype)
     k = getattr(one.material, "k", 0.0)
