@@ -238,7 +238,7 @@ SCALARS = {
 PLACES = np.array([0.0, 0.3, 0.5, 0.7, 0.85])  # r/c
 NODES, WEIGHTS = (0.5 * x for x in np.polynomial.legendre.leggauss(32))
 NODES = 0.5 + NODES
-STEPS = np.array([-2e-3, -1e-3, 1e-3, 2e-3, np.log(1.1)])  # the last one of all sizes
+STEPS = np.array([-2e-4, -1e-4, 1e-4, 2e-4, np.log(1.1)])  # the last one of all sizes
 SIZES: dict[str, float] = dict.fromkeys(("radius", "z0", "thickness", "depth", "r", "heights", "flat_radius"), 1.0)
 SIZES["normal_force"] = 2.0
 NOT_MOVED = {"r", "heights", "depth", "nu", "friction", "exponent", "k"}  # by the step of a derivative
@@ -268,22 +268,28 @@ def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
     steps = jnp.asarray(STEPS, a.dtype).at[:4].multiply(lack)
     ways = jax.tree.map(lambda x, y: jnp.stack([x, x, x, x, y]), along, size)
     *near, larger = jax.lax.map(lambda given: volume(*given), (steps, ways))
-    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / (12e-3 * lack)
-    # Integrals over 1 - (r/c)^2 = v^m take the power of the pressure at the edge off.
+    by = (8.0 * (near[2] - near[1]) - (near[3] - near[0])) / (12e-4 * lack)
+    # Integrals over 1 - (r/c)^2 = v^m take the power of the pressure at the edge off, and end at that of a flat face.
     nodes, weights = jnp.asarray(NODES, a.dtype), jnp.asarray(WEIGHTS, a.dtype)
-    k = getattr(one.material, "k", 0.0)
+    k, flat = getattr(one.material, "k", 0.0), getattr(one.shape, "flat_radius", 0.0)
     m = 4.0 / (1.0 + (k if one.indenter is None else jnp.maximum(k, 0.0)))
-    z = nodes**m
-    inside = z / (1.0 + jnp.sqrt(1.0 - z))
-    measure = jnp.pi * m * nodes ** (m - 1.0) * weights
-    slip, wide = c + (a - c) * nodes * nodes * (3.0 - 2.0 * nodes), end * end - c * c
+    shares, rates = nodes * nodes * (3.0 - 2.0 * nodes), 6.0 * nodes * (1.0 - nodes) * weights
+
+    def carried(radius: Any, pressure: Any) -> Any:
+        end = jnp.clip(1.0 - (flat / radius) ** 2, 0.0, 1.0 - 1e-6) ** (1.0 / m)
+        v = jnp.append(end * shares, end + (1.0 - end) * shares)
+        z, measure = v**m, jnp.append(end * rates, (1.0 - end) * rates) * v ** (m - 1.0)
+        found = pressure(radius * z / (1.0 + jnp.sqrt(1.0 - z)))
+        return jnp.pi * m * radius**2 * (measure @ found) / one.normal_force - 1.0
+
+    slip, wide = c + (a - c) * shares, end * end - c * c
     worn = solved.wear_depth(jnp.sqrt(c * c + wide * nodes**2))
-    work = solved.initial_pressure(slip) * solved.slip_amplitude(slip) * slip * nodes * (1.0 - nodes)
+    work = solved.initial_pressure(slip) * solved.slip_amplitude(slip) * slip * rates
     sums = (
-        a * a * (measure @ solved.initial_pressure(a * (1.0 - inside))) / one.normal_force - 1.0,
-        c * c * (measure @ solved.edge_pressure(c * inside)) / one.normal_force - 1.0,
+        carried(a, lambda distance: solved.initial_pressure(a - distance)),
+        carried(c, solved.edge_pressure),
         jnp.pi * wide * ((2.0 * nodes * weights) @ worn) / found["wear volume"][0] - 1.0,
-        48.0 * jnp.pi * one.friction * (a - c) * (weights @ work) / found["energy"][0] - 1.0,
+        8.0 * jnp.pi * one.friction * (a - c) * jnp.sum(work) / found["energy"][0] - 1.0,
         jnp.expm1(larger - jnp.log(found["wear volume"][0]) - 3.0 * steps[-1]),
         (slope - by) / jnp.maximum(abs(by), 1.0),
     )
