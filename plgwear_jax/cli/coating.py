@@ -75,8 +75,9 @@ def coating(
         assert given.load is not None
         body = Body("surfaces.DepthGraded", "table", {**data.columns, "nu": nu}, data)
         # A displacement needs another force on the table than on the [material] of the input file.
-        given = dataclasses.replace(given, load=LoadSection(**vars(given.load) | {"material": body}))
-        force, contact = given.load.largest, given.contact.record(material=body.record())
+        load = LoadSection(**vars(given.load) | {"material": body})
+        given = dataclasses.replace(given, load=load)
+        force, contact = load.largest, given.contact.record(material=body.record())
         try:
             fit, _, counts, idealisation = study = mathematics.studied(contact, force)
         except RefusedError:  # the contact, not its table
@@ -90,7 +91,7 @@ def coating(
     if out is not None and text is not None:
         _write_scene(text, fit, data.name, out)
     doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
-    report.say(given.load.remark)
+    report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
