@@ -111,8 +111,8 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
             sum need not be one; `HISTORY`, an amplitude in each row, and if known cycles, normal_force in N and
             friction; `MEASURED`, cycles and volume in m^3, and if known deviation in m^3, or relative_deviation or
             deviation (%) as shares of the volumes; `MODULUS`, depth and modulus, whose numbers without a unit must be
-            those of a coating in m and Pa; `HEIGHTS`, r and height, both increasing from 0, but for a flat face; or
-            what `scenarios` returns.
+            those of a coating in m and Pa, as volumes have to be those of a test; `HEIGHTS`, r and height, both
+            increasing from 0, but for a flat face; or what `scenarios` returns.
 
     Returns:
         The columns in SI units.
@@ -243,7 +243,12 @@ _UNITS = scales_of("""
     share  1  1    %  1e-2
 """)
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
-_PLAIN = {"depth": (0.0, 0.1, "um"), "modulus": (1e3, 2e12, "GPa")}  # what a coating has in m and Pa, and what is meant
+# By column: the least and most that there is in its SI unit, of what, and what is meant.
+_PLAIN = {
+    "depth": (0.0, 0.1, "depth of a coating", "um"),
+    "modulus": (1e3, 2e12, "modulus of a coating", "GPa"),
+    "volume": (0.0, 1e-6, "volume that a test wears", "um^3"),
+}
 
 
 def _allowed(column: str, form: Form) -> Domain:
@@ -261,11 +266,11 @@ def _units_of(column: str) -> Mapping[str, float]:
 
 
 def _refuse_without_unit(table: Table, column: str, given: np.ndarray) -> None:
-    """Refuse numbers that are implausible in m or Pa, since another unit is probably meant."""
+    """Refuse numbers that are implausible in m, Pa or m^3, since another unit is probably meant."""
     if column in _PLAIN:
-        least, most, example = _PLAIN[column]
+        least, most, what, example = _PLAIN[column]
         unit = _COLUMNS[column][0]
-        text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
+        text = f"is no {what} in {unit}, the unit of a column without one; write {column} ({example})"
         wrong = (given > most) | ((given > 0.0) & (given < least))
         table.refuse(wrong, lambda i: f"{column} = {given[i]:g}: {text}")
 

@@ -70,14 +70,14 @@ def coating(
 
         from plgwear_jax import coating as mathematics
         from plgwear_jax._core.domains import RefusedError
-        from plgwear_jax.contact import FrettingContact
-        from plgwear_jax.surfaces import DepthGraded
+        from plgwear_jax.scene.sections import Body, LoadSection
 
         assert given.load is not None
-        force = given.load.largest
-        contact = given.build_contact()
-        assert isinstance(contact, FrettingContact)
-        contact = dataclasses.replace(contact, material=DepthGraded(data["depth"], data["modulus"], nu))
+        body = Body("surfaces.DepthGraded", "table", {**data.columns, "nu": nu}, data)
+        # A displacement needs another force on the table than on the [material] of the input file.
+        load = LoadSection(**vars(given.load) | {"material": body})
+        given = dataclasses.replace(given, load=load)
+        force, contact = load.largest, given.contact.record(material=body.record())
         try:
             fit, _, counts, idealisation = study = mathematics.studied(contact, force)
         except RefusedError:  # the contact, not its table
@@ -91,7 +91,7 @@ def coating(
     if out is not None and text is not None:
         _write_scene(text, fit, data.name, out)
     doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
-    report.say(given.load.remark)
+    report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
@@ -134,11 +134,12 @@ def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
 def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path) -> None:
     law: Any = fit.material
     low, high = fit.exponent_interval
+    within = f"  # {low:.3g} to {high:.3g} with 95 % confidence" if low == low else ""  # not NaN
     section = f"""\
 [material]                          # a power law fitted to {name}
 E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
 z0 = {float(law.z0):.6g}  # m, the contact radius on E(z) as measured
-k = {float(law.k):.6g}  # {low:.3g} to {high:.3g} with 95 % confidence
+k = {float(law.k):.6g}{within}
 nu = {float(law.nu):.6g}  # Poisson's ratio
 
 """
@@ -159,7 +160,8 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         **fields(fit, "scatter", "felt", "covered"),
     )
     known = np.isfinite(fit.fitted) & (fit.fitted > 0.0)
-    fitted, near = each_with_unit("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)
+    fitted = each_with_unit("modulus", fit.fitted, "power law")
+    near = np.round(100.0 * (fit.fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
     report.table(
         each_with_unit("depth", fit.depth, "depth"),
         each_with_unit("modulus", fit.modulus, "modulus"),

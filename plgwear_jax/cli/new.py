@@ -1,6 +1,7 @@
 """The commands `plgwear new`, a scene to start from, and `plgwear schema`, with which editors check it."""
 
 import json
+import shlex
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -120,11 +121,12 @@ def new(
     """
     if scene_file.exists():
         refuse(f"{scene_file}: exists already; name another file")
-    text = _HEAD.format(name=one_line(scene_file.name)) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
+    text = _HEAD.format(name=shlex.quote(one_line(scene_file.name))) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
     _files.check_target(scene_file, (".toml",))
     _files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
-    file = one_line(str(scene_file))
-    typer.echo(f"{file}: written; next: plgwear solve {file}, then plgwear design {file}")
+    name = one_line(str(scene_file))
+    file = shlex.quote(name)
+    typer.echo(f"{name}: written; next: plgwear solve {file}, then plgwear design {file}")
 
 
 def schema() -> None:

@@ -56,6 +56,8 @@ def solve(
         for name, quantity in quantities.items()
     }
     report.put(quantities=known)
+    if not slides:
+        report.say(given.load and given.load.remark)
     rows = [_row(name, quantity) for name, quantity in quantities.items()]
     shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
     report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))

@@ -84,7 +84,11 @@ def sweep_command(
         set_up(one_question=False)
         form = "NAME=VALUES, such as shape.exponent=2:4:9"
         texts = {name: text for name, text in given.items() if text is not None}
-        texts |= dict(_name_and_text("--axis =", text, form) for text in axis or ())
+        for text in axis or ():
+            name, values = _name_and_text("--axis =", text, form)
+            if name in texts:
+                refuse(f"--axis = {one_line(text)}: {name} is given more than once")
+            texts[name] = values
         axes = {name: _axis_values(name, text, single) for name, text in texts.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
@@ -98,6 +102,10 @@ def sweep_command(
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
     for line in of_contact(subject["contact"]) if "contact" in subject else ():
         warn(f"{scene_file}: {line}")
+    for values in found.values():
+        undefined = 0 if found.attrs["unfinished"] else int(values.isnull().sum())
+        if undefined and "gross_slip" not in found:
+            typer.echo(f"{values.attrs['quantity']} is undefined at {undefined:,} of {values.size:,} points")
     slips = found.get("gross_slip")
     if slips is not None:
         along = f" along {', '.join(slips.dims)}" if slips.ndim else ""
@@ -171,6 +179,8 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     lasts = "transient" in kinds.values()
+    if given.wear is not None and "wear_coefficient" not in axes and (lasts or (designed and given.life is not None)):
+        given.wear.refuse_frictions(axes)
     if given.wear is not None and lasts:
         known = {"wear_coefficient": given.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}

@@ -91,10 +91,15 @@ def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, dee
     both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
     worn = measure(depth, "depth")
     if cycles < math.inf:
-        report.say(f"{worn} deep{both} after {counted(cycles)} cycles{more}")
+        report.say(f"{worn} deep{both} after {_about(cycles)} cycles{more}")
     else:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
         report.say(f"a depth of {worn}{both} {reached}{deepest}")
+
+
+def _about(cycles: float) -> str:
+    """A number of cycles to as many digits as a run has."""
+    return counted(float(f"{cycles:.3g}"))
 
 
 def _share_out(given: "Scene", share: float, worn: dict[str, float]) -> str:
@@ -202,7 +207,7 @@ def _tell_steady(
         unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
         after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
         report.say(f"{after}: {100.0 * volume / steady['volume']:.3g} %")
-    first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
+    first, *later = ((f"{100.0 * share:g} %", _about(shares[share])) for share in _REPORTED)
     then = "".join(f", {much} after {number}" for much, number in later)
     report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
 
@@ -357,15 +362,15 @@ def _fit(
     others = {"mm³/(N m)": of_volume, "mm³ per J of friction": of_energy}
     also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x is not None)
     report.say(f"wear coefficient: {K:.4g} {unit}{' = ' if also else ''}{also}")
-    if low == low:  # not NaN
+    if low == low and (low or high < math.inf):  # not NaN, nor all that is possible
         report.say(
             f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
         )
     if until is not None:
         first, last = first if high < math.inf else 0.0, last if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
-        within = f"{counted(first)} to {counted(last)}" if last < math.inf else f"at least {counted(first)}"
-        within = within if first or not last < math.inf else f"at most {counted(last)}"
+        within = f"{_about(first)} to {_about(last)}" if last < math.inf else f"at least {_about(first)}"
+        within = within if first or not last < math.inf else f"at most {_about(last)}"
         _tell_until(
             given, report, until, best, "", f", 95 % confidence: {within}" if low == low and best < math.inf else ""
         )

@@ -20,6 +20,7 @@ from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read, read_from
 from plgwear_jax.contact import is_closed
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import (
     Question,
     keeps,
@@ -87,6 +88,8 @@ class Candidate:
         return phi * limit, between
 
     def _steady(self, force: Any) -> Any:
+        assert self.question.load is not None
+        force = Force(force, self.question.load.load.rig_stiffness)
         if self.shared.radius is not None and is_closed(self.free):
             return self.free.steady(force).with_contact_radius(self.shared.radius)
         return self.contact.steady(force)

@@ -135,15 +135,15 @@ def blocks_picture(run: Run) -> Figure:
     for axes, name, read, style in (
         (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0}),
         (panels[1], "tangential_force", run.force_amplitude, BEST | steps),
+        (panels[2], "r", run.contact_radius, BEST | steps | {"label": "contact"}),  # the larger one sets the limits
         (panels[2], "r", run.stick_radius, REFERENCE | steps | {"label": "stick"}),
-        (panels[2], "r", run.contact_radius, BEST | steps | {"label": "contact"}),
     ):
         values = np.asarray(read(ends))
         # the volume grows from nothing, all others are those at the end of each block
         axes.plot(cycles, np.append(0.0 if name == "volume" else values[0], values), **style)
         axes.set(xlim=(0.0, 1.02 * cycles[-1] or None), ylim=(0.0, None))
         label(axes, "cycles", name, entry(name).name)
-    panels[2].legend(loc="lower right")
+    panels[2].legend()
     letters(panels)
     return figure
 

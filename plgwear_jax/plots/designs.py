@@ -155,7 +155,7 @@ def _draw_depths(
     """Draw wear depths over the radius, and the roughness of a ground surface; outside of the ring nothing is worn."""
     for (r, depth, *edges), style in zip(worn, styles, strict=True):
         axes.plot(r, depth, **style)
-        for edge in edges:
+        for edge in filter(None, edges):  # all of a punch, and after cycles, is drawn from the axis on
             axes.axvline(edge, **GUIDE | {"color": style["color"]})
     for edge, symbol in zip(worn[-1][2:], ("$c$", end), strict=True):
         if edge > 0.0:

@@ -47,7 +47,7 @@ __all__ = ["MapError", "map_picture"]
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
 _ALMOST = 1.0 - 1e-15
-_BLANK = "0.86"
+_BLANK, _FIRM = "0.86", "\N{NO-BREAK SPACE}"
 _CURVES: Style = {
     "color": [BLUE, ORANGE, GREEN, "#AA4499", "k", "#E69F00"],
     "linestyle": ["-", DASHED, DASH_DOT, DOTTED, (0, (9, 2)), (0, (3, 1.2, 1, 1.2, 1, 1.2))],
@@ -104,12 +104,14 @@ def map_picture(
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
     equation = str(variable.attrs.get("equation", ""))
     equation = f", Eq. ({equation})" if equation[:1].isdecimal() else ""
-    lines = textwrap.wrap(", ".join([_label(variable) + equation, *told]), 66, break_long_words=False)
-    figure.suptitle("\n".join(lines), x=0.02, ha="left", fontsize="medium")
+    firm = [one.replace(" ", _FIRM) for one in told]  # no line ends between a symbol, its number and its unit
+    lines = textwrap.wrap(", ".join([_label(variable) + equation, *firm]), 66, break_long_words=False)
+    figure.suptitle("\n".join(lines).replace(_FIRM, " "), x=0.02, ha="left", fontsize="medium")
+    columns = 2 if any(len(str(handle.get_label())) > 13 for handle in handles) else 3
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns)
     # long texts make the figure higher instead of the panel smaller
-    figure.set_figheight(figure.get_figheight() + 0.16 * (len(lines) + (len(handles) > 3)))
+    figure.set_figheight(figure.get_figheight() + 0.16 * (len(lines) + max(len(handles) - 1, 0) // columns))
     return figure
 
 
@@ -150,7 +152,7 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
         spans = "; ".join(_axis_told(variable[dim]) for dim in variable.dims)
         raise MapError(f"{name}: choose a value for {variable.ndim - 2} of its {variable.ndim} axes: {spans}")
     told = []
-    for dim, row in variable.coords.items():
+    for dim, row in sorted(variable.coords.items(), key=str):  # a store tells them in any order
         if row.ndim == 0:
             told.append(_place_told(row))
             wanted = at.get(str(dim), row.item())
@@ -223,6 +225,8 @@ def _printed(array: xr.DataArray) -> str:
     unit = _unit_of(array)
     if unit in PREFIXED:
         return unit
+    if re.fullmatch(r"(m|N|Pa|J|[^A-Za-z])*", unit):  # of SI, upright
+        return rf"$\mathrm{{{unit}}}$"
     return "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
 
 

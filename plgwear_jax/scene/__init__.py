@@ -165,6 +165,7 @@ class Scene:
         load = self.tested().record()
         if self.wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
+        self.wear.refuse_frictions(self.tested().pressed)
         contact: Any = self.build_contact()
         return contact.over_cycles(load, self.law)
 

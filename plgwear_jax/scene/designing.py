@@ -62,10 +62,14 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
 def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load = given.asked(), given.load
+    if given.wear is not None and given.life is not None:
+        own = {} if space.scatter is None else space.scatter.columns
+        own = () if "wear_coefficient" in own else own
+        given.wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
     return {
         "contact": given.build_contact(),
-        # Over a life the blocks of a history, or a displacement; else forces in N.
-        "load": None if load is None else load.record() if given.wears_otherwise else load.force,
+        # Over a life the blocks of a history, or a displacement; else forces in N, with the rig of their displacements.
+        "load": load and (load.record() if given.wears_otherwise else Force(load.force, load.rig_stiffness)),
         "weight": None if load is None else load.weights,
         "level": space.level,
         "hold": space.hold,

@@ -2,7 +2,7 @@
 
 import importlib
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
@@ -356,6 +356,13 @@ class WearSection(SimpleNamespace):
     def others(self) -> list[str]:
         """The keys that only some commands take."""
         return [name for name in ("exponent", "half_space_coefficient") if getattr(self, name) is not None]
+
+    def refuse_frictions(self, names: Iterable[str]) -> None:
+        """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""
+        energy = self.energy_coefficient_mm3_per_J
+        if energy is not None and any(name.rpartition(".")[2] == "friction" for name in names):
+            text = "is not for a friction that changes, and Archard's coefficient with it; give coefficient, in 1/Pa"
+            raise SceneError(f"[wear] energy_coefficient_mm3_per_J = {energy:g}: {text}")
 
     def archard(self, friction: float) -> float:
         """Archard's wear coefficient in 1/Pa; from an energy coefficient it is that times the coefficient of friction.

@@ -240,6 +240,8 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
+        if subject.contact is None and (head == "transient" or stem in FRETTING):
+            by = "; it is that of a contact, as an input file gives it (--scene)"
         if not by and head in known and tail:
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
         raise QuantityError(f"{text}{by or near_or_all(stem, known)}")
@@ -279,7 +281,9 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     moved = "F_x" in law.arguments
     mean = moved and subject.amplitudes is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
-    needs = (*given, *(subject.inputs if moved else ()))
+    rigged = "rig_stiffness" in subject.inputs
+    # a rig counts without an amplitude too: where gross slip begins at its actuator
+    needs = (*given, *(subject.inputs if moved else ["rig_stiffness"] * (rigged and name.startswith("gross_slip_"))))
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         if mean:  # along a last axis
@@ -289,7 +293,9 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
 
-        load, weight = _load_at(subject, contact, values) if moved else (None, None)
+        load, weight = Force(0.0, values["rig_stiffness"]) if rigged else None, None
+        if moved:
+            load, weight = _load_at(subject, contact, values)
         digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits
         found = read(contact, name, load, values, digits=digits, solved=solved)
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)

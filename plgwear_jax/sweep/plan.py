@@ -39,7 +39,7 @@ from plgwear_jax.sweep.names import (
 LOAD = "load_case"
 
 # To be raised when the same sweep gets other results, beyond rounding. A store of other formulas is not continued.
-FORMULAS = 1
+FORMULAS = 2
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -239,10 +239,8 @@ class RingRun(Run):
                 told = "is so close to gross slip that the wear over cycles cannot be followed"
                 raise RefusedError(f"F_x/(mu F_N) = {np.max(phi)!s} {told}; its steady state can be computed")
             if np.isnan(volume).any(-1).all():
-                told = (
-                    "the worn ring cannot be followed over cycles, as next to a kink; its steady state can be computed"
-                )
-                raise RefusedError(f"shape: {told}")
+                told = "the worn ring cannot be followed over cycles, as next to a kink or on a thin compliant skin"
+                raise RefusedError(f"shape or material: {told}; fewer digits may do; its steady state can be computed")
         return found
 
     def _doubt(self) -> str | None:

@@ -31,10 +31,11 @@ def validator():
 def test_a_new_scene_is_complete(validator, kind):
     line = "mine.toml: written; next: plgwear solve mine.toml, then plgwear design mine.toml\n"
     assert printed(f"new mine.toml --kind {kind}") == line
+    assert printed("new b&c.toml").endswith("next: plgwear solve 'b&c.toml', then plgwear design 'b&c.toml'\n")
     found = scene.load("mine.toml")
     assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
-    assert os.listdir() == ["mine.toml"]
+    assert sorted(os.listdir()) == ["b&c.toml", "mine.toml"]
 
 
 # A line that is commented out: the lines in whose place it is offered, where it is read, and what is read there.

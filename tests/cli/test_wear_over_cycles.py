@@ -203,7 +203,7 @@ def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(volume)
     # Only K times the cycles counts.
     expected = [needed * COEFFICIENT / K for K in reversed(found["interval_95_percent"])]
     assert_allclose(found["interval_95_percent_until"], expected, rtol=1e-5)
-    assert f"50 nm deep after {needed:,.0f} cycles, 95 % confidence: " in printed(given)
+    assert f"50 nm deep after {float(f'{needed:.3g}'):,.0f} cycles, 95 % confidence: " in printed(given)
 
 
 @compiled

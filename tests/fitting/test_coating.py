@@ -188,6 +188,25 @@ def test_the_coating_command_refuses_in_a_line(folder, case):
     assert is_told(refused("coating", *case["arguments"], "--scene", "scene.toml"), case)
 
 
+def test_the_coating_command_takes_its_force_from_the_table(folder, monkeypatch):
+    Path("E.csv").write_text("depth (um),modulus (GPa)\n10,100\n200,140\n")
+    Path("scene.toml").write_text(SCENE.replace("tangential_force = 0.4", "displacement = 1e-7"))
+    Path("of_table.toml").write_text(
+        Path("scene.toml").read_text().replace("E0 = 110e9\nz0 = 1e-4\nk = 0.0", 'table = "E.csv"')
+    )
+    asked = []
+
+    def studied(contact, force):
+        asked.append(force)
+        raise ValueError("enough")
+
+    monkeypatch.setattr(coating, "studied", studied)
+    for given in ("scene.toml", "of_table.toml"):
+        assert refused("coating", "E.csv", "--scene", given) == "E.csv: enough"
+    forces = scene.load("of_table.toml").load.forces
+    assert_allclose(asked, forces[[0, 0]], rtol=1e-12)
+
+
 @long
 def test_the_coating_command(folder):
     found = told("coating E.csv --scene scene.toml --out fitted.toml --csv f.csv")

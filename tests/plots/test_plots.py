@@ -3,6 +3,7 @@
 import dataclasses
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, optimise, plots
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, loads, optimise, plots
 
 FORCE = 0.32
 REFERENCE = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
@@ -158,6 +159,15 @@ def test_the_end_of_a_run_is_drawn_as_its_steady_state():
         seen = beside & (drawn < by_ordinate[label].get_ylim()[1])
         assert_allclose(drawn[seen], field(r[seen]), rtol=1e-3, atol=1e-3 * drawn[seen].max())
     assert legend(figure)[1:3] == ["worn volume", "before wear"] and "steady state" in legend(figure)
+
+
+def test_no_radius_of_a_block_is_cut_off():
+    blocks = loads.Blocks([loads.Block(1.0, 1e5), loads.Block(2.0, 1e4)])
+    contact, stick = np.array([1e-4, 2e-4]), np.array([6e-5, 0.0])
+    read = {"volume": contact, "force_amplitude": contact, "contact_radius": contact, "stick_radius": stick}
+    run = SimpleNamespace(load=blocks, **{name: lambda _, values=values: values for name, values in read.items()})
+    for axes in plots.blocks_picture(run).axes:
+        assert axes.get_ylim()[0] == 0.0 and axes.get_ylim()[1] > max(line.get_ydata().max() for line in axes.lines)
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():

@@ -14,7 +14,7 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene, sweep
 from plgwear_jax.catalogue import QUANTITIES as LAWS
 
 FRETTING = """
@@ -486,3 +486,31 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
     onset, ratio = (catalogue.read(contact, name, load, {}) for name in names)
     assert_allclose(onset, alone.gross_slip_displacement + 0.4 * 10.0 / 1e7, rtol=1e-14)
     assert_allclose(ratio * onset, alone.gross_slip_energy_ratio * alone.gross_slip_displacement, rtol=1e-14)
+    # In sweeps and for limits of designs too.
+    swept = sweep.sweep([*names, "contact_radius"], contact=contact, displacement=[1e-7, 2e-7], rig_stiffness=1e7)
+    assert_allclose([swept[name] for name in names], [onset, ratio], rtol=1e-14)
+    steady = contact.steady(load)
+    limits = {name: {"below": 1.0} for name in ("gross_slip_displacement", "displacement_amplitude", "energy_ratio")}
+    asked = loads.Force(float(steady.tangential_force), 1e7)
+    found = optimise.design(contact, asked, {"k": (0.2, 0.2 + 1e-9)}, limits=limits)
+    for name, limit in found.limits.items():
+        assert_allclose(limit.value, getattr(steady, name), rtol=1e-7)
+
+
+@parametrize("varies", ["h.csv", "scatter", "vary"])
+def test_an_energy_coefficient_belongs_to_one_friction(tmp_path, varies):
+    (tmp_path / "h.csv").write_text("tangential_force,cycles,friction\n1,1e5,0.4\n1,1e5,0.3\n")
+    (tmp_path / "s.csv").write_text("friction\n0.4\n0.5\n")
+    load = 'history = "h.csv"' if varies == "h.csv" else "tangential_force = 0.3"
+    more = 'scenarios = "s.csv"\n' if varies == "scatter" else ""
+    vary = "{ friction = [0.3, 0.5] }" if varies == "vary" else "{ k = [-0.5, 0.5] }"
+    (tmp_path / "scene.toml").write_text(f"""
+material = {{ E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }}
+contact = {{ kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }}
+load = {{ {load} }}
+wear = {{ energy_coefficient_mm3_per_J = 1e-5, cycles = 1e5 }}
+design = {{ vary = {vary}, minimise = "wear_volume", {more.strip() or "limits = {}"} }}
+""")
+    given = scene.load(tmp_path / "scene.toml")
+    with pytest.raises(scene.SceneError, match="energy_coefficient_mm3_per_J = 1e-05: is not for a friction that chan"):
+        given.over_cycles() if varies == "h.csv" else given.arguments()

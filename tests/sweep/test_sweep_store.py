@@ -90,8 +90,8 @@ def test_a_store_of_other_formulas_is_left_alone(tmp_path, monkeypatch):
     """Which another version of the library computed otherwise."""
     out = tmp_path / "map.zarr"
     into(out)
-    monkeypatch.setattr("plgwear_jax.sweep.plan.FORMULAS", 2)
-    assert refused(into, out).endswith("holds another sweep: formulas there is 1, here 2; name another folder")
+    monkeypatch.setattr("plgwear_jax.sweep.plan.FORMULAS", 3)
+    assert refused(into, out).endswith("holds another sweep: formulas there is 2, here 3; name another folder")
 
 
 def test_what_killed_writers_left_is_removed(tmp_path):
