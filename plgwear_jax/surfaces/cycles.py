@@ -174,6 +174,19 @@ def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
     return jnp.asarray(springs, c.dtype) @ terms.of(compliance.excess(c, effort)[0])
 
 
+def missed_by_nodes(compliance: Graded, c: Array, t: Array, weight: Array, effort: Effort) -> Array:
+    """What the integral of the kernel of `springs_of` over all that is inside c is more than its sum over the nodes.
+
+    A kernel that is narrower than the distance of nodes, as of thin layers, is missed by these, and acts on the spot.
+    """
+    x, springs = foundation(effort).x, foundation(effort).terms.of(compliance.excess(c, effort)[0])
+    place = jnp.sqrt(1.0 + t)[:, None] * jnp.asarray([-1.0, 1.0], c.dtype)
+    turned = (1.0 + place[..., None]) * jnp.asarray(x * math.sqrt(0.5), c.dtype)
+    whole = jnp.sum((1.0 - jnp.exp(-turned) * jnp.cos(turned)) @ springs, 1)
+    cubics = _lagrange_cubics(springs_of(compliance, c, effort))
+    return whole - jnp.sum(_values_at(cubics, _places_of(jnp.stack(_distances(t, weight)))) @ weight, 0)
+
+
 class _Places(NamedTuple):
     """Where distances lie in that table."""
 

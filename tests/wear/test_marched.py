@@ -13,7 +13,7 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting
+from plgwear_jax import FrettingContact, Layered, PowerLawGraded, fretting
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
@@ -23,6 +23,7 @@ SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
 
 
 SAME = Linear(COEFFICIENT)
+THIN = Layered([2e-7], [200e9, 100e9], 0.3)  # than the cells
 
 
 def dome(k):
@@ -60,9 +61,9 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
 
 
 @compiled
-@parametrize("kind", ["layers under steel", "a shape"])
-def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
-    volume, end, radius, stick = errors(KINDS[kind], 2.0)
+@parametrize("one", [KINDS["layers under steel"], KINDS["a shape"], contact_of(THIN)], ids=["layers", "shape", "thin"])
+def test_one_force_on_layers_is_worn_as_by_the_other_march(one):
+    volume, end, radius, stick = errors(one, 2.0)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
     assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
 
