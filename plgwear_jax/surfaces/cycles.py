@@ -166,25 +166,18 @@ def _powers(
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
-    """A table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0, for distances u in units of c."""
+def springs_of(compliance: Graded, c: Array, effort: Effort) -> tuple[Array, Array]:
+    """Tables over log(u) of a kernel and of its integral from 0 to u, for distances u in units of c.
+
+    The kernel is (1/pi) times the integral of m(q) cos(q u) over q > 0.
+    """
     x, terms = foundation(effort).x, foundation(effort).terms
     turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
     springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-    return jnp.asarray(springs, c.dtype) @ terms.of(compliance.excess(c, effort)[0])
-
-
-def missed_by_nodes(compliance: Graded, c: Array, t: Array, weight: Array, effort: Effort) -> Array:
-    """What the integral of the kernel of `springs_of` over all that is inside c is more than its sum over the nodes.
-
-    A kernel that is narrower than the distance of nodes, as of thin layers, is missed by these, and acts on the spot.
-    """
-    x, springs = foundation(effort).x, foundation(effort).terms.of(compliance.excess(c, effort)[0])
-    place = jnp.sqrt(1.0 + t)[:, None] * jnp.asarray([-1.0, 1.0], c.dtype)
-    turned = (1.0 + place[..., None]) * jnp.asarray(x * math.sqrt(0.5), c.dtype)
-    whole = jnp.sum((1.0 - jnp.exp(-turned) * jnp.cos(turned)) @ springs, 1)
-    cubics = _lagrange_cubics(springs_of(compliance, c, effort))
-    return whole - jnp.sum(_values_at(cubics, _places_of(jnp.stack(_distances(t, weight)))) @ weight, 0)
+    # Half of 1 - exp(-x) cos(x), which would cancel.
+    up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
+    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ terms.of(compliance.excess(c, effort)[0])
+    return kernel, integral
 
 
 class _Places(NamedTuple):
@@ -231,36 +224,61 @@ def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
     return jnp.maximum(apart, math.exp(_LEAST)), opposite
 
 
-def _of_table(table: Array, near: _Places, far: _Places, weighted: Array) -> Array:
+def _of_kernel(kernel: Array, whole: Array | float, share: Array, weight: Array) -> Array:
+    weighted = share * weight
+    return weighted @ kernel @ weighted.T + (weighted * (whole - kernel @ weight)) @ share.T
+
+
+def _of_table(table: Array, near: _Places, far: _Places, share: Array, weight: Array) -> Array:
     cubics = _lagrange_cubics(table)
-    return weighted @ (_values_at(cubics, near) + _values_at(cubics, far)) @ weighted.T
+    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), 0.0, share, weight)
 
 
 _of_each_table = sequential_vmap(_of_table)  # the matrices of all directions would not be in the cache together
 
 
 @jax.custom_jvp
-def through_springs(table: Array, t: Array, weight: Array, weighted: Array) -> Array:
-    """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images."""
+def through_springs(table: Array, whole: Array, t: Array, share: Array, weight: Array) -> Array:
+    """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images.
+
+    A kernel that is narrower than the distance of nodes, as of thin layers, is missed by sums over these. What its
+    integral over all cells, `whole`, is more than the sum acts on the spot.
+    """
     near, far = map(_places_of, _distances(t, weight))
-    return _of_table(table, near, far, weighted)
+    cubics = _lagrange_cubics(table)
+    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), whole, share, weight)
 
 
 @through_springs.defjvp
 def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
     # each direction.
-    (table, t, weight, weighted), (dtable, dt, dweight, dweighted) = primals, tangents
+    (table, whole, t, share, weight), (dtable, dwhole, dt, dshare, dweight) = primals, tangents
     near, far = map(_places_of, _distances(t, weight))
-    cubics = _lagrange_cubics(table)
+    cubics, weighted = _lagrange_cubics(table), share * weight
     kernel = _values_at(cubics, near) + _values_at(cubics, far)
     by_near, by_far = _slopes_at(cubics, near), _slopes_at(cubics, far)
-    found = weighted @ kernel @ weighted.T
-    by_first = (by_far + by_near * jnp.sign(t[:, None] - t)) @ weighted.T
-    own = 0.055 * jnp.diagonal(by_near) * dweight
+    by_first = by_far + by_near * jnp.sign(t[:, None] - t)
+    missed = whole - kernel @ weight
+    own = 0.11 * jnp.diagonal(by_near) * dweight
     dx = 0.5 * dt / jnp.sqrt(1.0 + t)
-    half = dweighted @ (kernel @ weighted.T) + (weighted * dx) @ by_first + (weighted * own) @ weighted.T
-    return found, half + half.T + _of_each_table(dtable, near, far, weighted)
+    dmissed = dwhole - kernel @ dweight - dx * (by_first @ weight) - (dx * weight) @ by_first - own * weight
+    on_the_spot = 0.5 * (dweight * missed + weight * dmissed)
+    half = (dshare * weight + share * dweight) @ (kernel @ weighted.T) + (weighted * dx) @ (by_first @ weighted.T)
+    half += (0.5 * weighted * own) @ weighted.T + (dshare * (weight * missed) + share * on_the_spot) @ share.T
+    found = _of_kernel(kernel, whole, share, weight)
+    return found, half + half.T + _of_each_table(dtable, near, far, share, weight)
+
+
+def by_springs(compliance: Graded, c: Array, first: Array, last: Array, images: Images, effort: Effort) -> Array:
+    """What the cells from the place `first` to `last`, T - 1, do to each other by the kernel of `springs_of`."""
+    kernel, integral = springs_of(compliance, c, effort)
+    root, (begin, end) = jnp.sqrt(1.0 + images.t), jnp.sqrt(1.0 + jnp.stack([first, last]))
+    apart = (images.t - first) / (root + begin), (last - images.t) / (root + end), end + root, begin + root
+    apart = jnp.maximum(jnp.stack(apart), math.exp(_LEAST))
+    below, above, opposite, less = _values_at(_lagrange_cubics(integral), _places_of(apart))
+    # Weights of nodes are those of 2 dr.
+    return through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
 
 
 def _graded(
@@ -269,12 +287,10 @@ def _graded(
     """The homogeneous half-space of the surface's modulus, and what m(q) adds to it directly and through the inside."""
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
-    t, share, weight = images
     # g c/(2 Gamma(3/2)^2)
     strength = compliance.strength * c * (2.0 / math.pi)
-    weighted = share * weight
-    of_ring = products_of(share, weight)
-    direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
+    of_ring = products_of(images.share, images.weight)
+    direct = by_springs(compliance, c, jnp.zeros_like(c), from_c[-1], images, effort)
     moved, caused = _through_inside(compliance, c, images, effort)
     return strength * (of_ring + 0.5 * direct) - moved @ caused, images
 

@@ -13,7 +13,7 @@ from jax import Array
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.surfaces.cells import Images, images_of, products_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded
-from plgwear_jax.surfaces.cycles import missed_by_nodes, springs_of, through_springs
+from plgwear_jax.surfaces.cycles import by_springs
 from plgwear_jax.surfaces.effort import Effort
 
 
@@ -32,10 +32,9 @@ def disc_of(compliance: Compliance, b: Array, edges: Array, effort: Effort) -> A
         return images_of(from_b, from_b, jnp.zeros_like(b), s, 1.0 - s)
 
     if isinstance(compliance, Graded):
-        t, share, weight = images(jnp.full_like(b, 0.5))
-        added = through_springs(springs_of(compliance, b, effort), t, weight, share * weight)
-        added = added + (share * weight * missed_by_nodes(compliance, b, t, weight, effort)) @ share.T
-        return compliance.strength * b * (2.0 / math.pi) * (products_of(share, weight) + 0.5 * added)
+        found = images(jnp.full_like(b, 0.5))
+        added = by_springs(compliance, b, from_b[0], from_b[-1], found, effort)
+        return compliance.strength * b * (2.0 / math.pi) * (products_of(found.share, found.weight) + 0.5 * added)
 
     def one(k: Array, s: Array, log_g: Array) -> Array:
         _, share, weight = images(s)

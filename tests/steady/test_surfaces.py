@@ -62,18 +62,19 @@ def by_differences(function, at, step=2e-3):
 
 def test_springs_act_between_cells_by_their_distance_and_so_do_their_slopes():
     @jax.jit
-    def between(numbers):  # places of cells, sizes of these, and the strength of the springs
+    def between(numbers):  # places of nodes, weights, integrals, what cells have there, and the strength of the springs
         table = numbers[-1] * jnp.exp(-jnp.exp(jnp.arange(-18.0, 6.125, 0.125)))  # by logarithms of distances
-        return through_springs(table, *numbers[:-1].reshape(2, -1), jnp.eye(count))
+        (place, weight, whole), share = numbers[: 3 * count].reshape(3, -1), numbers[3 * count : -1].reshape(-1, count)
+        return through_springs(table, whole, place, share, weight)
 
     count = 5
     place, size = 0.1 * np.arange(1.0, count + 1.0) ** 2, 0.13 * np.arange(1.0, count + 1.0)
-    numbers, x = np.concatenate([place, size, [2.0]]), np.sqrt(1.0 + place)
+    whole, share, x = 3.0 + place, np.cos(np.arange(3.0 * count)).reshape(3, -1), np.sqrt(1.0 + place)
+    numbers = np.concatenate([place, size, whole, share.ravel(), [2.0]])
     itself = np.diag(0.5 * np.exp(-1.5) * size)  # of the mean of the logarithm, next to r = c
-    expected = 2.0 * np.exp(-abs(x[:, None] - x) - itself) + 2.0 * np.exp(-x[:, None] - x)
-    np.testing.assert_allclose(between(numbers), expected, rtol=2e-3)
-    others = ~np.eye(count, dtype=bool)
-    np.testing.assert_allclose(between(numbers)[others], expected[others], rtol=1e-5)
+    kernel = 2.0 * np.exp(-abs(x[:, None] - x) - itself) + 2.0 * np.exp(-x[:, None] - x)
+    expected = size[:, None] * kernel * size + np.diag(size * (whole - kernel @ size))
+    assert_allclose(between(numbers), share @ expected @ share.T, rtol=1e-5, atol=1e-5)
     slopes = jax.jacfwd(between)(numbers) * numbers
     np.testing.assert_allclose(slopes, by_differences(between, numbers, 1e-4), rtol=1e-6, atol=1e-9)
 

@@ -12,7 +12,7 @@ from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced, first_rate, unit_of
 
-from plgwear_jax import DepthGraded, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
+from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.wear.closed_ring import curves_of
@@ -236,3 +236,11 @@ def test_a_stiff_depth_between_compliant_ones():
     volume = stiff.over_cycles(1.0, COEFFICIENT).volume(cycles)
     marched = stiff.over_cycles([loads.Block(1.0, 2e7)], COEFFICIENT).volume(cycles)
     assert_allclose(volume, marched, rtol=0.015)
+
+
+def test_a_layer_too_thin_to_matter_leaves_the_ring_as_it_was():
+    """Its kernel is narrower than the distance of the nodes of any cell."""
+    coated, bare = (contact_of(each, None) for each in (Layered([4e-9], [200e9, 110e9], 0.3), Elastic(110e9, 0.3)))
+    cycles = np.array([1e5, 1e6, 1e7])
+    volumes = [one.over_cycles(2.0, COEFFICIENT).volume(cycles) for one in (coated, bare)]
+    assert_allclose(*volumes, rtol=2e-3)
