@@ -33,7 +33,7 @@ _EXCESS = 1.05  # measured over final volume above which the model cannot explai
 _GRID = 96  # points of the curve for a picture
 _DENSE = 1024  # points between which the model interpolates
 _TRIED = 256  # wear coefficients between which a fit looks for the best one
-_NODES = 33  # wear coefficients of which a fit to blocks computes the runs
+_NODES = 17  # wear coefficients of which a fit to blocks computes the runs, twice
 _LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
 
 
@@ -220,18 +220,23 @@ class _ManyRuns:
     steady = None
 
     def __init__(self, run_with: Callable[[Any], Run], least: float, cycles: np.ndarray, volume: np.ndarray):
-        from scipy.interpolate import PchipInterpolator
-
-        self.run_with, self.unit = run_with, float(volume.max())
+        self.run_with, self.unit, self.cycles = run_with, float(volume.max()), cycles
         first = np.asarray(run_with(least).volume(cycles))
         slow = least * self.unit / _worn(first.max())  # the coefficient without any change of the contact by its wear
-        known = np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)
-        volumes = self.curve(known[:, None], cycles)
+        self.logs, self.volumes = np.zeros(0), np.zeros((0, cycles.size))
+        self.follow(np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
+
+    def follow(self, logs: np.ndarray) -> None:
+        """Compute the runs of these log(K) too."""
+        from scipy.interpolate import PchipInterpolator
+
+        volumes = self.curve(np.exp(logs)[:, None], self.cycles)
         # The largest coefficients may wear more than a run follows.
         followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
-        logs, volumes = np.log(known[followed]), volumes[followed]
-        self.most = volumes.max(axis=0)  # in `unit`, with any coefficient
-        self.at, self.ends = PchipInterpolator(logs, volumes), (float(logs[0]), float(logs[-1]))
+        self.logs, places = np.unique(np.append(self.logs, logs[followed]), return_index=True)
+        self.volumes = np.append(self.volumes, volumes[followed], axis=0)[places]
+        self.most = self.volumes.max(axis=0)  # in `unit`, with any coefficient
+        self.at, self.ends = PchipInterpolator(self.logs, self.volumes), (float(self.logs[0]), float(self.logs[-1]))
 
     def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
         """Volumes in `unit` with coefficients of shape (c, 1) at other cycles, shape (c, n); NaN with infinite ones."""
@@ -317,11 +322,17 @@ def fit_wear_coefficient(
         def misfit(log: float) -> float:
             return float(np.sum(((model.unit * model.at(log) - target) / known) ** 2))
 
-        # Points early and late in a test can each have a minimum.
-        tried = np.linspace(*model.ends, _TRIED)
-        falls = np.diff([misfit(log) for log in tried]) < 0.0
-        minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)).tolist()
-        best = min((_least_near(misfit, tried, i) for i in minima), key=misfit)
+        def most_likely() -> tuple[np.ndarray, float]:
+            """(Some log(K), the best one); points early and late in a test can each have a minimum."""
+            tried = np.linspace(*model.ends, _TRIED)
+            falls = np.diff([misfit(log) for log in tried]) < 0.0
+            minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)).tolist()
+            return tried, min((_least_near(misfit, tried, i) for i in minima), key=misfit)
+
+        tried, best = most_likely()
+        if isinstance(model, _ManyRuns):
+            model.follow(best + np.linspace(-0.5, 0.5, _NODES))
+            tried, best = most_likely()
         least, freedom, share = misfit(best), N.size - 1, model.at(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
         # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the
