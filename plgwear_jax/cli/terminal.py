@@ -2,6 +2,7 @@
 
 import _thread
 import contextlib
+import errno
 import functools
 import signal
 import sys
@@ -37,6 +38,10 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
                 command(**given)
         except (GivenError, TargetError) as error:
             refuse(message(error, given.get("scene_file")))
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                raise
+            refuse("standard output: no space is left on the device")
 
     return run
 

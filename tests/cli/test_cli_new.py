@@ -131,6 +131,13 @@ def test_the_module_is_the_script():
     assert "plgwear new SCENE.toml" in outputs[0] and "--install-completion" in outputs[0]
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
+def test_a_full_disk_is_told_in_one_line():
+    begin = "import sys; sys.stdout = open('/dev/full', 'w'); from plgwear_jax.cli import main; sys.argv[1:] = ['schema']"
+    done = python("-c", f"{begin}; main()")
+    assert (done.returncode, done.stderr) == (2, "standard output: no space is left on the device\n")
+
+
 def test_the_schema_leaves_the_reader_as_it_was():
     plgwear("schema")
     Path("mine.toml").write_text(FRETTING.replace('minimise = "wear_volume"', 'minimise = "depth"'))
