@@ -133,8 +133,8 @@ def test_the_module_is_the_script():
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
 def test_a_full_disk_is_told_in_one_line():
-    begin = "import sys; sys.stdout = open('/dev/full', 'w'); from plgwear_jax.cli import main; sys.argv[1:] = ['schema']"
-    done = python("-c", f"{begin}; main()")
+    begin = "import sys; from plgwear_jax.cli import main; sys.stdout = open('/dev/full', 'w')"
+    done = python("-c", f"{begin}; sys.argv[1:] = ['schema']; main()")
     assert (done.returncode, done.stderr) == (2, "standard output: no space is left on the device\n")
 
 
