@@ -238,7 +238,8 @@ class Grid(NamedTuple):
 @functools.cache
 def grid(spacing: float, double: bool) -> Grid:
     """The exponentials exp(-q zeta): responses are analytic for Re q > 0, which makes few of them enough."""
-    zeta, q = np.exp(np.arange(-11.5, 6.0, spacing)), np.exp(np.arange(-6.0, 11.6, 0.75 * spacing))
+    # Near k = -1 waves a thousand times as long as the contact still count.
+    zeta, q = np.exp(np.arange(-11.5, 9.0, spacing)), np.exp(np.arange(-9.0, 11.6, 0.75 * spacing))
     felt = q / (1.0 + q)  # of an error at long waves little is felt
     # Larger weights would cancel in float32.
     fit = np.linalg.pinv(felt[:, None] * np.exp(-q[:, None] * zeta), rcond=1e-9 if double else 1e-5)
