@@ -247,7 +247,7 @@ _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u",
 _PLAIN = {
     "depth": (0.0, 0.1, "depth of a coating", "um"),
     "modulus": (1e3, 2e12, "modulus of a coating", "GPa"),
-    "volume": (0.0, 1e-6, "volume that a test wears", "um^3"),
+    "volume": (0.0, 10.0, "volume that a test wears", "um^3"),
 }
 
 

@@ -59,6 +59,10 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
 
+def _forces(load: Any) -> Any:
+    return load.force if load.rig_stiffness is None else Force(load.force, load.rig_stiffness)
+
+
 def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load = given.asked(), given.load
@@ -69,7 +73,7 @@ def _question(given: "Scene") -> dict[str, Any]:
     return {
         "contact": given.build_contact(),
         # Over a life the blocks of a history, or a displacement; else forces in N, with the rig of their displacements.
-        "load": load and (load.record() if given.wears_otherwise else Force(load.force, load.rig_stiffness)),
+        "load": load and (load.record() if given.wears_otherwise else _forces(load)),
         "weight": None if load is None else load.weights,
         "level": space.level,
         "hold": space.hold,

@@ -79,9 +79,8 @@ class Search:
 
     def __call__(self, contact: Any, load, vary, **asked) -> optimise.Design:
         self.takes.bind(contact, load, vary, **asked)
-        forces = load.tangential_force
-        self.asked.append((forces, vary, asked))
-        material = dataclasses.replace(contact.material, k=-0.816, E0=self.modulus)
+        self.asked.append((load, vary, asked))
+        material, forces = dataclasses.replace(contact.material, k=-0.816, E0=self.modulus), np.atleast_1d(load)
         best = dataclasses.replace(contact, material=material)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
