@@ -273,7 +273,9 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
 def by_springs(compliance: Graded, c: Array, first: Array, last: Array, images: Images, effort: Effort) -> Array:
     """What the cells from the place `first` to `last`, T - 1, do to each other by the kernel of `springs_of`."""
     kernel, integral = springs_of(compliance, c, effort)
-    root, (begin, end) = jnp.sqrt(1.0 + images.t), jnp.sqrt(1.0 + jnp.stack([first, last]))
+    # At the axis the root has no slope.
+    root, ends = jnp.sqrt(1.0 + images.t), jnp.maximum(1.0 + jnp.stack([first, last]), jnp.finfo(c.dtype).tiny)
+    begin, end = jnp.sqrt(ends)
     apart = (images.t - first) / (root + begin), (last - images.t) / (root + end), end + root, begin + root
     apart = jnp.maximum(jnp.stack(apart), math.exp(_LEAST))
     below, above, opposite, less = _values_at(_lagrange_cubics(integral), _places_of(apart))
