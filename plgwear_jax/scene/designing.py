@@ -67,8 +67,8 @@ def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load = given.asked(), given.load
     if given.wear is not None and given.life is not None:
-        own = {} if space.scatter is None else space.scatter.columns
-        own = () if "wear_coefficient" in own else own
+        scattered = {} if space.scatter is None else space.scatter.columns
+        own = () if "wear_coefficient" in scattered else scattered  # which has a coefficient for each friction
         given.wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
     return {
         "contact": given.build_contact(),

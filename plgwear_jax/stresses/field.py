@@ -79,11 +79,12 @@ class Given(NamedTuple):
     """What of a contact is known to its programs before they are traced."""
 
     half: Half
-    digits: int | None  # of 2 to 5, by default 4
+    digits: int | None
 
-    def fineness(self, dtype: Any) -> Fineness:
-        """How finely stresses are divided."""
-        return _FINENESS[min(max(4 if self.digits is None else self.digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
+
+def fineness_of(digits: int | None, dtype: Any) -> Fineness:
+    """How finely stresses are divided for digits of 2 to 5, by default 4."""
+    return _FINENESS[min(max(4 if digits is None else digits, 2), 5)] if dtype == jnp.float64 else _SINGLE
 
 
 _ALONE = 1, 1  # radii where P is such a power alone
@@ -96,7 +97,7 @@ def _edge(dtype: Any) -> float:
 
 def samples(digits: int | None, dtype: Any, alone: bool = False) -> Array:
     """1 - t^2 where `Pressed` has P; few places are enough for a P that is `alone` what it is next to the edge."""
-    return jnp.asarray(strips(*_ALONE if alone else Given(None, digits).fineness(dtype)[:2])[1], dtype)
+    return jnp.asarray(strips(*_ALONE if alone else fineness_of(digits, dtype)[:2])[1], dtype)
 
 
 class Pressed(NamedTuple):
@@ -120,7 +121,7 @@ class Pressed(NamedTuple):
 
     def tractions(self, given: Given, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        c, fine, graded = self.stick, given.fineness(self.stick.dtype), given.half is None
+        c, fine, graded = self.stick, fineness_of(given.digits, self.stick.dtype), given.half is None
         alone = self.own.shape[-1] < fine.radii  # there are three samples for each radius
         size = _ALONE if alone else fine[:2]
         b, inside, fit = (jnp.asarray(each, c.dtype) for each in strips(*size))
@@ -296,7 +297,7 @@ def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: A
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, images = pressed.nu, grid(given.fineness(x.dtype).spacing, x.dtype == jnp.float64)
+    nu, images = pressed.nu, grid(fineness_of(given.digits, x.dtype).spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)

@@ -66,7 +66,7 @@ def transforms(tractions: Tractions, zeta: Array, x: Array, count: int) -> tuple
     if beside is not None:
         turn, values = beside
         found.append(_of_values(count, (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1]), zeta, x))
-    return jax.tree.map(lambda *each: functools.reduce(jnp.add, each), *found)
+    return functools.reduce(_plus, found)
 
 
 @functools.cache
@@ -151,7 +151,7 @@ Pair = tuple[Array, Array]
 """What `transforms` returns."""
 
 
-def _moved(count: int, steeper: Pair, by_zeta: Any, by_x: Any) -> Pair:
+def _of_moved_places(count: int, steeper: Pair, by_zeta: Any, by_x: Any) -> Pair:
     """Integrals along tangents of the places, from those with another factor q for i < 5."""
 
     def along(steeper: Array, size: int) -> Array:
@@ -173,10 +173,10 @@ def _plus(one: Pair, other: Pair) -> Pair:
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def _of_bowls(near: int, count: int, b: Array, weight: Array, zeta: Array, x: Array) -> Pair:
     (_, *value), (_, *more), _ = _bowls(b.ravel(), zeta, x)
-    return _sums(near, count, 4, value, more, weight)
+    return _of_strips(near, count, 4, value, more, weight)
 
 
-def _sums(near: int, count: int, orders: int, value: list[Array], more: list[Array], weight: Array) -> Pair:
+def _of_strips(near: int, count: int, orders: int, value: list[Array], more: list[Array], weight: Array) -> Pair:
     (first, second), (steep, steeper) = value, more
     both = _total(near, first[:orders], second[:orders], weight)
     return both, _total(near, steep[:orders, :count], steeper[:orders, :count], weight)
@@ -185,8 +185,8 @@ def _sums(near: int, count: int, orders: int, value: list[Array], more: list[Arr
 def _of_bowls_jvp(near: int, count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
     b, weight, zeta, x = primals
     value, more, most = _bowls(b.ravel(), zeta, x)
-    sums, (by_b, by_weight, by_zeta, by_x) = functools.partial(_sums, near, count), tangents
-    along = _moved(count, sums(5, more[1:], most, weight), by_zeta, by_x)
+    sums, (by_b, by_weight, by_zeta, by_x) = functools.partial(_of_strips, near, count), tangents
+    along = _of_moved_places(count, sums(5, more[1:], most, weight), by_zeta, by_x)
     if not isinstance(by_b, SymbolicZero):
         # The slope of (b^2 - t^2)^n is that with n - 1, times 2 n b.
         power = jnp.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
@@ -202,18 +202,18 @@ _of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _of_values(count: int, places: Array, values: Array, zeta: Array, x: Array) -> Pair:
     _, rate, more, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
-    return -(rate[:4] @ values).real, (more[:4, :count] @ values).real
+    return _of_path(count, rate[:4], more[:4], values)
+
+
+def _of_path(count: int, value: Array, more: Array, values: Array) -> Pair:
+    return -(value @ values).real, (more[:, :count] @ values).real
 
 
 def _of_values_jvp(count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
     places, values, zeta, x = primals
-    by_places, by_values, by_zeta, by_x = tangents
+    sums, (by_places, by_values, by_zeta, by_x) = functools.partial(_of_path, count), tangents
     _, rate, more, most, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
-
-    def sums(value: Array, more: Array, values: Array) -> Pair:
-        return -(value @ values).real, (more[:, :count] @ values).real
-
-    along = _moved(count, sums(-more, -most, values), by_zeta, by_x)
+    along = _of_moved_places(count, sums(-more, -most, values), by_zeta, by_x)
     if not isinstance(by_places, SymbolicZero):
         along = _plus(along, sums(more[:4], most[:4], 1j * by_places[:, None] * values))
     if not isinstance(by_values, SymbolicZero):

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field
+from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field, fineness_of
 
 
 class Peak(NamedTuple):
@@ -68,9 +68,8 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
 
     none = jnp.zeros_like(pressed.radius)
     begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
-    rounds = given.fineness(ends.dtype).rounds + (
-        given.half is None
-    )  # below the edge the tension in a power law is steep
+    # One more on a power law, where the tension below the edge is steep.
+    rounds = fineness_of(given.digits, ends.dtype).rounds + (given.half is None)
     rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 

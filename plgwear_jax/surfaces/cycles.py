@@ -229,9 +229,11 @@ def _of_kernel(kernel: Array, whole: Array | float, share: Array, weight: Array)
     return weighted @ kernel @ weighted.T + (weighted * (whole - kernel @ weight)) @ share.T
 
 
-def _of_table(table: Array, near: _Places, far: _Places, share: Array, weight: Array) -> Array:
+def _of_table(
+    table: Array, near: _Places, far: _Places, share: Array, weight: Array, whole: Array | float = 0.0
+) -> Array:
     cubics = _lagrange_cubics(table)
-    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), 0.0, share, weight)
+    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), whole, share, weight)
 
 
 _of_each_table = sequential_vmap(_of_table)  # the matrices of all directions would not be in the cache together
@@ -245,8 +247,7 @@ def through_springs(table: Array, whole: Array, t: Array, share: Array, weight: 
     integral over all cells, `whole`, is more than the sum acts on the spot.
     """
     near, far = map(_places_of, _distances(t, weight))
-    cubics = _lagrange_cubics(table)
-    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), whole, share, weight)
+    return _of_table(table, near, far, share, weight, whole)
 
 
 @through_springs.defjvp
