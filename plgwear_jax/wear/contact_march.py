@@ -81,6 +81,7 @@ class _Pressed(NamedTuple):
 # Pressures of single cells swing where these are narrow, most for k < -0.5 and next to the stick-slip boundary, where
 # they are singular in the end: means over so many cells, of the first ones, do not.
 _BESIDE, _WITHIN = 8, 32
+_ROUNDS, _FALL = 3, 1e-3  # of a step, and of the least pressure over the mean in each
 _FAST = 10.0  # pressure over that of the step before, from which on Euler's formula is used
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
@@ -125,7 +126,8 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     y = backward(lower, (np.arange(size.size)[:, None] == ends).astype(size.dtype))
     grown = jnp.sum(y * (matrix @ y), 0)
     diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - jax.lax.stop_gradient(grown)))
-    inner, outer = diagonal[0] * pressure[ends[0]], gap[ends[1]] / diagonal[1]
+    # A worn ring ends as nothing but roundings of either sign.
+    inner, outer = diagonal[0] * pressure[ends[0]], jnp.maximum(gap[ends[1]], 0.0) / diagonal[1]
     whole = inner + outer
     # Below that its derivatives overflow.
     known = whole > jnp.finfo(size.dtype).eps ** 2 * jnp.max(jnp.diagonal(lower) * pressure)
@@ -139,13 +141,13 @@ def _depth(control: Control, one: Array, held: Array) -> Array:
     return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
 
 
-def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps: Steps) -> Moments:
+def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps: Steps) -> Moments:
     """The march.
 
     Args:
         disc: The contact in cells. It has to be larger than the contact ever becomes: the results are NaN from then on.
         rate: Depth in m worn in a cycle, of a pressure in Pa and the path that slips in a cycle in m.
-        rounds: How often the pressures of a step are computed, once for a depth that is proportional to the pressure.
+        linear: Whether the depth is proportional to the pressure, so that those of a step are computed once.
         steps: What is given in each step.
     """
     size = jnp.diff(disc.edges)
@@ -172,8 +174,12 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         force = Control(0.0, 1.0, mean)
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
         now, contact = known, first
-        for _ in range(rounds):  # Newton's method, for a depth that is proportional to the pressure at once
-            some = jnp.maximum(guess, 1e-9 * mean)
+        # Newton's method, for a depth that is proportional to the pressure at once. A tangent at a small pressure gives
+        # a cell that begins to touch far too much pressure, by p^m with m > 1, or none, with m < 1: the least pressure
+        # falls from round to round. A tangent holds to first order wherever it is taken.
+        some = mean
+        for _ in range(1 if linear else _ROUNDS):
+            some = jax.lax.stop_gradient(jnp.maximum(guess, _FALL * some))
             worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
             matrix = disc.compliance + jnp.diag(slope)

@@ -22,7 +22,9 @@ def limited(curve: Curve) -> Curve:
     """The curve with rates limited so that no cubic between two times falls."""
     time, value, rate = curve
     length = jnp.where(jnp.diff(time) > 0.0, jnp.diff(time), jnp.inf)
-    chord = jnp.maximum(jnp.diff(value, axis=0), 0.0) / length.reshape(-1, *(1,) * (value.ndim - 1))
+    rise = jnp.diff(value, axis=0)
+    # Without those that are unknown, whose derivatives by the times would be unknown everywhere.
+    chord = jnp.where(rise > 0.0, rise, 0.0) / length.reshape(-1, *(1,) * (value.ndim - 1))
     before, after = jnp.concatenate([chord[:1], chord]), jnp.concatenate([chord, chord[-1:]])
     return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
 

@@ -169,7 +169,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         theta = bodies.tangential_ratio(effort, grid.unworn)
         steps, cycles = _given_in_steps(blocks, grid, theta, count)
-        found = march(disc, law.rate, 1 if law.linear else 3, steps)
+        found = march(disc, law.rate, law.linear, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
         # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
@@ -208,6 +208,8 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         most = jnp.nanmax(radius)
         moves = jnp.any(moved(found))
         end = jnp.where(moves, most + 0.25 * (most - stick), 1.1 * widest)
+        # The largest radius of all times is known to a cell: derivatives of the grid are those of a similar contact.
+        end = unworn * jax.lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
         return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 

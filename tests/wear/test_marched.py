@@ -435,7 +435,7 @@ MOVED = [
     (lambda u: worn(Displacement(u)), HELD.displacement_amplitude, 2e-2),
     (lambda u: worn(Displacement(u)), GROSS.displacement_amplitude, 2e-2),
     (lambda F: contact_of(LAW, force=F).over_cycles(HELD, COEFFICIENT), FORCE, 2e-2),
-    *((by_exponent, m, 6e-2) for m in (0.8, 1.3, 1.5)),
+    *((by_exponent, m, 6e-2) for m in (0.5, 0.8, 1.3, 1.5)),
     (by_radius, RADIUS, 2e-2),
     (by_friction, 0.5, 2e-2),
     (by_grading, 0.5, 2e-2),
