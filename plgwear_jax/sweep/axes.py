@@ -72,61 +72,54 @@ def read_axis(name: str, text: str) -> np.ndarray:
     Raises:
         AxisError: The text is none of these, or a value is outside its range: in one line.
     """
-    said = f"{name} = {cut(one_line(text))}"
+    said, parts = f"{name} = {cut(one_line(text))}", text.split(":")
     number = number_in(text)
     if number is not None:
         return check_axis(name, number)
-    parts = text.split(":")
     if number_in(parts[0]) is not None or (not Path(text).exists() and len(parts) > 2):
         return check_axis(name, _spaced(name, said, parts))
     if not os.path.lexists(text):
         raise AxisError(f"{said}: must be {_FORMS}; there is no such file")
-    return _values_of_file(name, text)
+    file = one_line(text)
+    rows, lines = numbered_lines(read_text(text, "the values of an axis come from a file, one per line", AxisError))
+    if not lines:
+        raise AxisError(f"{file}: holds no values of {name}; there must be at least one")
+    domain, values = leaf(name).domain, np.array([*map(number_in, lines)], float)  # a word is NaN, which no axis takes
+    for place in np.flatnonzero(~domain.contains(values)):
+        given = cut(one_line(lines[place].strip()))
+        raise AxisError(f"{file}: row {rows[place]}: {name} = {given}: must be {domain.text}")
+    return values
 
 
 def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
     """The values of the range start:stop:count[:spacing], whose parts are given; `said` begins a complaint."""
     if len(parts) not in (3, 4):
         raise AxisError(f"{said}: must be {_FORMS}")
-    start, stop = (number_in(part) for part in parts[:2])
-    if start is None or stop is None or not (math.isfinite(start) and math.isfinite(stop)):
+    start, stop = map(number_in, parts[:2])
+    if start is None or stop is None or not np.isfinite([start, stop]).all():
         raise AxisError(f"{said}: start and stop must be finite numbers")
     if not (parts[2].strip().isdecimal() and 1 <= int(parts[2]) <= _MOST):
         raise AxisError(f"{said}: the count must be a whole number from 1 to {_MOST}")
-    count = int(parts[2])
-    spacing = parts[3].strip() if len(parts) == 4 else "linear"
+    count, spacing = int(parts[2]), [*parts, "linear"][3].strip()
     if spacing not in _SPACINGS:
         raise AxisError(f"{said}: the spacing must be one of {', '.join(_SPACINGS)}")
     if count == 1 and start != stop:
         raise AxisError(f"{said}: a count of 1 leaves out an end; write a single value as a number")
+    if spacing == "linear":
+        return np.linspace(start, stop, count)
+    within = (0.0, math.inf) if spacing == "log" else leaf(name).interval
+    if within is None:
+        able = ", ".join(axis for axis, kind in AXES.items() if kind.interval is not None)
+        raise AxisError(f"{said}: logit is only for {able}")
+    lower, upper = within
+    if not lower < min(start, stop) <= max(start, stop) < upper:
+        must = "> 0" if spacing == "log" else f"between {lower:g} and {upper:g}"
+        raise AxisError(f"{said}: with {spacing} both ends must be {must}")
     if spacing == "log":
-        if not (start > 0.0 and stop > 0.0):
-            raise AxisError(f"{said}: with log both ends must be > 0")
         return np.geomspace(start, stop, count)
-    if spacing == "logit":
-        interval = leaf(name).interval
-        if interval is None:
-            able = ", ".join(axis for axis, kind in AXES.items() if kind.interval is not None)
-            raise AxisError(f"{said}: logit is only for {able}")
-        lower, upper = interval
-        if not (lower < start < upper and lower < stop < upper):
-            raise AxisError(f"{said}: with logit both ends must be between {lower:g} and {upper:g}")
-        first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
-        steps = np.linspace(first, last, count)
-        # measured from the nearer end, so that the distance from it keeps its digits
-        width = upper - lower
-        values = np.where(steps < 0.0, lower + width / (1.0 + np.exp(-steps)), upper - width / (1.0 + np.exp(steps)))
-        values[0], values[-1] = start, stop
-        return values
-    return np.linspace(start, stop, count)
-
-
-def _values_of_file(name: str, path: str) -> np.ndarray:
-    rows, lines = numbered_lines(read_text(path, "the values of an axis come from a file, one per line", AxisError))
-    if not lines:
-        raise AxisError(f"{one_line(path)}: holds no values of {name}; there must be at least one")
-    domain, values = leaf(name).domain, np.array([*map(number_in, lines)], float)  # a word is NaN, which no axis takes
-    for place in np.flatnonzero(~domain.contains(values)):
-        given = cut(one_line(lines[place].strip()))
-        raise AxisError(f"{one_line(path)}: row {rows[place]}: {name} = {given}: must be {domain.text}")
+    steps = np.linspace(*(math.log((end - lower) / (upper - end)) for end in (start, stop)), count)
+    # measured from the nearer end, so that the distance from it keeps its digits
+    near = (upper - lower) / (1.0 + np.exp(np.abs(steps)))
+    values = np.where(steps < 0.0, lower + near, upper - near)
+    values[[0, -1]] = start, stop
     return values

@@ -4,7 +4,7 @@ Dask decides who computes what and when, and gives the tasks of a worker that di
 """
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 import distributed
@@ -14,28 +14,19 @@ from distributed.comm.core import CommClosedError
 from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.plan import SweepPlan
-from plgwear_jax.sweep.store import SweepError, SweepStore, arrays_of, holds, remove_partial, write_chunk
+from plgwear_jax.sweep.store import SweepError, SweepStore
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
 _PATIENCE = "10s"  # for the scheduler to answer
 _compiling = threading.Lock()
 
 
-def run_on_cluster(
-    plan: SweepPlan,
-    store: SweepStore,
-    numbers: Sequence[int],
-    scheduler: str,
-    progress: Callable[[int, int], None] | None,
-) -> None:
-    """Have the chunks of these numbers computed by the workers of a Dask scheduler.
+def run_on_cluster(plan: SweepPlan, store: SweepStore, numbers: Sequence[int], scheduler: str) -> Generator[int]:
+    """Have the chunks of these numbers computed by the workers of a Dask scheduler; the points of each task that ended.
 
     Raises:
         SweepError: No scheduler answers, or a worker could not do its part.
     """
-    done = plan.points - plan.size(numbers)
-    if progress is not None:
-        progress(done, plan.points)
     if not numbers:
         return
     some = -(-len(numbers) // _TASKS)
@@ -46,21 +37,14 @@ def run_on_cluster(
         raise SweepError(f"scheduler {one_line(scheduler)}: no Dask scheduler answers there") from None
     with client:
         # As a task of its own the plan is sent once to each worker, and again if they all die.
-        shared = client.submit(_itself, plan, pure=False)
+        shared = client.submit(lambda plan: plan, plan, pure=False)
         tasks = client.map(
             _compute_and_write, batches, plan=shared, path=str(store.path), version=__version__, pure=False
         )
         try:
             for task in distributed.as_completed(tasks, loop=client.loop):
-                try:
-                    done += task.result()
-                except CommClosedError:
-                    raise
-                except OSError as error:  # of the worker that wrote
-                    raise store.stopped(error) from None
+                yield task.result()
                 task.release()
-                if progress is not None:
-                    progress(done, plan.points)
         except distributed.KilledWorker:
             raise SweepError("cluster: the workers that tried the same chunks died, one after the other") from None
         except (CommClosedError, CancelledError):
@@ -69,31 +53,24 @@ def run_on_cluster(
             raise SweepError(f"cluster: a worker cannot take part: {error}") from None
         finally:
             client.cancel(tasks)
-    remove_partial(store.path)  # of workers that died
 
 
 class _UnfitError(ValueError):
     """Why a worker cannot take part."""
 
 
-def _itself(plan: SweepPlan) -> SweepPlan:
-    return plan
-
-
 def _compute_and_write(numbers: Sequence[int], plan: SweepPlan, path: str, version: str) -> int:
     """Compute chunks and write them, on a worker; returns how many points they hold."""
     if version != __version__:
         raise _UnfitError(f"it has plgwear_jax {__version__}, not {version}")
-    target = Path(path)
-    if not target.is_dir():
+    if not Path(path).is_dir():
         raise _UnfitError(f"it does not see {path}: out must lie on a file system that all share")
+    store = SweepStore(path, plan)
     # A task is repeated if the worker that had finished it died.
-    arrays = arrays_of(target, plan)
-    missing = [number for number in numbers if not holds(arrays, plan, number)]
+    missing = [number for number in numbers if not store.has(number)]
     if missing:
         with _compiling:  # the threads of a worker share the plan, and so its program
-            engine = plan.engine
-        for batch in engine.batches(missing):
-            for number, variables in engine.finish(batch, engine.start(batch)):
-                write_chunk(arrays, plan, number, variables)
+            _ = plan.program
+        for number, variables in plan.computed(missing):
+            store.write(number, variables)
     return plan.size(numbers)

@@ -7,9 +7,9 @@ results do not depend on how many devices share the work.
 import dataclasses
 import functools
 import hashlib
-import json
+import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import dask.array
@@ -18,6 +18,7 @@ import jax.experimental
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from dask.array.core import normalize_chunks, slices_from_chunks
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
@@ -79,30 +80,25 @@ class SweepPlan:
         return math.prod(self.shape)
 
     @functools.cached_property
-    def grid(self) -> tuple[int, ...]:
-        """The number of chunks along each axis."""
-        return tuple(-(-length // size) for length, size in zip(self.shape, self.chunk, strict=True))
+    def places(self) -> list[dict[str, slice]]:
+        """The part of each axis that a chunk covers, for all chunks by number."""
+        every = slices_from_chunks(normalize_chunks(self.chunk, self.shape))
+        return [dict(zip(self.axes, place, strict=True)) for place in every]
 
-    @property
-    def chunks(self) -> int:
-        """The number of chunks."""
-        return math.prod(self.grid)
-
-    def index(self, number: int) -> dict[str, int]:
-        """The place of a chunk along each axis, from its number."""
-        return dict(zip(self.axes, map(int, np.unravel_index(number, self.grid)), strict=True))
-
-    def place(self, number: int) -> dict[str, slice]:
-        """The part of each axis that a chunk covers, from its number."""
-        found = {}
-        for (name, index), size, length in zip(self.index(number).items(), self.chunk, self.shape, strict=True):
-            found[name] = slice(index * size, min((index + 1) * size, length))
-        return found
-
-    def size(self, numbers: Sequence[int]) -> int:
+    def size(self, numbers: Iterable[int]) -> int:
         """The number of points in the chunks with these numbers."""
-        places = (self.place(number).values() for number in numbers)
+        places = (self.places[number].values() for number in numbers)
         return sum(math.prod(part.stop - part.start for part in place) for place in places)
+
+    def parts(self, number: int) -> dict[str, tuple[slice, ...]]:
+        """What a chunk holds of each quantity: of chunks that differ only along other axes, the first has it."""
+        place = self.places[number]
+        away = {name for name, part in place.items() if part.start}
+        return {
+            name: tuple(place[dim] for dim in one.dims)  # pyright: ignore[reportArgumentType]
+            for name, one in self.variables.items()
+            if away.issubset(one.dims)
+        }
 
     @functools.cached_property
     def asked(self) -> tuple[SweepQuantity, ...]:
@@ -115,7 +111,7 @@ class SweepPlan:
 
         Their names can be attributes in Python: `wear_volume_dk`. They have unit, meaning, equation and digits as text.
         """
-        rows = [jax.ShapeDtypeStruct((2,), self.row_dtype(name)) for name in self.axes]
+        rows = [jax.ShapeDtypeStruct((2,), values.dtype) for values in self.axes.values()]
         found = {}
         for asked, array in zip(self.asked, jax.eval_shape(self.evaluate, *rows), strict=True):
             along = [place for place, length in enumerate(array.shape) if length == 2]
@@ -123,10 +119,6 @@ class SweepPlan:
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
             found[variable_name(asked.name)] = xr.Variable(dims, empty, self._attributes(asked))
         return found
-
-    def row_dtype(self, name: str) -> np.dtype:
-        """The dtype in which the values of an axis enter the program."""
-        return np.dtype(np.int32) if name == LOAD else self.dtype
 
     def _attributes(self, asked: SweepQuantity) -> dict[str, str]:
         digits = self.subject.digits or digits_of(asked.name, self.subject) or f"all of {self.dtype}"
@@ -165,55 +157,90 @@ class SweepPlan:
         }
 
     @functools.cached_property
-    def engine(self) -> "Engine":
-        """The program of its chunks, which each process compiles once and keeps as long as the plan."""
-        return Engine(self)
+    def program(self) -> tuple[Any, NamedSharding]:
+        """The program of its chunks, compiled once on all devices of this process, and how these share the rows.
+
+        Each device computes a chunk at a time; none waits for another.
+        """
+        split = PartitionSpec("chunks")
+        sharding = NamedSharding(Mesh(np.array(jax.local_devices()), ("chunks",)), split)
+        rows = [
+            jax.ShapeDtypeStruct((sharding.num_devices, size), values.dtype, sharding=sharding)
+            for values, size in zip(self.axes.values(), self.chunk, strict=True)
+        ]
+
+        def one_chunk(*rows: Array) -> list[Array]:
+            return [x[None] for x in self.evaluate(*(row[0] for row in rows))]
+
+        with in_precision(self.dtype):  # a worker has not set jax_enable_x64
+            shared = jax.shard_map(one_chunk, mesh=sharding.mesh, in_specs=split, out_specs=split, check_vma=False)
+            options: Any = compiler_options(1) if self.subject.slow else None  # else XLA compiles for half a minute
+            return jax.jit(shared).lower(*rows).compile(options), sharding
+
+    def _start(self, numbers: Sequence[int]) -> list[Array]:
+        """Start computing as many chunks as there are devices, or fewer."""
+        program, sharding = self.program
+        rows, filled = [], [*numbers, *[numbers[-1]] * (sharding.num_devices - len(numbers))]
+        for (name, values), size in zip(self.axes.items(), self.chunk, strict=True):
+            parts = (values[self.places[number][name]] for number in filled)
+            rows.append(np.stack([np.pad(part, (0, size - part.size), mode="edge") for part in parts]))
+        with in_precision(self.dtype):
+            return program(*jax.device_put(rows, sharding))
+
+    def computed(self, numbers: Sequence[int]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+        """The chunks of these numbers, each with its variables; the next ones are computed while these are kept."""
+        width = jax.local_device_count()
+        batches = (numbers[first : first + width] for first in range(0, len(numbers), width))
+        started = itertools.chain(((batch, self._start(batch)) for batch in batches), [([], [])])
+        for (batch, found), _ in itertools.pairwise(started):
+            for device, number in enumerate(batch):
+                kept = {name: slice(part.stop - part.start) for name, part in self.places[number].items()}
+                variables = {}
+                for (name, variable), array in zip(self.variables.items(), found, strict=True):
+                    place = (kept[axis] if axis in variable.dims else 0 for axis in kept)
+                    variables[name] = np.asarray(array)[(device, *place)]
+                yield number, variables
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
         """A description of the sweep that can be compared with another and read by people."""
         subject, heads = self.subject, {name.split(".")[0] for name in self.names}
-        return {
-            "version": __version__,
-            "formulas": FORMULAS,
-            "quantities": list(self.names),
-            **{name: "loads" if name == LOAD else _told(values) for name, values in self.axes.items()},
-            **{name: value if isinstance(value, str) else float(value) for name, value in self.fixed.items()},
-            "contact": type(subject.contact).__name__ if subject.contact is not None else "none",
-            **({"bodies": _told_bodies(subject)} if subject.numeric else {}),
-            "loads": list(self.loads)
-            if subject.amplitudes is None
-            else {"names": list(self.loads)}
-            | dict(zip(("forces", "weights"), map(_told, subject.amplitudes), strict=True)),
-            **({"held": type(subject.load).__name__} if subject.load is not None else {}),
-            "bounds": list(map(float, subject.bounds)) if "optimal_exponent" in heads else "not used",
-            "design": json.loads(json.dumps(subject.design, default=_as_json)) if "design" in heads else "not used",
-            "digits": "all" if subject.digits is None else subject.digits,
-            "dtype": str(self.dtype),
-            "axes": list(self.axes),
-            "chunk": list(self.chunk),
-        }
+        kinds = {name: type(getattr(subject.contact, name, None)).__name__ for name in BODIES}
+        rows = {name: value for name, value in subject.names.own.items() if np.ndim(value)}
+        return _told(
+            {
+                "version": __version__,
+                "formulas": FORMULAS,
+                "quantities": self.names,
+                **self.axes,
+                **self.fixed,
+                "contact": type(subject.contact).__name__,
+                "bodies": kinds | rows,
+                "loads": {"names": self.loads, "amplitudes": subject.amplitudes},
+                "held": type(subject.load).__name__,
+                "bounds": subject.bounds if "optimal_exponent" in heads else "not used",
+                "design": subject.design if "design" in heads else "not used",
+                "digits": "all" if subject.digits is None else subject.digits,
+                "dtype": str(self.dtype),
+                "axes": [*self.axes],
+                "chunk": self.chunk,
+            }
+        )
 
 
-def _told(values: np.ndarray) -> str:
-    """A row of values in words, with a digest that differs for other values."""
-    flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+def _told(value: Any) -> Any:
+    """A value as JSON; a row of values in words, with a digest that differs for other values."""
+    if dataclasses.is_dataclass(value):
+        value = vars(value)
+    if isinstance(value, Mapping):
+        return {name: _told(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [*map(_told, value)]
+    if not np.ndim(value):
+        return getattr(value, "item", lambda: value)()
+    flat = np.ascontiguousarray(value, dtype=np.float64).ravel()
     digest = hashlib.sha256(flat.tobytes()).hexdigest()[:16]
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
-
-
-def _told_bodies(subject: SweepTarget) -> dict[str, Any]:
-    """What touches beside the numbers that are among the axes and fields."""
-    bodies = {name: getattr(subject.contact, name, None) for name in BODIES}
-    rows = {name: value for name, value in subject.names.own.items() if np.ndim(value)}
-    kinds = {name: type(body).__name__ for name, body in bodies.items() if body is not None}
-    return kinds | {name: _told(np.asarray(row)) for name, row in rows.items()}
-
-
-def _as_json(value: Any) -> Any:
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return dataclasses.asdict(value)
-    return np.asarray(value).tolist()
 
 
 # --- chunks ---------------------------------------------------------------------------------------------------------
@@ -240,65 +267,7 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     return tuple(sizes())
 
 
-# --- computing ------------------------------------------------------------------------------------------------------
-
-_AXIS = "chunks"
-
-
 def in_precision(dtype: Any) -> Any:
     """A context manager that sets JAX to the precision of a dtype, for this thread only."""
     home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
     return home.enable_x64(np.dtype(dtype) == np.float64)
-
-
-class Engine:
-    """The program of a plan, compiled once, on all devices of this process: each computes a chunk at a time."""
-
-    def __init__(self, plan: SweepPlan) -> None:
-        self.plan = plan
-        devices = jax.local_devices()
-        self.width = len(devices)
-        mesh = Mesh(np.array(devices), (_AXIS,))
-        split = PartitionSpec(_AXIS)
-        self._sharding = NamedSharding(mesh, split)
-        rows = [
-            jax.ShapeDtypeStruct((self.width, size), plan.row_dtype(name), sharding=self._sharding)
-            for name, size in zip(plan.axes, plan.chunk, strict=True)
-        ]
-
-        def one_chunk(*rows: Array) -> dict[str, Array]:
-            found = (x[None] for x in plan.evaluate(*(row[0] for row in rows)))
-            return dict(zip(plan.variables, found, strict=True))
-
-        with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
-            # Each device runs the same program on a chunk of its own; none waits for another.
-            shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
-            options: Any = compiler_options(1) if plan.subject.slow else None  # else XLA compiles for half a minute
-            self._compiled = jax.jit(shared).lower(*rows).compile(options)
-
-    def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:
-        """The chunks of these numbers, as many at a time as there are devices."""
-        return (numbers[first : first + self.width] for first in range(0, len(numbers), self.width))
-
-    def start(self, numbers: Sequence[int]) -> dict[str, Array]:
-        """Start computing as many chunks as there are devices, or fewer."""
-        plan = self.plan
-        filled = [*numbers, *[numbers[-1]] * (self.width - len(numbers))]
-        places = [plan.place(number) for number in filled]
-        rows = []
-        for (name, values), size in zip(plan.axes.items(), plan.chunk, strict=True):
-            parts = [values[place[name]] for place in places]
-            stacked = np.stack([np.pad(part, (0, size - part.size), mode="edge") for part in parts])
-            rows.append(stacked.astype(plan.row_dtype(name)))
-        with in_precision(plan.dtype):
-            return self._compiled(*jax.device_put(rows, self._sharding))
-
-    def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
-        """The numbers of the chunks that were started, each with its variables, without the padding."""
-        for device, number in enumerate(numbers):
-            kept = {name: slice(part.stop - part.start) for name, part in self.plan.place(number).items()}
-            variables = {}
-            for name, variable in self.plan.variables.items():
-                place = (kept[axis] if axis in variable.dims else 0 for axis in kept)
-                variables[name] = np.asarray(started[name])[(device, *place)]
-            yield number, variables

@@ -1,13 +1,14 @@
 """A sweep in a Zarr store: created as a whole, continued after a stop, refused if it holds another sweep."""
 
 import contextlib
+import functools
 import json
 import os
 import shutil
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -46,59 +47,76 @@ def labelled(plan: SweepPlan) -> xr.Dataset:
 
 
 class SweepStore:
-    """The Zarr store of a sweep; within a `with` block no other process can write to it.
+    """The Zarr store of a sweep, to be written to by whoever computes its chunks.
 
     Attributes:
         path: The folder.
+        name: It, as it was named, for messages.
     """
 
     def __init__(self, path: str | os.PathLike[str], plan: SweepPlan) -> None:
-        self.path = Path(os.path.abspath(path))
-        self._name = one_line(os.fspath(path))
-        self._plan = plan
-        if self.path.suffix != ".zarr":
-            raise SweepError(f"{self._name}: must end in .zarr")
+        self.path, self.name, self._plan = Path(os.path.abspath(path)), one_line(os.fspath(path)), plan
 
-    def __enter__(self) -> Self:
+    @functools.cached_property
+    def _arrays(self) -> dict[str, zarr.Array]:
+        # A chunk of NaN only can be a finished one, so its file has to be written too.
+        with zarr.config.set({"array.write_empty_chunks": True}), _damaged(self.name):
+            group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
+            return {name: _array(group, name) for name in self._plan.variables}
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[list[int]]:
+        """The numbers of the chunks that are missing; until the end no other process can write to the store."""
+        if self.path.suffix != ".zarr":
+            raise SweepError(f"{self.name}: must end in .zarr")
         if not self.path.parent.is_dir():
-            raise SweepError(f"{self._name}: cannot be written: there is no folder to put it in")
+            raise SweepError(f"{self.name}: cannot be written: there is no folder to put it in")
         lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
-        try:
-            with contextlib.ExitStack() as held:
+        with contextlib.ExitStack() as until:
+            try:
                 lock.acquire(timeout=0)
-                held.callback(lock.release)
-                held.callback(Path(lock.lock_file).unlink, missing_ok=True)  # before the release: nobody else has it
-                self._remove_litter()
+                until.callback(lock.release)
+                until.callback(Path(lock.lock_file).unlink, missing_ok=True)  # before the release: nobody else has it
+                # what a process that was killed left unfinished
+                for part in self.path.parent.glob(f".{self.path.name}.*.part"):
+                    shutil.rmtree(part, ignore_errors=True)
+                self.remove_partial()
                 if os.path.lexists(self.path):
-                    _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)
+                    _refuse_other(self.name, _manifest_at(self.path, self.name), self._plan.manifest)
                 else:
                     self._create()
-                with _damaged(self._name):
-                    self._arrays = arrays_of(self.path, self._plan)
-                self._held = held.pop_all()
-        except Timeout:
-            raise SweepError(f"{self._name}: another process is sweeping into it") from None
-        except OSError as error:
-            raise self._unwritable(error) from None
-        return self
+                missing = self._missing()
+            except Timeout:
+                raise SweepError(f"{self.name}: another process is sweeping into it") from None
+            except OSError as error:
+                raise self._unwritable(error) from None
+            yield missing
 
-    def __exit__(self, *error: object) -> None:
-        self._held.close()
+    def _missing(self) -> list[int]:
+        return [number for number in range(len(self._plan.places)) if not self.has(number)]
 
-    def missing(self) -> list[int]:
-        """The numbers of the chunks that are not there yet."""
-        return [number for number in range(self._plan.chunks) if not holds(self._arrays, self._plan, number)]
+    def has(self, number: int) -> bool:
+        """Whether all files of a chunk exist."""
+        for name, part in self._plan.parts(number).items():
+            array = self._arrays[name]
+            index = tuple(one.start // size for one, size in zip(part, array.chunks, strict=True))
+            if not _is_there(array, index):
+                return False
+        return True
 
     def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
         """Write the files of a chunk, each whole or not at all.
 
         Raises:
-            SweepError: They cannot be written.
+            SweepError: They cannot be written; it says how many chunks are finished.
         """
         try:
             write_chunk(self._arrays, self._plan, number, variables)
         except OSError as error:
-            raise self.stopped(error) from None
+            chunks = len(self._plan.places)
+            done = f"{chunks - len(self._missing())} of {chunks} chunks are finished"
+            said = f"{self._unwritable(error)}; {done}, and the same sweep continues with the others"
+            raise SweepError(said) from None
 
     def finish(self) -> None:
         """Write into the store that it is finished.
@@ -107,18 +125,13 @@ class SweepStore:
             SweepError: It cannot be written.
         """
         try:
+            self.remove_partial()  # of workers that died
             group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
             if group.attrs.get("status") != FINISHED:
                 group.update_attributes({"status": FINISHED})
                 _consolidate(self.path)
         except OSError as error:
             raise self._unwritable(error) from None
-
-    def stopped(self, error: OSError) -> SweepError:
-        """Why nothing more can be written, and how many chunks are finished."""
-        there = self._plan.chunks - len(self.missing())
-        goes_on = f"{there} of {self._plan.chunks} chunks are finished, and the same sweep continues with the others"
-        return SweepError(f"{self._unwritable(error)}; {goes_on}")
 
     def _create(self) -> None:
         """Create everything but the chunks, under another name until it is complete."""
@@ -139,14 +152,19 @@ class SweepStore:
         finally:
             shutil.rmtree(part, ignore_errors=True)
 
-    def _remove_litter(self) -> None:
-        """Remove unfinished stores and files of a process that was killed."""
-        for part in self.path.parent.glob(f".{self.path.name}.*.part"):
-            shutil.rmtree(part, ignore_errors=True)
-        remove_partial(self.path)
+    def remove_partial(self) -> None:
+        """Remove unfinished files of writers that were killed."""
+        for file in self.path.rglob("*.partial"):
+            file.unlink(missing_ok=True)
 
     def _unwritable(self, error: OSError) -> SweepError:
-        return SweepError(f"{self._name}: cannot be written: {error.strerror or error}")
+        return SweepError(f"{self.name}: cannot be written: {error.strerror or error}")
+
+
+def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
+    """Write a chunk into arrays, of a store or in memory."""
+    for name, part in plan.parts(number).items():
+        arrays[name][part] = variables[name]
 
 
 def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
@@ -161,40 +179,6 @@ def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
         arrays = [_array(group, variable_name(name)) for name in names]
         there = [_is_there(array, index) for array in arrays for index in np.ndindex(*array.cdata_shape)]
     return names, there.count(False), len(there)
-
-
-def arrays_of(path: Path, plan: SweepPlan) -> dict[str, zarr.Array]:
-    """The arrays to write to, by the names of the variables."""
-    # A chunk of NaN only can be a finished one, so its file has to be written too.
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        group = zarr.open_group(path, mode="r+", use_consolidated=False)
-        return {name: _array(group, name) for name in plan.variables}
-
-
-def holds(arrays: Mapping[str, zarr.Array], plan: SweepPlan, number: int) -> bool:
-    """Whether all files of a chunk exist."""
-    index = plan.index(number)
-    written = _written(plan, index)
-    return all(_is_there(arrays[name], tuple(index[dim] for dim in dims)) for name, dims in written)
-
-
-def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
-    """Write a chunk into arrays, of a store or in memory."""
-    place = plan.place(number)
-    for name, dims in _written(plan, plan.index(number)):
-        arrays[name][tuple(place[dim] for dim in dims)] = variables[name]
-
-
-def remove_partial(path: Path) -> None:
-    """Remove unfinished files of writers that were killed."""
-    for file in path.rglob("*.partial"):
-        file.unlink(missing_ok=True)
-
-
-def _written(plan: SweepPlan, index: Mapping[str, int]) -> list[tuple[str, Any]]:
-    """The variables that the chunk at an index writes: of chunks that differ only along other axes, the first does."""
-    away = {name for name, place in index.items() if place}
-    return [(name, one.dims) for name, one in plan.variables.items() if away.issubset(one.dims)]
 
 
 def _array(group: zarr.Group, name: str) -> zarr.Array:

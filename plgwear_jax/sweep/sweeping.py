@@ -4,10 +4,12 @@ Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dat
 computed and written chunk by chunk; after a stop, finished chunks are not computed again.
 """
 
+import contextlib
 import functools
+import itertools
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
 import jax
@@ -135,7 +137,7 @@ def sweep(
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
     if len(loads) > 1:
-        rows[LOAD] = np.arange(len(loads))
+        rows[LOAD] = np.arange(len(loads), dtype=np.int32)
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
     dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
@@ -168,16 +170,16 @@ def sweep(
         if scheduler is not None:
             raise SweepError("scheduler: a sweep on a cluster needs out, a Zarr store that all its workers see")
         return _in_memory(plan, progress)
-    with SweepStore(out, plan) as store:
-        missing = store.missing()
-        if scheduler is None:
-            _run(plan, missing, store.write, progress)
-        else:
+    store = SweepStore(out, plan)
+    with store.held() as missing:
+        steps = _run(plan, missing, store.write)
+        if scheduler is not None:
             from plgwear_jax.sweep import cluster
 
-            cluster.run_on_cluster(plan, store, missing, scheduler, progress)
+            steps = cluster.run_on_cluster(plan, store, missing, scheduler)
+        _followed(steps, plan.points - plan.size(missing), plan.points, progress)
         store.finish()
-    return _opened(out, plan.names)
+    return open_sweep(out)
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -199,14 +201,7 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
             f"{one_line(os.fspath(path))}: is not finished: {missing} of {files} chunk files are missing, read as NaN"
         )
         warnings.warn(UnfinishedWarning(said), stacklevel=2)
-    return _opened(path, names, missing)
-
-
-def _opened(path: str | os.PathLike[str], names: Sequence[str], missing: int = 0) -> xr.Dataset:
-    found = xr.open_zarr(path, consolidated=False, chunks={})
-    for name in names:
-        found[variable_name(name)].attrs["quantity"] = name
-    found = found[[variable_name(name) for name in names]]
+    found = xr.open_zarr(path, consolidated=False, chunks={})[[*map(variable_name, names)]]
     return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
 
 
@@ -214,25 +209,20 @@ def _opened(path: str | os.PathLike[str], names: Sequence[str], missing: int = 0
 
 
 def _run(
-    plan: SweepPlan,
-    numbers: Sequence[int],
-    keep: Callable[[int, Mapping[str, np.ndarray]], None],
-    progress: Progress | None,
-) -> None:
-    """Compute chunks; the next ones are computed while the last ones are kept."""
-    done, report = plan.points - plan.size(numbers), progress or (lambda *_: None)
-    report(done, plan.points)
-    if not numbers:
-        return
-    engine, before = plan.engine, None
-    for some in [*engine.batches(numbers), ()]:
-        started = engine.start(some) if some else {}
-        if before is not None:
-            for number, variables in engine.finish(*before):
-                keep(number, variables)
-            done += plan.size(before[0])
-            report(done, plan.points)
-        before = some, started
+    plan: SweepPlan, numbers: Sequence[int], keep: Callable[[int, Mapping[str, np.ndarray]], None]
+) -> Generator[int]:
+    """Compute chunks here and keep them; the number of points of each that is kept."""
+    for number, variables in plan.computed(numbers):
+        keep(number, variables)
+        yield plan.size([number])
+
+
+def _followed(steps: Generator[int], done: int, points: int, progress: Progress | None) -> None:
+    """Tell the progress, from the number of points of each step."""
+    with contextlib.closing(steps):
+        for done in itertools.accumulate(steps, initial=done):
+            if progress is not None:
+                progress(done, points)
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
@@ -241,7 +231,8 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
     except (MemoryError, ValueError):
         size = sum(variable.nbytes for variable in plan.variables.values())
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
-    _run(plan, range(plan.chunks), functools.partial(write_chunk, arrays, plan), progress)
+    steps = _run(plan, range(len(plan.places)), functools.partial(write_chunk, arrays, plan))
+    _followed(steps, 0, plan.points, progress)
     return labelled(plan).assign({name: one.copy(data=arrays[name]) for name, one in plan.variables.items()})
 
 

@@ -64,7 +64,7 @@ def test_a_finished_sweep_is_left_alone(tmp_path, monkeypatch):
     """Nothing is compiled, computed or written again."""
     out = tmp_path / "map.zarr"
     into(out)
-    monkeypatch.setattr("plgwear_jax.sweep.plan.Engine", None)
+    monkeypatch.setattr("plgwear_jax.sweep.plan.SweepPlan.program", None)
     before, listener = files(out), Stop()
     into(out, progress=listener)
     assert files(out) == before
