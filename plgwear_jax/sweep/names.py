@@ -6,11 +6,10 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 """
 
 import dataclasses
-import functools
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +18,7 @@ from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
+from plgwear_jax._core.units import text_cells
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.catalogue import (
     AMPLITUDES,
@@ -135,12 +135,19 @@ class SweepTarget:
     @property
     def for_life(self) -> bool:
         """Designs are those of a life."""
-        return (self.design or {}).get("cycles") is not None
+        return self.design is not None and self.design.get("cycles") is not None
 
     @property
     def marched(self) -> bool:
         """What is over cycles has the two digits of a march."""
         return self.load is not None or "displacement" in self.inputs
+
+    def digits_of(self, name: str) -> str | None:
+        """The correct digits of a quantity by default; None if they are all that the dtype holds."""
+        head = name.split(".")[0]
+        if head == "transient" or (head == "design" and self.for_life):
+            return "2" if self.marched else "4"
+        return "4" if self.numeric else None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -168,14 +175,6 @@ class SweepQuantity:
 
 # A search or a march over cycles takes a thousand times as long as a formula.
 SEARCHES = {"optimal_exponent", "design", "transient"}
-
-
-def digits_of(name: str, subject: SweepTarget) -> str | None:
-    """The correct digits of a quantity by default; None if they are all that the dtype holds."""
-    head = name.split(".")[0]
-    if head == "transient" or (head == "design" and subject.for_life):
-        return "2" if subject.marched else "4"
-    return "4" if subject.numeric else None
 
 
 def variable_name(quantity: str) -> str:
@@ -222,25 +221,25 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
 
 
 def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
-    head, _, tail = stem.partition(".")
-    if head == "optimal_exponent" and subject.contact is None:
-
-        def optimum(values: Values) -> Any:
-            return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
-
-        return _of_record(stem, _EXPONENT, ("phi",), optimum)
-    if head == "design" and subject.contact is not None:
-        if subject.design is None:
-            raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
-        search = functools.partial(_best_designs, subject)
-        return _of_record(stem, _design_fields(subject), subject.inputs, search)
+    (head, _, tail), contact = stem.partition("."), subject.contact
+    if head == ("optimal_exponent" if contact is None else "design"):
+        return _of_optimum(name, head, tail, subject)
+    known = (
+        _functions(subject)
+        if contact is None
+        else {one: _of_contact(one, law, subject) for one, law in laws_of(contact).items()}
+    )
     if stem == SLIPS and "displacement" in subject.inputs:
-        return SweepQuantity(stem, subject.inputs, functools.partial(_slips, subject), "1", _SLIPS, smooth=False)
-    known = _quantities_of(subject)
+        onset = known["gross_slip_displacement"].evaluate
+        return SweepQuantity(
+            *(stem, subject.inputs, lambda values, memo: ~(values["displacement"] < onset(values, memo))),
+            *("1", "the whole contact slips before any wear"),
+            smooth=False,
+        )
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
-        if subject.contact is None and (head == "transient" or stem in FRETTING):
+        if contact is None and (head == "transient" or stem in FRETTING):
             by = "; it is that of a contact, as an input file gives it (--scene)"
         if not by and head in known and tail:
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
@@ -250,31 +249,29 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     return known[stem]
 
 
-def _quantities_of(subject: SweepTarget) -> dict[str, SweepQuantity]:
-    """All quantities except those of optima, by name."""
-    if subject.contact is not None:
-        return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
-    rooms = [(fretting, FRETTING), (partial_slip, TANGENTIAL), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
+def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
+    """The dimensionless functions, by name and by that with their room."""
     found: dict[str, SweepQuantity] = {}
-    for module, laws in rooms:
+    for module, laws in (
+        (fretting, FRETTING),
+        (partial_slip, TANGENTIAL),
+        (gross_slip, GROSS_SLIP),
+        (material, MATERIAL),
+    ):
         for name, law in laws.items():
             function = getattr(module, name, None) or getattr(module, f"steady_{name}", None)
-            if function is not None:
-                quantity = _of_function(function, law, subject)
-                found.setdefault(name, quantity)
-                found[f"{module.__name__.rpartition('.')[2]}.{name}"] = quantity
+            if function is None:
+                continue
+            parameters = inspect.signature(function).parameters.values()
+            needs = tuple(one.name for one in parameters if one.default is one.empty)
+
+            def evaluate(values: Values, _: Any, function: Any = function, needs: Any = needs) -> Array:
+                return function(*(values[name] for name in needs), digits=subject.digits)
+
+            one = SweepQuantity(name, needs, evaluate, law.scale or "1", law.description, law.equation)
+            found.setdefault(name, one)
+            found[f"{module.__name__.rpartition('.')[2]}.{name}"] = one
     return found
-
-
-def _of_function(function: Callable[..., Array], law: Law, subject: SweepTarget) -> SweepQuantity:
-    parameters = inspect.signature(function).parameters.values()
-    needs = tuple(one.name for one in parameters if one.default is one.empty)
-
-    def evaluate(values: Values, _: dict[Any, Any]) -> Array:
-        return function(*(values[name] for name in needs), digits=subject.digits)
-
-    name = function.__name__.lstrip("_")
-    return SweepQuantity(name, needs, evaluate, law.scale or "1", law.description, law.equation)
 
 
 def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
@@ -366,13 +363,6 @@ def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, 
 
 
 SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
-_SLIPS = "the whole contact slips before any wear"
-
-
-def _slips(subject: SweepTarget, values: Values, _: dict[Any, Any]) -> Array:
-    """Whether the whole contact slips before any wear under the displacement at these values."""
-    at_rest = contact_at(subject, values).steady(Force(0.0, values.get("rig_stiffness")), digits=subject.digits)
-    return ~(jnp.asarray(values["displacement"]) < at_rest.gross_slip_displacement)
 
 
 def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
@@ -385,80 +375,58 @@ def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
 # --- optima ---------------------------------------------------------------------------------------------------------
 
 
-class _Field(NamedTuple):
-    """A field of an optimum: its unit, what it is, its path in the result, and whether it has derivatives."""
-
-    unit: str
-    description: str
-    path: str
-    smooth: bool = True
-
-
-def _fields(text: str, smooth: bool = False) -> dict[str, _Field]:
-    """Fields that are attributes of the result, from a line for each: name, unit, and what it is."""
-    rows = (re.split("  +", line.strip()) for line in text.strip().splitlines())
-    return {name: _Field(unit, about, name, smooth) for name, unit, about in rows}
-
-
-_FLAGS = _fields("""
+# Fields of an optimum: name, unit, and what it is.
+_FLAGS = """
     converged                  1  the search ended at a minimum
     certified                  1  converged, and nothing better was found
     scan_found_nothing_better  1  nothing better is expected between the exponents (curvature estimated, not bounded)
-""")
-_EXPONENT = _fields(
-    """
-    k            1        exponent k that wears least
-    wear_volume  a_0^4/R  least wear volume of any exponent
-    """,
-    smooth=True,
-) | _fields("""
+"""
+_EXPONENT = """
+    k                  1        exponent k that wears least
+    wear_volume        a_0^4/R  least wear volume of any exponent
     at_bound           1        the best exponent lies on a bound
     rival              1        exponent of the next best minimum
     rival_wear_volume  a_0^4/R  wear volume there
-""")
+"""
+_SMOOTH = "k", "wear_volume"
 
 
-def _design_fields(subject: SweepTarget) -> dict[str, _Field]:
-    assert subject.design is not None
-    given = subject.design.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
-    objective = given if isinstance(given, str) else next(iter(given))
-    found = {}
-    for name in subject.design["vary"]:
-        kind = leaf(name)
-        found[name] = _Field(kind.unit, f"best {kind.description or kind.words}", f"variables['{name}']")
-    least = entry(objective)
-    found[objective] = _Field(least.unit, f"least {least.description}", "value")
-    return found | {"saving": _Field("1", f"share of the {objective} saved against the reference", "saving")}
+def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> SweepQuantity:
+    """A field of the best exponents or designs, which all come from one search."""
+    given, objective = None if subject.contact is None else subject.design, ""
+    if subject.contact is None:
+        rows = [*text_cells(_EXPONENT)]
+    elif given is None:
+        raise QuantityError(f"{one_line(stem)}: needs to be told what may vary (design=, or a scene with [design])")
+    else:
+        minimised = given.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
+        objective = minimised if isinstance(minimised, str) else next(iter(minimised))
+        varied = {name: leaf(name) for name in given["vary"]}
+        rows = [[name, kind.unit, f"best {kind.description or kind.words}"] for name, kind in varied.items()]
+        rows += [[objective, entry(objective).unit, f"least {entry(objective).description}"]]
+        rows += [["saving", "1", f"share of the {objective} saved against the reference"]]
+    fields = {name: about for name, *about in [*rows, *text_cells(_FLAGS)]}
+    if field not in fields:
+        raise QuantityError(f"{one_line(stem)}: {head} has no such field{near_or_all(field, fields)}")
 
-
-def _of_record(
-    stem: str,
-    fields: Mapping[str, _Field],
-    needs: tuple[str, ...],
-    search: Callable[[Values], Any],
-) -> SweepQuantity:
-    head, _, name = stem.partition(".")
-    fields = {**fields, **_FLAGS}
-    if name not in fields:
-        raise QuantityError(f"{one_line(stem)}: {head} has no such field{near_or_all(name, fields)}")
-    field = fields[name]
+    def search(values: Values) -> Mapping[str, Array]:
+        if given is None:
+            return vars(optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits))
+        contact = contact_at(subject, values)
+        asked = dict(given) | {name: values[name] for name in given if name in values}
+        if "law" in asked and "wear_coefficient" in values:
+            asked["law"] = values["wear_coefficient"]
+        load, weight = _load_at(subject, contact, values) if subject.inputs else (None, None)
+        if load is not None and asked.get("cycles") is None:
+            load = contact.steady(load).tangential_force
+        found = optimise.designs(contact, load, weight=weight, **asked)
+        return vars(found) | found.variables | {objective: found.value}
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        if head not in memo:  # all fields of an optimum come from one search
+        if head not in memo:
             memo[head] = search(values)
-        return leaf_of(memo[head], field.path)
+        return memo[head][field]
 
-    equation = "28" if head == "optimal_exponent" else ""
-    return SweepQuantity(stem, needs, evaluate, field.unit, field.description, equation, field.smooth)
-
-
-def _best_designs(subject: SweepTarget, values: Values) -> Any:
-    assert subject.design is not None
-    contact = contact_at(subject, values)
-    asked = dict(subject.design) | {name: values[name] for name in subject.design if name in values}
-    if "law" in asked and "wear_coefficient" in values:
-        asked["law"] = values["wear_coefficient"]
-    load, weight = _load_at(subject, contact, values) if subject.inputs else (None, None)
-    if load is not None and asked.get("cycles") is None:
-        load = contact.steady(load).tangential_force
-    return optimise.designs(contact, load, weight=weight, **asked)
+    needs, equation = (("phi",), "28") if given is None else (subject.inputs, "")
+    smooth = given is None and field in _SMOOTH
+    return SweepQuantity(f"{head}.{field}", needs, evaluate, *fields[field], equation, smooth)

@@ -31,7 +31,6 @@ from plgwear_jax.sweep.names import (
     SweepQuantity,
     SweepTarget,
     axis_unit,
-    digits_of,
     label_of,
     resolve,
     variable_name,
@@ -121,7 +120,7 @@ class SweepPlan:
         return found
 
     def _attributes(self, asked: SweepQuantity) -> dict[str, str]:
-        digits = self.subject.digits or digits_of(asked.name, self.subject) or f"all of {self.dtype}"
+        digits = self.subject.digits or self.subject.digits_of(asked.name) or f"all of {self.dtype}"
         return {
             "quantity": asked.name,
             "units": asked.unit,

@@ -220,9 +220,9 @@ def _run(
 def _followed(steps: Generator[int], done: int, points: int, progress: Progress | None) -> None:
     """Tell the progress, from the number of points of each step."""
     with contextlib.closing(steps):
-        for done in itertools.accumulate(steps, initial=done):
+        for now in itertools.accumulate(steps, initial=done):
             if progress is not None:
-                progress(done, points)
+                progress(now, points)
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
