@@ -17,7 +17,6 @@ from plgwear_jax.cli.question import (
     csv_option,
     doubt_units,
     option,
-    words_of,
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit
 from plgwear_jax.cli.terminal import refuse, warn
@@ -57,7 +56,7 @@ def front_command(
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
     given = given if y is None else given.minimising(given.traded("--y", y))
     given.traded("--x", x, distance)
-    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
+    report = Report(scene_file, as_json, picture, csv_file, kind="front")
     with computing("looking for the best y for each x", one_question=True):
         import numpy as np
 
@@ -78,14 +77,17 @@ def front_command(
     along, certain = columns[x_column], flags["certified"]
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
     shown = slice(1 if same else None)
-    words = words_of(0.0, found.variables)
-    words |= {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
+    words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
     if given.life is not None:
         words[found.y_name] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (
         each_with_unit(
-            found.x_name if column == x_column else column, by[shown], words[column], reference.get(column), wrap=True
+            found.x_name if column == x_column else column,
+            by[shown],
+            words.get(column) or entry(column).words,
+            reference.get(column),
+            wrap=True,
         )
         for column, by in columns.items()
     )

@@ -2,16 +2,14 @@
 
 import functools
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry, placed
+from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.terminal import refuse, warn
-from plgwear_jax.rules import VARIABLES
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -36,13 +34,6 @@ Picture = Annotated[
     Path | None,
     option(help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here."),
 ]
-
-
-def words_of(distance: float, variables: Iterable[str] = ()) -> dict[str, str]:
-    """The name of each quantity and variable, with the distance of a pressure."""
-    varied = *VARIABLES, "shape.exponent", "depth", *variables
-    words = {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)}
-    return words | {"edge_pressure": placed("edge_pressure", {"distance": distance})}
 
 
 def read_scene(scene_file: Path) -> "Scene":

@@ -68,7 +68,7 @@ def regimes(
     if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
         refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
-    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-regimes.png"), csv_file)
+    report = Report(scene_file, as_json, picture, csv_file, kind="regimes")
     with computing("computing the loops", one_question=True):
         import numpy as np
 

@@ -122,7 +122,7 @@ def by_quantity(
 
 
 class Report:
-    """The results of a command: printed at once, or with --json collected for one object.
+    """The results of a command: lines and tables, which `end` prints, or with --json one object.
 
     Args:
         scene_file: The scene, whose name is the title of tables.
@@ -130,6 +130,7 @@ class Report:
         picture: The file for a picture, if one will be drawn.
         table: A .csv file to be written, if any.
         scene: A .toml file to be written, if any.
+        kind: What the picture shows, by which it is named if it has no name.
 
     Raises:
         TargetError: One of the files cannot be written.
@@ -142,14 +143,16 @@ class Report:
         picture: Path | None = None,
         table: Path | None = None,
         scene: Path | None = None,
+        kind: str = "",
     ) -> None:
-        self.in_words = not as_json
         self.scene = str(scene_file)
+        self._as_json, self._words = as_json, list[Any]()
         self._found: dict[str, Any] = {"scene": self.scene}
         self._units: dict[str, str] = {}
+        if kind:
+            picture = picture or Path(f"{scene_file.stem}-{kind}.png")
         self._files = {"picture": picture, "table": table, "scene": scene}
-        for kind, suffixes in (("picture", _files.PICTURES), ("table", (".csv",)), ("scene", (".toml",))):
-            file = self._files[kind]
+        for file, suffixes in zip(self._files.values(), (_files.PICTURES, (".csv",), (".toml",)), strict=True):
             if file is not None:
                 _files.check_target(file, suffixes)
 
@@ -163,46 +166,33 @@ class Report:
         self._units |= units or {}
 
     def say(self, *lines: str | None) -> None:
-        """Print lines, unless --json is given; those that are None or empty are left out."""
-        for line in lines:
-            if line and self.in_words:
-                typer.echo(line)
+        """Add lines; those that are None or empty are left out."""
+        self._words += filter(None, lines)
 
-    def table(
-        self,
-        *columns: Column,
-        rows: Iterable[Sequence[str]] | None = None,
-        title: str | None = None,
-        more: str | None = None,
-    ) -> None:
-        """Print a table, unless --json is given.
+    def table(self, *columns: Column, title: str | None = None, more: str = "") -> None:
+        """Add a table.
 
         Args:
             columns: The columns from left to right, all with the same number of cells.
-            rows: Replaces the cells of the columns.
             title: By default the scene; no title if it is empty.
             more: Name of the rows, if only the first ones are to be printed of a long table.
         """
-        if not self.in_words:
-            return
         from rich import box
-        from rich.console import Console
         from rich.table import Table
 
-        title = self.scene if title is None else title
-        table = Table(title=one_line(title) or None, title_justify="left", title_style="bold", box=box.SIMPLE)
+        title = one_line(self.scene if title is None else title)
+        table = Table(title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE)
         for column in columns:
             justify = "left" if column.left else "right"
             table.add_column(column.heading, justify=justify, no_wrap=not column.wrap)
-        rows = list(zip(*(column.cells for column in columns), strict=True) if rows is None else rows)
+        rows = [*zip(*(column.cells for column in columns), strict=True)]
         for row in rows[: _MOST if more else None]:
             table.add_row(*row)
         if any(column.end is not None for column in columns):
             table.add_section()
             table.add_row(*(column.end or "" for column in columns))
-        Console(markup=False, highlight=False, emoji=False).print(table)  # text is not interpreted
-        if more and len(rows) > _MOST:
-            typer.echo(f"and {len(rows) - _MOST} more {more}")
+        self._words.append(table)
+        self.say(f"and {len(rows) - _MOST} more {more}" if more and len(rows) > _MOST else None)
 
     def compare(
         self,
@@ -211,7 +201,7 @@ class Report:
         *more: Column,
         words: Mapping[str, str] | None = None,
     ) -> None:
-        """Compare quantities: print a table with a row for each, and add an object for each side to the JSON object.
+        """Compare quantities: a table with a row for each, and an object for each side in the JSON object.
 
         Args:
             headings: The sides by their keys in the JSON object, such as "best".
@@ -235,14 +225,19 @@ class Report:
             _files.write_table(self._files["table"], columns)
 
     def end(self) -> None:
-        """Print the names of the files that were written, or with --json the object."""
-        for kind, file in self._files.items():
-            if file is not None:
-                self.say(f"{kind}: {one_line(str(file))}")
-        if not self.in_words:
-            picture = self._files["picture"]
+        """Print the words, and the names of the files that were written, or with --json the object."""
+        written = {kind: str(file) for kind, file in self._files.items() if file is not None}
+        if self._as_json:
             found = self._found | ({"units": self._units} if self._units else {})
-            found |= {} if picture is None else {"picture": str(picture)}
+            found |= {kind: file for kind, file in written.items() if kind == "picture"}
             # A number that is not finite becomes null.
             finite = json.loads(json.dumps(found, default=lambda array: array.tolist()), parse_constant=lambda _: None)
             typer.echo(json.dumps(finite))
+            return
+        from rich.console import Console
+
+        for one in (*self._words, *(f"{kind}: {one_line(file)}" for kind, file in written.items())):
+            if isinstance(one, str):
+                typer.echo(one)
+            else:
+                Console(markup=False, highlight=False, emoji=False).print(one)  # text is not interpreted

@@ -76,7 +76,7 @@ def wear(
     kind = "wear" if measured is None else "fit"
     if measured is not None and csv_file is not None:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-{kind}.png"), csv_file)
+    report = Report(scene_file, as_json, picture, csv_file, kind=kind)
     if measured is not None:
         _fit(scene_file, given, measured, deviation, report, until)
     elif deviation is not None:

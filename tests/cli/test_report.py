@@ -75,14 +75,18 @@ def test_people_read_tables_and_programs_one_object(capsys):
 
 def test_quantities_are_compared_in_one_prefix(capsys):
     compared = by_quantity(("best", "reference"), {"E0": (2e12, 110e9), "k": (-0.5, 0.0)}, {"E0": "stiffness"})
-    Report(Path("a.toml"), False).table(*compared, title="")
+    report = Report(Path("a.toml"), False)
+    report.table(*compared, title="")
+    report.end()
     assert table_rows(capsys.readouterr().out) == [["stiffness", "2000 GPa", "110 GPa"], ["exponent k", "-0.5", "0"]]
 
 
 def test_a_long_table_is_cut_where_that_is_said(capsys):
     cells = [f"{i}" for i in range(43)]
-    for more, printed, last in (("rows", 40, "and 3 more rows"), (None, 43, None)):
-        Report(Path("a.toml"), False).table(Column("i", cells), more=more)
+    for more, printed, last in (("rows", 40, "and 3 more rows"), ("", 43, None)):
+        report = Report(Path("a.toml"), False)
+        report.table(Column("i", cells), more=more)
+        report.end()
         out = capsys.readouterr().out
         assert len(table_rows(out)) == printed and (last is None or out.splitlines()[-1] == last)
 
