@@ -314,19 +314,17 @@ class Scene:
                 from the edge is larger than the stick radius or that of the punch, or the contact slips as a whole and
                 has nothing of what is asked for.
         """
-        laws = laws_of_scene(self.contact, self.load, self.wear)
-        distance = edge_distance(self.design_space, self.output)
-        left_out = {"r"} if distance is not None else {"r", "distance"}
-        left_out |= {"cycles", *WITHIN}
-        edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
-        edgeless |= STRESSES  # which take longer than all others
-        names = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments) and name not in edgeless)
-        points = 0
-        if self.output is not None:
-            names, points = self.output.quantities, self.output.points
-        places: dict[str, Any] = {place: getattr(self.output, place, None) for place in WITHIN} | {"distance": distance}
-        load = self.load
-        weights, table = (None, None) if load is None else (load.weights, load.table)
+        laws, load, output = laws_of_scene(self.contact, self.load, self.wear), self.load, self.output
+        distance = edge_distance(self.design_space, output)
+        places: dict[str, Any] = {place: getattr(output, place, None) for place in WITHIN} | {"distance": distance}
+        if output is not None:
+            names, points = output.quantities, output.points
+        else:
+            given = {"F_x"} if distance is None else {"F_x", "distance"}
+            left_out = STRESSES | ({"edge_intensity"} if load is not None and load.is_zero else set())
+            names = [name for name, law in laws.items() if given.issuperset(law.arguments) and name not in left_out]
+            points = 0
+        table = None if load is None else load.table
         for name in names:
             if table is not None and {"r", "F_x"} <= {*laws[name].arguments}:
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
@@ -340,20 +338,26 @@ class Scene:
         contact = solving.homogeneous(self.build_contact())
         if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
-        parts: dict[tuple[str, ...], Any] = {names: None}
-        if load is not None:
-            parts = {names: load.force} if load.slides is None else self._sliding(load, names)
-        names = tuple(name for name in names if any(name in part for part in parts))
-        if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
+        # The quantities with the amplitudes in N that give them: a contact that slips as a whole has few.
+        if load is None or load.slides is None:
+            parts: list[tuple[Any, Any]] = [(names, load and load.force)]
+        else:
+            still = [name for name in names if "F_x" not in laws[name].arguments]
+            peaks = [name for name in names if name in STRESSES and table is None]
+            if not still + peaks:
+                raise load.slides
+            parts = [(still, 0.0), (peaks, load.hardest)]
+        if self.wear is not None and any("cycles" in laws[name].arguments for some, _ in parts for name in some):
             places |= {"cycles": self.wear.cycles, "wear_coefficient": self.archard}
         values: dict[str, Any] = {}
-        for part, force in parts.items():
-            acting = None if load is None else Force(force, load.rig_stiffness)
-            values |= solving.scene_values(part, points, digits, contact, acting, weights, places)
+        for some, force in parts:
+            acting, weights = load and Force(force, load.rig_stiffness), load and load.weights
+            if some:
+                values |= solving.scene_values(tuple(some), points, digits, contact, acting, weights, places)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
             key = "[design] limits.edge_pressure.distance"
-            if self.output is not None and self.output.distance is not None:
+            if output is not None and output.distance is not None:
                 key = "[output] distance"
             whose = "the stick radius" if load is not None else "the radius of the punch"
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
@@ -363,35 +367,22 @@ class Scene:
             end = f"ends at r = {heights['r'][-1]:g} m, inside the worn radius"
             raise OtherFileError(f"{heights.name}: row {heights.row[-1]}: {end}; give heights further out")
         found = {}
-        for name in names:
+        for name in (name for name in names if name in values):
             law, value = laws[name], values[name]
             beside: tuple[Any, ...] = ()
             if "r" in law.arguments:
                 if f"{name} beside" in values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(values["edge distance"]), float(values[f"{name} beside"])
                 found[name] = Quantity(value, law.unit, law.description, values["radii"], *beside)
-            else:
-                over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
-                inside = distance if "distance" in law.arguments else None
-                at = {axis: places[axis] for axis in law.arguments if axis in WITHIN}
-                at |= dict(zip("xz", values.get(f"{name} at", ()), strict=False))
-                told = "".join(f", {axis} = {written(float(z), 'm')}{_side(axis, z)}" for axis, z in at.items())
-                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{told}", edge_distance=inside)
+                continue
+            over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
+            at = {axis: places[axis] for axis in law.arguments if axis in WITHIN}
+            at |= dict(zip("xz", values.get(f"{name} at", ()), strict=False))
+            side = "" if not at.get("x") else " (trailing side)" if at["x"] < 0.0 else " (leading side)"
+            told = "".join(f", {axis} = {written(float(z), 'm')}{side * (axis == 'x')}" for axis, z in at.items())
+            inside = distance if "distance" in law.arguments else None
+            found[name] = Quantity(float(value), law.unit, f"{over}{law.description}{told}", edge_distance=inside)
         return found
-
-    def _sliding(self, load: LoadSection, names: tuple[str, ...]) -> dict[tuple[str, ...], float]:
-        """The quantities that a contact has while it slips as a whole, with the amplitudes in N that give them."""
-        laws = laws_of(self.contact)
-        still = tuple(name for name in names if "F_x" not in laws[name].arguments)
-        peaks = tuple(name for name in names if name in STRESSES and load.table is None)
-        if load.slides is not None and not still + peaks:
-            raise load.slides
-        return {part: force for part, force in ((still, 0.0), (peaks, load.hardest)) if part}
-
-
-def _side(axis: str, value: float) -> str:
-    """On which side of the contact, as it moves, a place is."""
-    return f" ({'trailing' if value < 0.0 else 'leading'} side)" if axis == "x" and value else ""
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
