@@ -13,10 +13,8 @@ from matplotlib.figure import Figure
 from plgwear_jax import _files
 from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
-from plgwear_jax.plots.cycles import blocks_picture, fit_picture, wear_picture
+from plgwear_jax.plots.contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
 from plgwear_jax.plots.designs import coating_picture, design_picture, free_picture, front_picture
-from plgwear_jax.plots.regimes import regimes_picture
-from plgwear_jax.plots.stresses import stress_picture
 from plgwear_jax.plots.style import COLOURS, STYLE, use_style
 
 __all__ = [
