@@ -40,6 +40,7 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
+from plgwear_jax.sweep.names import variable_name
 from plgwear_jax.tables import number_in
 
 __all__ = ["MapError", "map_picture"]
@@ -91,7 +92,13 @@ def map_picture(
     """
     if contours < 0:
         raise MapError(f"contours = {contours}: must be >= 0")
-    variable, told = _cut(_asked(ds, quantity), at or {})
+    known = [str(one.attrs.get("quantity", one.name)) for one in ds.data_vars.values()]
+    if not known:
+        raise MapError("the sweep holds no quantity")
+    name = variable_name(known[0] if quantity is None else quantity)
+    if name not in ds:
+        raise MapError(f"{one_line(str(quantity))}: is not in the sweep{near_or_all(str(quantity), known)}")
+    variable, told = _cut(ds[name], at or {})
     is_map = variable.ndim == 2 and len(variable) > _FEW
     most = _SEEN if is_map else _SEEN_OF_CURVE
     seen = {dim: np.linspace(0, n - 1, min(most, n)).round().astype(int) for dim, n in variable.sizes.items()}
@@ -105,7 +112,7 @@ def map_picture(
     equation = str(variable.attrs.get("equation", ""))
     equation = f", Eq. ({equation})" if equation[:1].isdecimal() else ""
     firm = [one.replace(" ", _FIRM) for one in told]  # no line ends between a symbol, its number and its unit
-    lines = textwrap.wrap(", ".join([_label(variable) + equation, *firm]), 66, break_long_words=False)
+    lines = textwrap.wrap(", ".join([variable.attrs["label"] + equation, *firm]), 66, break_long_words=False)
     figure.suptitle("\n".join(lines).replace(_FIRM, " "), x=0.02, ha="left", fontsize="medium")
     columns = 2 if any(len(str(handle.get_label())) > 13 for handle in handles) else 3
     if handles:
@@ -118,22 +125,8 @@ def map_picture(
 # --- what is drawn ----------------------------------------------------------------------------------------------------
 
 
-def _asked(ds: xr.Dataset, quantity: str | None) -> xr.DataArray:
-    known = {name: one for one in ds.data_vars.values() for name in (_quantity(one), str(one.name))}
-    if not known:
-        raise MapError("the sweep holds no quantity")
-    quantity = next(iter(known)) if quantity is None else quantity
-    if quantity not in known:
-        raise MapError(f"{one_line(quantity)}: is not in the sweep{near_or_all(quantity, known)}")
-    return known[quantity]
-
-
 def _is_number(row: xr.DataArray) -> bool:
     return row.dtype.kind in "fiu"  # or the names of loads
-
-
-def _quantity(variable: xr.DataArray) -> str:
-    return str(variable.attrs.get("quantity", variable.name))
 
 
 def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.DataArray, list[str]]:
@@ -169,11 +162,9 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
         if wanted not in names:
             raise MapError(f"{said} not in the sweep{near_or_all(str(wanted), names)}")
         return names.index(str(wanted))
-    number = number_in(str(wanted))
+    number, ordered = number_in(str(wanted)), np.sort(values)
     # beyond the ends by at most the spacing of the values there
-    ordered = np.sort(values)
-    before, behind = np.ptp(ordered[:2]), np.ptp(ordered[-2:])
-    if number is None or not ordered[0] - before <= number <= ordered[-1] + behind:
+    if number is None or not ordered[0] - np.ptp(ordered[:2]) <= number <= ordered[-1] + np.ptp(ordered[-2:]):
         raise MapError(f"{said} outside of the sweep: {_axis_told(row)}")
     return int(np.argmin(np.abs(values - number)))
 
@@ -196,18 +187,13 @@ def _arranged(variable: xr.DataArray) -> list[Any]:
 # --- words and units --------------------------------------------------------------------------------------------------
 
 
-def _label(array: xr.DataArray) -> str:
-    """What a quantity or an axis is called, with its symbol: stores of before have its meaning alone."""
-    return str(array.attrs.get("label") or _no_formula(str(array.attrs.get("long_name", array.name))))
-
-
 def _unit_of(array: xr.DataArray) -> str:
     return str(array.attrs.get("units", "1"))
 
 
 def _place_told(row: xr.DataArray) -> str:
     """The symbol, or else the name, and the value of an axis that has one."""
-    words, formula, symbol = _label(row).partition("$")
+    words, formula, symbol = row.attrs["label"].partition("$")
     return f"{formula}{symbol or words} = {_value(row, row.item())}"
 
 
@@ -232,7 +218,7 @@ def _printed(array: xr.DataArray) -> str:
 
 def _show(axis: Axis, array: xr.DataArray) -> None:
     """Label an axis on which values of a quantity or of an axis of the sweep stand."""
-    show_units(axis, words=_label(array), unit=_printed(array))
+    show_units(axis, words=array.attrs["label"], unit=_printed(array))
 
 
 # --- axes and scales --------------------------------------------------------------------------------------------------
@@ -241,7 +227,7 @@ def _show(axis: Axis, array: xr.DataArray) -> None:
 def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     """Stretch an axis as the sweep has spaced its values; these values in the unit of the axis."""
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
-    axis.set_label_text(_label(row))
+    axis.set_label_text(row.attrs["label"])
     if not _is_number(row):
         axis.set_ticks(np.arange(values.size), [_no_formula(value) for value in values])
         return np.arange(values.size)
@@ -307,7 +293,7 @@ def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
 
 def _relative(variable: xr.DataArray) -> xr.DataArray:
     """A map of the wear volume over that of k = 0, if it has that, wherever there is any wear."""
-    if _quantity(variable) != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
+    if variable.name != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
         return variable
     base = variable.sel(k=0.0, method="nearest", drop=True)
     ratio = (variable / base).where(base != 0.0, drop=True)
@@ -342,7 +328,7 @@ def _draw_map(axes: Axes, given: xr.DataArray, contours: int) -> list[Any]:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5)
         axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())
-    return _draw_least(axes, variable, x, y) if _quantity(variable) in _WEARS else []
+    return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 
 def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray) -> list[Any]:

@@ -99,8 +99,6 @@ def test_labels_say_words_symbols_and_units():
     assert drawn(PLANE, "wear_rate", "1/Pa").axes[1].get_ylabel().endswith(r"($\mathrm{1/Pa}$)")  # of SI, upright
     assert (axes.get_xlim(), axes.get_ylim()) == ((PHI[0], PHI[-1]), (K[0], K[-1]))
     assert figure.get_size_inches() == pytest.approx([8.6 / 2.54, 7.0 / 2.54], abs=0.01)
-    old = drawn(PLANE, attrs={"long_name": "meaning alone", "label": ""})
-    assert old.get_suptitle() == "meaning alone"  # of a store that an older release has written
 
 
 def test_a_falling_or_shuffled_axis_is_put_in_order():
