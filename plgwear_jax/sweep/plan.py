@@ -255,15 +255,11 @@ def default_chunk(names: Sequence[str], amplitudes: int, slow: bool = False) -> 
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     """The shape of chunks of at most so many points, of equal size and as square as possible."""
-    parts = [1] * len(shape)
-
-    def sizes() -> list[int]:
-        return [-(-length // count) for length, count in zip(shape, parts, strict=True)]
-
-    while math.prod(sizes()) > points:
-        longest = max(range(len(shape)), key=lambda axis: sizes()[axis])
+    lengths, parts = np.array(shape), np.ones(len(shape), int)
+    while math.prod((sizes := -(-lengths // parts)).tolist()) > points:
+        longest = sizes.argmax()
         parts[longest] = min(max(parts[longest] + 1, int(1.02 * parts[longest])), shape[longest])
-    return tuple(sizes())
+    return tuple(sizes.tolist())
 
 
 def in_precision(dtype: Any) -> Any:
