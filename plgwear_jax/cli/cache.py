@@ -44,21 +44,15 @@ def use(one_question: bool) -> None:
     from plgwear_jax._startup import on, programs
 
     programs.keep_in(None)
-    place = None
-    if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
-        known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
-        place = None if known else _prepared()
+    known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
+    if _left_off or known or any(name.startswith(_OF_JAX) for name in os.environ):
+        return
+    place = _prepared()
     if place is None:
         return
     if one_question and on("kept"):
         programs.keep_in(place / "programs", MOST)
-    else:
-        _let_jax_keep(place)
-
-
-def _let_jax_keep(place: Path) -> None:
-    import jax
-
+        return
     settings = {
         "jax_compilation_cache_dir": str(place),
         "jax_compilation_cache_max_size": MOST,
@@ -74,34 +68,23 @@ def _let_jax_keep(place: Path) -> None:
 
 
 def _prepared() -> Path | None:
-    """The folder, ready to be written to; None if it cannot be."""
+    """The folder, ready to be written to; None if it cannot be, or if others can: the files are executed."""
     import filelock
 
     try:
         place = folder()
         place.parent.mkdir(exist_ok=True)  # only one level: a missing home folder is not made
         place.mkdir(mode=0o700, exist_ok=True)
-        if not _is_ours(place):
+        about = place.stat()
+        if hasattr(os, "getuid") and (about.st_uid != os.getuid() or about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)):
             return None
         with filelock.FileLock(place / ".lockfile", timeout=1.0):  # JAX's own
-            _drop_halves(place)
+            names = {*os.listdir(place)}
+            # Half-written programs lack the file with their time of use, without which JAX stops writing.
+            for name in names:
+                stem = name.removesuffix("-cache")
+                if stem != name and f"{stem}-atime" not in names:
+                    (place / name).unlink(missing_ok=True)
     except (OSError, RuntimeError, NotImplementedError):  # also: no home, no locks on this disk
         return None
     return place
-
-
-def _is_ours(place: Path) -> bool:
-    """Whether nobody else can write there; the files are executed."""
-    if not hasattr(os, "getuid"):
-        return True
-    about = place.stat()
-    return about.st_uid == os.getuid() and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-def _drop_halves(place: Path) -> None:
-    """Remove half-written programs. They lack the file with their time of use, without which JAX stops writing."""
-    names = set(os.listdir(place))
-    for name in names:
-        stem = name.removesuffix("-cache")
-        if stem != name and f"{stem}-atime" not in names:
-            (place / name).unlink(missing_ok=True)

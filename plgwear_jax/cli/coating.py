@@ -60,7 +60,12 @@ def coating(
 
     given = read_scene(scene_file)
     data = tables.read(table, tables.MODULUS)
-    nu = _refuse_other_scenes(scene_file, given)
+    if given.load is None:
+        refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact takes an E(z) from a table')
+    if given.load.is_zero:
+        refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
+    if isinstance(given.material.nu, str):
+        refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
     text = None if out is None else _scene_text(scene_file, given, out)
     with computing("computing the contact", one_question=True):
@@ -72,8 +77,7 @@ def coating(
         from plgwear_jax._core.domains import RefusedError
         from plgwear_jax.scene.sections import Body, LoadSection
 
-        assert given.load is not None
-        body = Body("surfaces.DepthGraded", "table", {**data.columns, "nu": nu}, data)
+        body = Body("surfaces.DepthGraded", "table", {**data.columns, "nu": given.material.nu}, data)
         # A displacement needs another force on the table than on the [material] of the input file.
         load = LoadSection(**vars(given.load) | {"material": body})
         given = dataclasses.replace(given, load=load)
@@ -105,17 +109,6 @@ def coating(
     report.end()
     if fit.doubt is not None:
         warn(f"{data.name}: {fit.doubt}")
-
-
-def _refuse_other_scenes(scene_file: Path, given: "Scene") -> float:
-    """Poisson's ratio of a scene; scenes that cannot take an E(z) from a table are refused."""
-    if given.load is None:
-        refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact takes an E(z) from a table')
-    if given.load.is_zero:
-        refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
-    if isinstance(given.material.nu, str):
-        refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
-    return given.material.nu
 
 
 def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:

@@ -1,6 +1,5 @@
 """The command `plgwear front`: the trade-off between two quantities, such as wear and edge pressure."""
 
-import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +16,7 @@ from plgwear_jax.cli.question import (
     csv_option,
     doubt_units,
     option,
+    positive,
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit
 from plgwear_jax.cli.terminal import refuse, warn
@@ -52,8 +52,7 @@ def front_command(
     given = asked(scene_file)
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
-    if distance is not None and not 0.0 < distance < math.inf:
-        refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    positive("--distance", distance, "in m")
     given = given if y is None else given.minimising(given.traded("--y", y))
     given.traded("--x", x, distance)
     report = Report(scene_file, as_json, picture, csv_file, kind="front")

@@ -69,6 +69,12 @@ def interval(key: str, text: str | None, ends: tuple[float, float], form: str) -
     return lower, upper
 
 
+def positive(key: str, value: float | None, what: str) -> None:
+    """Refuse a number that is not positive, or not finite."""
+    if value is not None and not 0.0 < value < math.inf:
+        refuse(f"{key} = {value:g}: must be a finite number > 0, {what}")
+
+
 def doubt_units(
     scene_file: Path, given: "Scene", contact_radius: float | None = None, onset: float | None = None
 ) -> None:

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from plgwear_jax._core.ranges import POSITIVE
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
@@ -14,6 +15,7 @@ from plgwear_jax.cli.question import (
     doubt_units,
     interval,
     option,
+    positive,
     read_scene,
     refuse_extremes,
 )
@@ -65,15 +67,15 @@ def regimes(
     within, form = (0.0, math.inf), " in {}, 0 < LOWEST < HIGHEST"
     moves = interval("--displacement", displacement, within, form.format(entry("displacement_amplitude").unit))
     forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
-    if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
-        refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
+    positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
     report = Report(scene_file, as_json, picture, csv_file, kind="regimes")
     with computing("computing the loops", one_question=True):
         import numpy as np
 
         found, cut, own = _computed(scene_file, given, moves, forces, rig)
-    _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
+    ratios = np.append(found.energy_ratio, cut.energy_ratio)
+    refuse_extremes(scene_file, POSITIVE.contains(ratios).all(), "the loops exceed")
     report.draw("regimes_picture", found, cut, own, rig)
     names = "normal_force", "displacement_amplitude"
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
@@ -82,10 +84,6 @@ def regimes(
     doubt_units(scene_file, given, onset=float(cut.gross_slip_displacement[0]))
     _tell(report, found, cut, own, rig)
     report.end()
-
-
-def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
-    refuse_extremes(scene_file, ((values > 0.0) & (values < math.inf)).all(), "the loops exceed")
 
 
 def _computed(
@@ -114,7 +112,7 @@ def _computed(
     rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
     three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
     onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
-    _refuse_extremes(scene_file, onset)
+    refuse_extremes(scene_file, POSITIVE.contains(onset).all(), "the loops exceed")
     if moves is None:
         # Both ends of the transition stay well inside, and so does the load.
         within = np.append(onset, own)
@@ -167,14 +165,10 @@ def _tell(
         title=f"{report.scene} at the normal force {measure(force, 'normal_force')}",
     )
     energy, sliding = (rounded(value) for value in at_onset.values())
-    report.say(
-        f"gross slip begins at {measure(onset, 'displacement_amplitude')}, where the energy ratio is {energy} and the "
-        f"sliding ratio {sliding}",
-        *(_shifted(name, CRITERIA[name], where[name] / onset - 1.0, where[name]) for name in CRITERIA),
-    )
-
-
-def _shifted(name: str, level: float, by: float, where: float) -> str:
-    """How far a criterion of laboratories lies from the transition, in words."""
-    shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
-    return f"the {entry(name).name} is {level:g} at {measure(where, 'displacement_amplitude')}, {shift} the transition"
+    begins = f"gross slip begins at {measure(onset, 'displacement_amplitude')}"
+    report.say(f"{begins}, where the energy ratio is {energy} and the sliding ratio {sliding}")
+    for name, level in CRITERIA.items():
+        by = where[name] / onset - 1.0
+        shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
+        at = measure(where[name], "displacement_amplitude")
+        report.say(f"the {entry(name).name} is {level:g} at {at}, {shift} the transition")

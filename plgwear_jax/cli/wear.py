@@ -16,6 +16,7 @@ from plgwear_jax.cli.question import (
     csv_option,
     doubt_units,
     option,
+    positive,
     read_scene,
     refuse_extremes,
 )
@@ -56,7 +57,6 @@ def wear(
         float | None,
         option(metavar="DEPTH", help="Also tell after how many cycles the wear is this deep, such as 5e-6, in m."),
     ] = None,
-    cycles: Annotated[float | None, option(hidden=True)] = None,
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
@@ -69,10 +69,8 @@ def wear(
     """
     given = read_scene(scene_file)
     given.tested()
-    if cycles is not None:
-        refuse("--cycles: the life stands in the input file, cycles under [wear]")
-    if until is not None and not 0.0 < until < math.inf:
-        refuse(f"--until = {until:g}: must be a finite number > 0, a depth in m")
+    positive("--until", until, "a depth in m")
+    positive("--deviation", deviation, "a share of the volumes")
     kind = "wear" if measured is None else "fit"
     if measured is not None and csv_file is not None:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
@@ -306,11 +304,8 @@ def _fit(
     cycles, volume = data["cycles"], data["volume"]
     if not (volume[cycles > 0.0] > 0.0).any():
         refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-    if share is not None:
-        if {"deviation", "relative_deviation"} & data.columns.keys():
-            refuse(f"--deviation: {data.name} has a column of deviations")
-        if not 0.0 < share < math.inf:
-            refuse(f"--deviation = {share:g}: must be a finite number > 0, a share of the volumes")
+    if share is not None and {"deviation", "relative_deviation"} & data.columns.keys():
+        refuse(f"--deviation: {data.name} has a column of deviations")
     load, exponent = given.tested(), getattr(given.wear, "exponent", None) or 1.0
     with computing("fitting the wear coefficient", one_question=False):
         import numpy as np
