@@ -1,5 +1,7 @@
 """The progress of a sweep, as a bar on standard error."""
 
+from typing import Self
+
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
@@ -8,39 +10,33 @@ from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line
 
 
-class Bar:
+class Bar(Progress):
     """A progress bar on standard error with the rate and the time left, shown if there is something to do."""
 
     def __init__(self, names: list[str]) -> None:
         self.first: int | None = None
         self.done = self.points = 0
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:>3.0f} %"),
-            _Speed(),
-            TimeRemainingColumn(),
-        )
-        self._shown = Progress(*columns, console=Console(stderr=True))
         self._names = one_line(", ".join(names))
+        texts = TextColumn("{task.description}"), TextColumn("{task.percentage:>3.0f} %")
+        super().__init__(texts[0], BarColumn(), texts[1], _Speed(), TimeRemainingColumn(), console=Console(stderr=True))
 
-    def __enter__(self) -> None:
-        pass
+    def __enter__(self) -> Self:
+        return self  # not shown yet
 
     def __call__(self, done: int, points: int) -> None:
         """Show that this many of the points are done."""
         if self.first is None:
             self.first = done  # points of finished chunks do not count for the rate
             if done < points:
-                self._task = self._shown.add_task(self._names, total=points - done)
-                self._shown.start()
+                self.add_task(self._names, total=points - done)
+                self.start()
         self.done, self.points = done, points
-        if self._shown.tasks:
-            self._shown.update(self._task, completed=done - self.first)
+        for task in self.task_ids:
+            self.update(task, completed=done - self.first)
 
     def __exit__(self, *error: object) -> None:
-        if self._shown.tasks:
-            self._shown.stop()
+        if self.tasks:
+            self.stop()
 
     @property
     def share(self) -> str:

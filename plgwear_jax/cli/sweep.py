@@ -1,10 +1,9 @@
 """The commands `plgwear sweep`, maps of quantities in Zarr stores, and `plgwear plot`, pictures of them."""
 
-import contextlib
 import inspect
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -76,28 +75,33 @@ def sweep_command(
         "chunk": chunk,
         "scheduler": scheduler,
     }
-    library = _library()
-    with _refusing_values():
-        from plgwear_jax._core.doubts import of_contact
-        from plgwear_jax.cli.bar import Bar
+    set_up(one_question=False)
+    with needs("sweeps", "sweep"):
+        from plgwear_jax import sweep as library
+    from plgwear_jax._core.doubts import of_contact
+    from plgwear_jax.cli.bar import Bar
+    from plgwear_jax.sweep.axes import read_axis
 
-        set_up(one_question=False)
-        form = "NAME=VALUES, such as shape.exponent=2:4:9"
-        texts = {name: text for name, text in given.items() if text is not None}
-        for text in axis or ():
-            name, values = _name_and_text("--axis =", text, form)
-            if name in texts:
-                refuse(f"--axis = {one_line(text)}: {name} is given more than once")
-            texts[name] = values
-        axes = {name: _axis_values(name, text, single) for name, text in texts.items()}
-        subject = _subject(scene_file, load, axes, names)
-        began, bar = time.perf_counter(), Bar(names)
-        try:
-            with bar:
-                found = library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
-        except KeyboardInterrupt:
-            warn(f"{out}: stopped with {bar.share} done; the same command continues it")
-            raise typer.Exit(130) from None
+    texts, axes = {name: text for name, text in given.items() if text is not None}, dict[str, Any]()
+    for text in axis or ():
+        name, values = _name_and_text("--axis =", text, "NAME=VALUES, such as shape.exponent=2:4:9")
+        if name in texts:
+            refuse(f"--axis = {one_line(text)}: {name} is given more than once")
+        texts[name] = values
+    for name, text in texts.items():
+        if name in ("nu", "material.nu") and text.strip() == "holl":
+            axes[name] = "holl"
+        else:
+            values = read_axis(name, text)
+            axes[name] = values.astype("float32") if single and values.ndim else values
+    subject = _subject(scene_file, load, axes, names)
+    began, bar = time.perf_counter(), Bar(names)
+    try:
+        with bar:
+            found = library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
+    except KeyboardInterrupt:
+        warn(f"{out}: stopped with {bar.share} done; the same command continues it")
+        raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
     for line in of_contact(subject["contact"]) if "contact" in subject else ():
@@ -146,15 +150,6 @@ def _name_and_text(given: str, text: str, form: str) -> tuple[str, str]:
     if not equals:
         refuse(f"{given} {one_line(text)}: must be {form}")
     return name.strip(), values.strip()
-
-
-def _axis_values(name: str, text: str, single: bool) -> Any:
-    if name in ("nu", "material.nu") and text.strip() == "holl":
-        return "holl"
-    from plgwear_jax.sweep.axes import read_axis
-
-    values = read_axis(name, text)
-    return values.astype("float32") if single and values.ndim else values
 
 
 def _subject(
@@ -215,29 +210,6 @@ def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None and name not in axes}
 
 
-def _library() -> Any:
-    """The module `sweep`, or a line that says which extra it needs."""
-    try:
-        with needs("sweeps", "sweep"):
-            from plgwear_jax import sweep
-    except ModuleNotFoundError as error:
-        refuse(str(error))
-    return sweep
-
-
-@contextlib.contextmanager
-def _refusing_values() -> Iterator[None]:
-    """Report a ValueError of the library in one line, and exit with code 2."""
-    try:
-        yield
-    except ValueError as error:
-        from plgwear_jax.scene import SceneError
-
-        if isinstance(error, SceneError):  # `refusing` adds the name of its file
-            raise
-        refuse(str(error))
-
-
 def plot(
     store: Annotated[Path, typer.Argument(metavar="MAP.zarr", help="The sweep.", show_default=False)],
     quantity: Annotated[str | None, option("--quantity", "-q", help="Which one. By default the first.")] = None,
@@ -255,8 +227,9 @@ def plot(
     picture = picture or Path(f"{store.stem}.png")
     cuts = dict(_name_and_text("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
     check_target(picture, PICTURES)
-    with computing("drawing the map", one_question=False), _refusing_values():
-        library = _library()
+    with computing("drawing the map", one_question=False):
+        with needs("sweeps", "sweep"):
+            from plgwear_jax import sweep as library
         drawing = plots()
         from plgwear_jax.plots import maps
 

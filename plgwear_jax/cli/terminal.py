@@ -38,6 +38,8 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
                 command(**given)
         except (GivenError, TargetError) as error:
             refuse(message(error, given.get("scene_file")))
+        except ModuleNotFoundError as error:  # of an extra
+            refuse(str(error))
         except OSError as error:
             if error.errno != errno.ENOSPC:
                 raise
@@ -81,7 +83,7 @@ _SOON = 0.05  # s, after which a callback has mostly ended
 
 def message(error: GivenError | TargetError, scene_file: Any) -> str:
     """The line for an error in what was given, with the file that is wrong."""
-    return str(error) if error.names_file else f"{scene_file}: {error}"
+    return str(error) if error.names_file or scene_file is None else f"{scene_file}: {error}"
 
 
 @contextlib.contextmanager

@@ -27,7 +27,7 @@ from matplotlib.scale import FuncScale
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from plgwear_jax._core.units import PREFIXED, written
-from plgwear_jax._core.words import near_or_all, one_line
+from plgwear_jax._core.words import GivenError, near_or_all, one_line
 from plgwear_jax.plots.style import (
     BLUE,
     DASH_DOT,
@@ -63,7 +63,7 @@ _LEAST: Style = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _E
 _STAR: Style = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
 
 
-class MapError(ValueError):
+class MapError(GivenError):
     """Why a picture cannot be drawn, in one line."""
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from plgwear_jax._core.words import cut, one_line, read_text
+from plgwear_jax._core.words import GivenError, cut, one_line, read_text
 from plgwear_jax.catalogue import AXES, leaf
 from plgwear_jax.tables import number_in, numbered_lines
 
 
-class AxisError(ValueError):
+class AxisError(GivenError):
     """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
 
 

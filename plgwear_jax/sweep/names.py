@@ -19,7 +19,7 @@ from jax import Array
 from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.units import text_cells
-from plgwear_jax._core.words import near, near_or_all, one_line
+from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
 from plgwear_jax.catalogue import (
     AMPLITUDES,
     AXES,
@@ -44,7 +44,7 @@ from plgwear_jax.rules import OBJECTIVE, PLACES
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
 
-class QuantityError(ValueError):
+class QuantityError(GivenError):
     """Why a quantity cannot be computed, in one line that begins with its name."""
 
 

@@ -18,7 +18,7 @@ from zarr.codecs import BloscCodec
 from zarr.errors import ZarrUserWarning
 from zarr.storage import LocalStore
 
-from plgwear_jax._core.words import cut, one_line, shown
+from plgwear_jax._core.words import GivenError, cut, one_line, shown
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import variable_name
 from plgwear_jax.sweep.plan import LOAD, SweepPlan
@@ -27,7 +27,7 @@ _MANIFEST = "plgwear_sweep"
 UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"
 
 
-class SweepError(ValueError):
+class SweepError(GivenError):
     """Why a sweep cannot be computed or read, in one line."""
 
 
