@@ -38,12 +38,12 @@ def design_command(
     with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least", one_question=True):
         found = given.free_design() if space.free else given.design()
     with working("comparing it with the reference"):
-        from plgwear_jax.cli.design_report import tell, tell_freely
+        from plgwear_jax.cli.design_report import tell_design, tell_freely
 
         if space.free:
             doubts, radius, *picture_of = tell_freely(report, given, found)
         else:
-            doubts, radius, *picture_of = tell(report, given, found, sensitivities)
+            doubts, radius, *picture_of = tell_design(report, given, found, sensitivities)
     report.draw(*picture_of)
     doubt_units(scene_file, given, radius)
     report.end()

@@ -18,7 +18,7 @@ from plgwear_jax.scene import Scene
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
 
-def tell(report: Report, given: Scene, found: optimise.Design, sensitivities: bool) -> tuple[Any, ...]:
+def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivities: bool) -> tuple[Any, ...]:
     """A design next to its reference, what was varied and limited, how certain it is, and the steady state.
 
     Returns:
@@ -268,7 +268,7 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
 
 
 def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tuple[Any, ...]:
-    """The best free gradient next to the best power law and the reference; returns what `tell` does."""
+    """The best free gradient next to the best power law and the reference; returns what `tell_design` does."""
     assert given.load is not None
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
     contacts, widest, verdict = (

@@ -29,14 +29,14 @@ class Column(NamedTuple):
     Attributes:
         heading: The text above the column.
         cells: Its cells, from top to bottom.
-        end: The cell in the last row, below an empty line; None if this column has none.
+        end: The cell in the last row, below an empty line.
         left: Whether its cells are aligned at the left, as for words.
         wrap: Whether long cells may continue in the next line.
     """
 
     heading: str
     cells: Sequence[str] = ()
-    end: str | None = None
+    end: str = ""
     left: bool = False
     wrap: bool = False
 
@@ -75,7 +75,7 @@ def each_with_unit(
 ) -> Column:
     """A column of values of a quantity, each with its own unit; the heading is by default the quantity's name."""
     cells = [measure(float(value), name) for value in values]
-    return Column(heading or entry(name).name, cells, None if end is None else measure(end, name), wrap=wrap)
+    return Column(heading or entry(name).name, cells, "" if end is None else measure(end, name), wrap=wrap)
 
 
 def shared(
@@ -102,7 +102,7 @@ def shared(
     factor, unit = readable(size, entry(name).unit)
     heading = heading or entry(name).name.replace(" ", "\n", 1)
     cells = [f"{value:{number}}" if number else rounded(value) for value in (values / factor).tolist()]
-    below = None if end is None else rounded(end / factor)
+    below = "" if end is None else rounded(end / factor)
     return Column(f"{heading}\n{unit}" if "\n" in heading else f"{heading} ({unit})", cells, below)
 
 
@@ -181,16 +181,14 @@ class Report:
         from rich.table import Table
 
         title = one_line(self.scene if title is None else title)
-        table = Table(title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE)
+        table = Table(title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE, footer_style="")
+        table.show_footer = any(column.end for column in columns)
         for column in columns:
             justify = "left" if column.left else "right"
-            table.add_column(column.heading, justify=justify, no_wrap=not column.wrap)
+            table.add_column(column.heading, column.end, justify=justify, no_wrap=not column.wrap)
         rows = [*zip(*(column.cells for column in columns), strict=True)]
         for row in rows[: _MOST if more else None]:
             table.add_row(*row)
-        if any(column.end is not None for column in columns):
-            table.add_section()
-            table.add_row(*(column.end or "" for column in columns))
         self._words.append(table)
         self.say(f"and {len(rows) - _MOST} more {more}" if more and len(rows) > _MOST else None)
 

@@ -203,11 +203,11 @@ def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
         return {}
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
-    if load.cycles is not None and lasts:
+    if load.displacement is not None or (load.cycles is not None and lasts):
         return {"load": load.record()}
-    amplitude = {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
-    given = {"rig_stiffness": load.rig_stiffness} | ({} if "displacement" in axes else amplitude)
-    return {name: value for name, value in given.items() if value is not None and name not in axes}
+    from plgwear_jax.loads import Force
+
+    return {"load": Force(load.force, load.rig_stiffness)}
 
 
 def plot(

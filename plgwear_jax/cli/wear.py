@@ -267,7 +267,7 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
 
 
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
-    ends, last, share = dict[str, float](), None, list[Column]()
+    ends, last, share = dict[str, float](), "", list[Column]()
     if steady is not None:
         none = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
         ends, last = steady | none | {"contact_radius": steady["worn_radius"]}, "steady state"

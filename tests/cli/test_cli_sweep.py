@@ -15,7 +15,7 @@ from matplotlib import image
 from refusals import cases, is_told
 
 from plgwear_jax import scene, sweep
-from plgwear_jax.loads import Block
+from plgwear_jax.loads import Block, Displacement, Force
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 REFUSED = Path(__file__).with_name("refused.toml")
@@ -121,17 +121,17 @@ BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
 @parametrize(
     "load, quantity, axis, expected",
     [
-        (HELD, "transient.wear_volume", "--k=0.1:0.2:2", {"displacement": 2e-7, "rig_stiffness": 2e7}),
+        (HELD, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(2e-7, 2e7)}),
         *(
-            (HELD, quantity, "--displacement=1e-7:2e-7:2", {"rig_stiffness": 2e7})
+            (HELD, quantity, "--displacement=1e-7:2e-7:2", {"load": Displacement(2e-7, 2e7)})
             for quantity in ("transient.wear_volume", "wear_volume", "design.k")
         ),
-        (HELD, "transient.wear_volume", "--rig-stiffness=1e7:2e7:2", {"displacement": 2e-7}),
-        (SLIDING, "transient.wear_volume", "--k=0.1:0.2:2", {"displacement": 1.5e-6}),
-        (SLIDING, "design.k", "--radius=1e-3:2e-3:2", {"displacement": 1.5e-6}),
+        (HELD, "transient.wear_volume", "--rig-stiffness=1e7:2e7:2", {"load": Displacement(2e-7, 2e7)}),
+        (SLIDING, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(1.5e-6)}),
+        (SLIDING, "design.k", "--radius=1e-3:2e-3:2", {"load": Displacement(1.5e-6)}),
         (HISTORY, "transient.wear_volume", "--factor=0.5:1:2", BLOCKS),
         (HISTORY, "design.k", "--factor=0.5:1:2", BLOCKS),
-        (HISTORY, "wear_volume", "--k=0.1:0.2:2", {"tangential_force": 2.0}),
+        (HISTORY, "wear_volume", "--k=0.1:0.2:2", {"load": Force(2.0)}),
     ],
 )  # fmt: skip
 def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axis, expected):

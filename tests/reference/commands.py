@@ -52,6 +52,7 @@ def table_rows(printed: str) -> list[list[str]]:
     for inside, block in itertools.groupby(printed.splitlines(), lambda line: line.startswith(" ")):
         for table in re.split(r"\n *\n *\n", "\n".join(block)) if inside else ():
             headings, rows = re.split(r"^ ─+ *$", table, maxsplit=1, flags=re.MULTILINE)
+            rows = re.sub(r"^ ─+ *$", "", rows, flags=re.MULTILINE)  # above a last row that stands apart
             every = itertools.zip_longest(*(headings + rows).splitlines(), fillvalue=" ")
             used = "".join(" " if set(place) == {" "} else "x" for place in every)
             columns = [slice(*part.span()) for part in re.finditer(r"x+(?:  ?x+)*", used)]
