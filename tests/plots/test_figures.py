@@ -20,7 +20,7 @@ from plgwear_jax import gross_slip
 from plgwear_jax.cli import app
 from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.plots import figures
-from plgwear_jax.plots.figures import pages, section_2, section_3
+from plgwear_jax.plots.figures import section_2, section_3
 from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
 from plgwear_jax.plots.style import BLUE, ORANGE
 
@@ -32,7 +32,7 @@ IN_PART = "table-1", "7", "9"  # figures of which not all that is said holds
 def known(monkeypatch):
     """The numbers of the text as the oracle gives them: the library takes a minute to compile all that they need."""
     numbers = {name: float(value) for name, value in paper_numbers.from_oracle().items()}
-    for module in (section_2, pages):
+    for module in (section_2, figures):
         monkeypatch.setattr(module, "numbers", lambda: numbers)
 
 
