@@ -47,6 +47,7 @@ __all__ = ["MapError", "map_picture"]
 
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
+_CONTOURS = 8  # about as many lines
 _ALMOST = 1.0 - 1e-15
 _BLANK, _FIRM = "0.86", "\N{NO-BREAK SPACE}"
 _CURVES: Style = {
@@ -68,9 +69,7 @@ class MapError(GivenError):
 
 
 @picture
-def map_picture(
-    ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str, float | str] | None = None, contours: int = 8
-) -> Figure:
+def map_picture(ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str, float | str] | None = None) -> Figure:
     """Draw a quantity of a sweep: a curve over one axis, a few curves, or a map over two axes.
 
     A map of the wear volume over k shows it over that of k = 0, if that is among the values. On a map of the wear over
@@ -82,7 +81,6 @@ def map_picture(
         quantity: Its name, "wear_volume.dk" or "wear_volume_dk"; by default the first one.
         at: Values of axes that are not drawn, in the units of the sweep, or the name of a load; the nearest values of
             the sweep are taken. All axes but two have to be among them, except those with a single value.
-        contours: About how many contour lines; 0 for none.
 
     Returns:
         A figure 8.6 cm wide; `plots.save` writes it.
@@ -90,8 +88,6 @@ def map_picture(
     Raises:
         MapError: There is no such quantity or axis, or more than two axes are left; one line.
     """
-    if contours < 0:
-        raise MapError(f"contours = {contours}: must be >= 0")
     known = [str(one.attrs.get("quantity", one.name)) for one in ds.data_vars.values()]
     if not known:
         raise MapError("the sweep holds no quantity")
@@ -105,7 +101,7 @@ def map_picture(
     variable = variable.sortby([dim for dim in seen if _is_number(variable[dim])]).isel(seen).compute()
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
-    handles = _draw_map(axes, variable, contours) if is_map else _draw_curves(axes, variable)
+    handles = _draw_map(axes, variable) if is_map else _draw_curves(axes, variable)
     if variable.isnull().any():
         missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
@@ -300,7 +296,7 @@ def _relative(variable: xr.DataArray) -> xr.DataArray:
     return ratio.assign_attrs(variable.attrs, units="1", label=r"wear volume $\Delta V/\Delta V(k=0)$")
 
 
-def _draw_map(axes: Axes, given: xr.DataArray, contours: int) -> list[Any]:
+def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     """Draw colours, contour lines and the optimum; the entries of the legend."""
     variable, yes_or_no = _relative(given), given.dtype.kind == "b"
     relative, (upwards, across) = variable is not given, variable.dims
@@ -317,14 +313,14 @@ def _draw_map(axes: Axes, given: xr.DataArray, contours: int) -> list[Any]:
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
     if not isinstance(norm, LogNorm | AsinhNorm):
-        bar.locator = MaxNLocator(max(contours, 2))
+        bar.locator = MaxNLocator(_CONTOURS)
     _show(bar.ax.yaxis, variable)
     if yes_or_no:
         bar.set_ticks([0.25, 0.75], labels=["no", "yes"])
         return []
     seen = values[np.isfinite(values)]
     levels = [level for level in bar.ax.get_yticks() if seen.size and seen.min() < level < seen.max()]
-    if contours and levels:
+    if levels:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5)
         axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())

@@ -3,11 +3,13 @@
 import functools
 import itertools
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib
 import numpy as np
 from cycler import cycler
+from matplotlib import rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
@@ -31,29 +33,8 @@ FORBIDDEN: Style = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.
 GUIDE: Style = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT: Style = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
 ROUGHNESS = written(SMOOTH, entry("wear_depth").unit)  # of a ground surface: shallower wear cannot be told from it
-LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
-
-STYLE: Any = {  # settings of matplotlib
-    "font.size": LABEL_SIZE,
-    "axes.titlesize": LABEL_SIZE,
-    "axes.titlepad": 11.0,
-    "axes.linewidth": 0.6,
-    "axes.formatter.limits": (-3, 4),
-    "axes.formatter.use_mathtext": True,
-    "xtick.labelsize": TICK_SIZE,
-    "ytick.labelsize": TICK_SIZE,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "legend.fontsize": TICK_SIZE,
-    "legend.title_fontsize": TICK_SIZE,
-    "legend.handlelength": 2.4,
-    "legend.columnspacing": 1.2,
-    "pdf.fonttype": 42,
-}
+STYLE: Any = rc_params_from_file(Path(__file__).with_name("plgwear.mplstyle"), use_default_template=False)
+LABEL_SIZE, TICK_SIZE = STYLE["font.size"], STYLE["legend.fontsize"]  # points
 
 _Given = ParamSpec("_Given")
 
