@@ -97,36 +97,38 @@ def _part(level: float) -> str:
     return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
 
 
-def _slipping(given: "Scene") -> str:
-    """Which scenarios slip as a whole under a displacement, in words."""
-    import numpy as np
+def _slipping(given: "Scene", rows: Any) -> str:
+    """Which of these rows of scenarios slip as a whole under a displacement, in words."""
+    from numpy import isnan
 
     from plgwear_jax.scene.designing import forces_in_scenarios
 
     forces = forces_in_scenarios(given)
-    if forces is None or given.design_space is None or given.design_space.scatter is None:
+    if forces is None:
         return ""
-    rows = given.design_space.scatter.row[np.isnan(forces)]
-    if rows.size in (0, forces.size):
-        return f", {'none' if rows.size == 0 else 'all'} in gross slip"
-    which = f"row{'s' if rows.size > 1 else ''} {', '.join(map(str, rows[:9]))}{' and others' if rows.size > 9 else ''}"
-    return f", {rows.size} in gross slip ({which})"
+    slip = rows[isnan(forces)].tolist()
+    if len(slip) in (0, rows.size):
+        return f", {'all' if slip else 'none'} in gross slip"
+    which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
+    return f", {len(slip)} in gross slip ({which})"
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
-    load, space = given.load, given.design_space
-    if space is not None and space.scatter is not None:
-        said = f"its {_part(space.level)} over them"
-        said = f"the {entry(objective).name} is {said}, limits are for the worst, all else is for the reference"
-        return f"scenarios {one_line(str(space.scenarios))}: {space.scatter.row.size}{_slipping(given)}; {said}"
-    if load is not None and load.cycles is not None and given.life is not None:
+    load, space, name = given.load, given.asked(), entry(objective).name
+    if space.scatter is not None:
+        rows = space.scatter.row
+        said = (
+            f"the {name} is its {_part(space.level)} over them, limits are for the worst, all else is for the reference"
+        )
+        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{_slipping(given, rows)}; {said}"
+    if load is None:
+        return None
+    if load.cycles is not None and given.life is not None:
         return f"history {one_line(str(load.history))}: {load.cycles.size} blocks, {given.life:g} cycles in all"
-    if load is None or space is None or load.table is None:
-        remark = None if load is None else load.remark
-        if load is None or load.displacement is None:
-            return remark
-        return f"{remark}; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"
+    if load.table is None:
+        kept = f"; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"
+        return load.remark if load.displacement is None else f"{load.remark}{kept}"
     count, part = load.amplitudes.size, _part(space.level) if space.level < 1.0 else "value at the largest"
-    told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
+    told = f"the {name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

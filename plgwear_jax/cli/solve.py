@@ -1,7 +1,7 @@
 """The command `plgwear solve`: the quantities that a scene asks for."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -10,9 +10,6 @@ from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
 from plgwear_jax.cli.terminal import message, refuse, warn
-
-if TYPE_CHECKING:
-    from plgwear_jax.scene import Quantity
 
 
 def solve(
@@ -42,25 +39,35 @@ def solve(
         import numpy as np
 
         quantities, slides = given.solve(digits=digits), given.load and given.load.slides
+    known, rows = {}, []
     for name, quantity in quantities.items():
-        values = np.asarray(quantity.value)
+        value, place, meaning = np.asarray(quantity.value), "", quantity.description
         # At the tip of a cone the largest pressure is infinite, on an infinite modulus stresses, of other numbers none.
-        endless = quantity.radii is None and not name.startswith("peak_") and np.isinf(values)
-        if np.any(np.isnan(values)) or endless:
+        endless = quantity.radii is None and not name.startswith("peak_") and np.isinf(value)
+        if np.any(np.isnan(value)) or endless:
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
+        known[name] = {key: one for key, one in quantity._asdict().items() if one is not None}
+        if quantity.edge_distance is not None:
+            place = f"edge - {measure(quantity.edge_distance, 'distance')}"
+        if quantity.radii is not None:
+            known[name]["radii_unit"] = entry("r").unit
+            extreme = np.argmax(np.abs(value))
+            if quantity.edge_value is None:
+                value, place = value[extreme], measure(quantity.radii[extreme], "r")
+                meaning += "; largest"
+            else:
+                value = quantity.edge_value
+                meaning += f"; unbounded at {quantity.unbounded_at}"
+        number, _, unit = measure(float(value), name).partition(" ")
+        rows.append([name, number, unit, place, meaning])
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
-    doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
-    known = {
-        name: {key: value for key, value in quantity._asdict().items() if value is not None}
-        | ({} if quantity.radii is None else {"radii_unit": entry("r").unit})
-        for name, quantity in quantities.items()
-    }
+    doubt_units(scene_file, given, *(one and float(one.value) for one in (radius, onset)))
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    rows = [_row(name, quantity) for name, quantity in quantities.items()]
-    shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
-    report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
+    columns = zip(("quantity", "value", "unit", "at r", "meaning"), zip(*rows, strict=True), strict=True)
+    kinds = [Column(name, cells, left=name != "value", wrap=name == "meaning") for name, cells in columns]
+    report.table(*(column for column in kinds if column.heading != "at r" or any(column.cells)))
     if picture is not None and given.load is not None:
         contact: Any = given.build_contact()
         report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))
@@ -68,25 +75,3 @@ def solve(
     if slides:
         warn(f"{message(slides, scene_file)}; all else exists in partial slip only")
         raise typer.Exit(1)
-
-
-_HEADINGS = "quantity", "value", "unit", "at r", "meaning"
-
-
-def _row(name: str, quantity: "Quantity") -> list[str]:
-    """Name, number, unit, place and meaning of a quantity; for a function of the radius of its largest value."""
-    import numpy as np
-
-    value, place, meaning = quantity.value, "", quantity.description
-    if quantity.edge_distance is not None:
-        place = f"edge - {measure(quantity.edge_distance, 'distance')}"
-    if isinstance(value, np.ndarray) and quantity.radii is not None:
-        if quantity.edge_value is not None:
-            value = quantity.edge_value
-            meaning += f"; unbounded at {quantity.unbounded_at}"
-        else:
-            extreme = int(np.argmax(np.abs(value)))
-            value, place = float(value[extreme]), measure(quantity.radii[extreme], "r")
-            meaning += "; largest"
-    number, _, unit = measure(float(value), name).partition(" ")
-    return [name, number, unit, place, meaning]

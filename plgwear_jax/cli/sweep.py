@@ -121,24 +121,22 @@ _EXTRA = dict.fromkeys(("k", "phi", "r", "distance"), "") | {"nu": ", or holl"}
 _EXTRA |= dict.fromkeys(("cycles", "wear_coefficient"), ", for transient.*; with --scene, by default that under [wear]")
 
 
-def _axis(name: str) -> inspect.Parameter:
-    """The option of an axis."""
-    kind = AXES[name]
-    unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
-    axis_option = option(
-        f"--{name.replace('_', '-')}",
-        metavar="VALUES",
-        help=f"{kind.description[0].upper()}{kind.description[1:]}{unit}{_EXTRA.get(name, '; with --scene')}.",
-        rich_help_panel="Axes: a number, start:stop:count, start:stop:count:log, ...:logit, or a file of values",
-    )
-    annotation = Annotated[str | None, axis_option]
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
-
-
 def _with_axes(command: Any) -> inspect.Signature:
     """The signature of the command with an option for each axis of the catalogue that has a plain name."""
     *options, _ = inspect.signature(command).parameters.values()
-    return inspect.Signature([*options, *(_axis(name) for name in AXES if "." not in name)])
+    for name, kind in AXES.items():
+        if "." in name:
+            continue
+        unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
+        axis_option = option(
+            f"--{name.replace('_', '-')}",
+            metavar="VALUES",
+            help=f"{kind.description[0].upper()}{kind.description[1:]}{unit}{_EXTRA.get(name, '; with --scene')}.",
+            rich_help_panel="Axes: a number, start:stop:count, start:stop:count:log, ...:logit, or a file of values",
+        )
+        annotation = Annotated[str | None, axis_option]
+        options.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation))
+    return inspect.Signature(options)
 
 
 sweep_command.__signature__ = _with_axes(sweep_command)  # pyright: ignore[reportFunctionMemberAccess]

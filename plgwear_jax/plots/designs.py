@@ -82,17 +82,13 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     saved = f"{best}: {less(design.saving)} {entry(design.objective).name} than the reference"
     kept = keeps(evaluated(design.question, design.reference_variables).values[0, 1:])
     breaks = "" if kept else ", which breaks a limit"
-    return _explained(figure, panels, f"{saved}{breaks}{_limits_told(design)}\n{_conditions(design)}\n{symbols}")
-
-
-def _limits_told(design: Design) -> str:
-    """The limits with their values, but for those of the modulus, which are drawn as bars."""
     told = [
         f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {measured(one.quantity, one.allowed)}"
         for one in design.limits.values()
-        if one.quantity not in ("modulus_at", design.hold)
+        if one.quantity not in ("modulus_at", design.hold)  # which are drawn as bars, or kept
     ]
-    return f"\nlimits: {', '.join(told)}" if told else ""
+    limits = f"\nlimits: {', '.join(told)}" if told else ""
+    return _explained(figure, panels, f"{saved}{breaks}{limits}\n{_conditions(design)}\n{symbols}")
 
 
 def _conditions(design: Design) -> str:

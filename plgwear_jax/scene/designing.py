@@ -59,22 +59,22 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
 
-def _forces(load: Any) -> Any:
-    return load.force if load.rig_stiffness is None else Force(load.force, load.rig_stiffness)
-
-
 def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load = given.asked(), given.load
+    acting = None
+    if load is not None and given.wears_otherwise:  # the blocks of a history, or a displacement over a life
+        acting = load.record()
+    elif load is not None:  # forces in N, with the rig of their displacements
+        acting = load.force if load.rig_stiffness is None else Force(load.force, load.rig_stiffness)
     if given.wear is not None and given.life is not None:
         scattered = {} if space.scatter is None else space.scatter.columns
         own = () if "wear_coefficient" in scattered else scattered  # which has a coefficient for each friction
         given.wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
     return {
         "contact": given.build_contact(),
-        # Over a life the blocks of a history, or a displacement; else forces in N, with the rig of their displacements.
-        "load": load and (load.record() if given.wears_otherwise else _forces(load)),
-        "weight": None if load is None else load.weights,
+        "load": acting,
+        "weight": load and load.weights,
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
