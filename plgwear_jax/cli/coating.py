@@ -15,11 +15,10 @@ from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import PowerLawFit
-    from plgwear_jax.scene import Scene
 
 # A section ends with its last key: comments further down belong to the next one.
 _MATERIAL = re.compile(
-    r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?:[^\S\n]*(?:#[^\n]*)?\n)*[^\S\n]*[^\s#\[][^\n]*\n?)*", re.MULTILINE
+    r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?:[^\S\n]*(?:#[^\n]*)?\n)*[^\S\n]*[^\s#\[][^\n]*\n?)*\n*", re.MULTILINE
 )
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
 
@@ -67,7 +66,14 @@ def coating(
     if isinstance(given.material.nu, str):
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
-    text = None if out is None else _scene_text(scene_file, given, out)
+    text = ""
+    if out is not None:
+        named = given.load.table or given.load.history
+        if named is not None and out.resolve().parent != scene_file.resolve().parent:
+            refuse(f"--out {one_line(str(out))}: must be in the folder of the input file, where {one_line(named)} is")
+        text = read_text(scene_file, "an input file is a TOML file", ValueError)
+        if _MATERIAL.search(text) is None:
+            refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
     with computing("computing the contact", one_question=True):
         import dataclasses
 
@@ -92,8 +98,9 @@ def coating(
     report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
-    if out is not None and text is not None:
-        _write_scene(text, fit, data.name, out)
+    if out is not None:
+        whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
+        _files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
     doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
     report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
@@ -111,24 +118,12 @@ def coating(
         warn(f"{data.name}: {fit.doubt}")
 
 
-def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
-    """The text of a scene before and after its section [material]."""
-    assert given.load is not None
-    named = given.load.table or given.load.history
-    if named is not None and out.resolve().parent != scene_file.resolve().parent:
-        refuse(f"--out {one_line(str(out))}: must be in the folder of the input file, where {one_line(named)} is")
-    text = read_text(scene_file, "an input file is a TOML file", ValueError)
-    if _MATERIAL.search(text) is None:
-        refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
-    before, after = _MATERIAL.split(text, 1)
-    return before, after
-
-
-def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path) -> None:
+def _section(fit: "PowerLawFit", name: str) -> str:
+    """The section [material] of the power law."""
     law: Any = fit.material
     low, high = fit.exponent_interval
     within = f"  # {low:.3g} to {high:.3g} with 95 % confidence" if low == low else ""  # not NaN
-    section = f"""\
+    return f"""\
 [material]                          # a power law fitted to {name}
 E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
 z0 = {float(law.z0):.6g}  # m, the contact radius on E(z) as measured
@@ -136,8 +131,6 @@ k = {float(law.k):.6g}{within}
 nu = {float(law.nu):.6g}  # Poisson's ratio
 
 """
-    whole = text[0] + section + text[1].lstrip("\n")
-    _files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
 
 
 def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:

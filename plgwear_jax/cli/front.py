@@ -18,7 +18,7 @@ from plgwear_jax.cli.question import (
     option,
     positive,
 )
-from plgwear_jax.cli.report import Column, Report, counted, each_with_unit
+from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import LARGER
 
@@ -69,9 +69,16 @@ def front_command(
     flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
     reference = {x_column: float(found.reference_x), found.y_name: float(found.reference_y)}
     report.write_table(columns | flags)
-    report.put(x=found.x_name, x_places=found.x_places, larger=found.larger, objective=found.y_name)
-    report.put({x_column: entry(found.x_name).unit}, objective_places=found.y_places, **columns, **flags)
-    report.put(reference=reference)
+    report.put(
+        {x_column: entry(found.x_name).unit},
+        x=found.x_name,
+        **fields(found, "x_places", "larger"),
+        objective=found.y_name,
+        objective_places=found.y_places,
+        **columns,
+        **flags,
+        reference=reference,
+    )
 
     along, certain = columns[x_column], flags["certified"]
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
