@@ -129,7 +129,7 @@ _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "con
 
 def _course(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load = given.tested()
+    load, both, through = given.tested(), None, None
     blocks = load.cycles is not None
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
@@ -140,19 +140,18 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         run, wear = given.over_cycles(), given.wear
         assert wear is not None
         life, share = None if blocks else wear.cycles, wear.half_space_share
-        shares, cycles, printed = (
-            _times(scene_file, run, life) if load.cycles is None else ({}, load.cycles.cumsum(), ())
-        )
+        shares, cycles, printed = ({}, load.cycles.cumsum(), ()) if blocks else _times(scene_file, run, life)  # pyright: ignore
         columns = {"cycles": cycles, **load.pressed}
         for name in _BLOCKS if blocks else _COURSE:
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
-        final = run.final
-        steady = None if final is None else {name: float(value) for name, value in final._asdict().items()}
-        through = None if until is None else float(run.cycles_to(depth=until))
+        steady = None if run.final is None else {name: float(value) for name, value in run.final._asdict().items()}
         at_end = abs(cycles - (life or cycles[-1])).argmin()
         end = {name: float(values[at_end]) for name, values in columns.items()}
         worn = steady or end
-        both = _share_out(given, share, end if life else worn) if share else None
+        if until is not None:
+            through = float(run.cycles_to(depth=until))
+        if share:
+            both = _share_out(given, share, end if life else worn)
     refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     if blocks:
         report.draw("blocks_picture", run)
@@ -169,10 +168,10 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if share:
         report.put(half_space_share=share)
+    slips = columns["stick_radius"] <= 0.0
     if blocks:
-        _tell_blocks(report, load, columns)
+        _tell_blocks(report, load, columns, slips)
     else:
-        slips = columns["stick_radius"] <= 0.0
         regime = "partial slip" if not slips.any() else "gross slip, then partial slip" if slips[0] else "mixed slip"
         regime = "gross slip" if slips.all() else regime
         rows = {name: values[np.searchsorted(cycles, printed)] for name, values in columns.items()}
@@ -187,7 +186,14 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             on = "the wear goes on" if life else "it is followed no further; set your life by cycles under [wear]"
             report.say(f"{regime} {held}: {much}; {on}")
         else:
-            _tell_steady(report, held, shares, life, steady, end["volume"])
+            report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
+            if life is not None:
+                unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
+                after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
+                report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
+            first, *later = ((f"{100.0 * share:g} %", _about(shares[share])) for share in _REPORTED)
+            then = "".join(f", {much} after {number}" for much, number in later)
+            report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
     report.say(both)
     if until is not None and through is not None:
         ends = f": the largest wear depth is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
@@ -197,24 +203,11 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     report.end()
 
 
-def _tell_steady(
-    report: Report, held: str, shares: dict[float, float], life: float | None, steady: dict[str, float], volume: float
-) -> None:
-    report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
-    if life is not None:
-        unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
-        after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
-        report.say(f"{after}: {100.0 * volume / steady['volume']:.3g} %")
-    first, *later = ((f"{100.0 * share:g} %", _about(shares[share])) for share in _REPORTED)
-    then = "".join(f", {much} after {number}" for much, number in later)
-    report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
-
-
 _HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
 
 
-def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]") -> None:
-    slips = ((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
+def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]", still: "np.ndarray") -> None:
+    slips = (still & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
     report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
     left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
     report.table(
