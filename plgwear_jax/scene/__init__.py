@@ -434,7 +434,7 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     reading.read("load", LoadSection.of)
     if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
         reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
-    reading.read("design", DesignSpace.of)
+    reading.read("design", lambda reading, _, values: DesignSpace(**values, reading=reading))
     reading.read("output", output_of)
     reading.end()
     return Scene(*(getattr(reading, section) for section in NAMES))

@@ -63,11 +63,6 @@ class DesignSpace(SimpleNamespace):
         reading: What the other sections are.
     """
 
-    @classmethod
-    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
-        """What the section says."""
-        return cls(**values, reading=reading)
-
     def checked(self) -> Self:
         """The same, or a SceneError if it does not go together, or with the other sections."""
         with self.reading.telling("design"):
@@ -147,20 +142,23 @@ class DesignSpace(SimpleNamespace):
         places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
         if not isinstance(self.minimise, str) and len(self.minimise) != 1:
             raise WrongKeyError("minimise", "must name one quantity")
-        found = placed_quantity("minimise", self.objective, places, kind)
+
+        def passed(found: Any) -> Any:
+            if isinstance(found, Complaint):  # the places of what is minimised have no keys of their own
+                raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
+            return found
+
+        objective = passed(placed_quantity("minimise", self.objective, places, kind))
         for name, given in each_limit(self.allowed):
-            one = None if name == "modulus" else limited_quantity(name, given, kind)
-            found = one if isinstance(found, str) and isinstance(one, Complaint) else found
-        if isinstance(found, str) and not self.free:
+            if name != "modulus":
+                passed(limited_quantity(name, given, kind))
+        if not self.free:
             flat = getattr(material, "k", None) == 0.0
-            found = complaint(variables, bool(self.hold), found, allowed, kind=kind, flat=flat)
-        elif isinstance(found, str):
-            found = free_complaint(variables, bool(self.hold), allowed, kind=kind)
-            if found is None and self.scenarios is not None:
-                found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-        if found is not None:
-            # the places of what is minimised have no keys of their own
-            raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
+            passed(complaint(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat))
+        else:
+            passed(free_complaint(variables, bool(self.hold), allowed, kind=kind))
+            if self.scenarios is not None:
+                raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
         self._refuse_other_materials(material)
         self._refuse_to_vary(material, reading.contact, load)
         if self.scatter is None and self.over is not None and (load is None or load.table is None):

@@ -13,7 +13,7 @@ with needs("sweeps", "sweep"):
 
 from plgwear_jax.sweep.axes import AxisError
 from plgwear_jax.sweep.names import QuantityError
-from plgwear_jax.sweep.store import SweepError
-from plgwear_jax.sweep.sweeping import Progress, UnfinishedWarning, open_sweep, sweep
+from plgwear_jax.sweep.store import SweepError, UnfinishedWarning, open_sweep
+from plgwear_jax.sweep.sweeping import Progress, sweep
 
 __all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]

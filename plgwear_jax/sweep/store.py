@@ -31,6 +31,10 @@ class SweepError(GivenError):
     """Why a sweep cannot be computed or read, in one line."""
 
 
+class UnfinishedWarning(UserWarning):
+    """A sweep that was opened lacks chunks."""
+
+
 def labelled(plan: SweepPlan) -> xr.Dataset:
     """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
     found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
@@ -167,19 +171,31 @@ def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variabl
         arrays[name][part] = variables[name]
 
 
-def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
-    """The quantities of the sweep at a path, how many files of chunks are missing, and how many there are to be.
+def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Open a sweep in a Zarr store. Values are read when they are used; values that are still missing are NaN.
+
+    Args:
+        path: The folder.
+
+    Returns:
+        The sweep; its attribute `unfinished` is the number of chunk files that are still missing. A warning says so
+        if there are any (`UnfinishedWarning`).
 
     Raises:
-        SweepError: There is no sweep.
+        SweepError: The folder holds no sweep.
     """
     name = one_line(os.fspath(path))
-    names = _manifest_at(Path(path), name)["quantities"]
+    variables = [variable_name(one) for one in _manifest_at(Path(path), name)["quantities"]]
     with _damaged(name):
         group = zarr.open_group(path, mode="r", use_consolidated=False)
-        arrays = [_array(group, variable_name(name)) for name in names]
-    there, files = (sum(getattr(one, kind) for one in arrays) for kind in ("nchunks_initialized", "nchunks"))
-    return names, files - there, files
+        arrays = [_array(group, one) for one in variables]
+    files = sum(one.nchunks for one in arrays)
+    missing = files - sum(one.nchunks_initialized for one in arrays)
+    if missing:
+        said = f"{name}: is not finished: {missing} of {files} chunk files are missing, read as NaN"
+        warnings.warn(UnfinishedWarning(said), stacklevel=2)
+    found = xr.open_zarr(path, consolidated=False, chunks={})[variables]
+    return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
 
 
 def _array(group: zarr.Group, name: str) -> zarr.Array:

@@ -8,7 +8,6 @@ import contextlib
 import functools
 import itertools
 import os
-import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
@@ -20,7 +19,7 @@ from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_d
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.words import near_or_all, one_line
+from plgwear_jax._core.words import near_or_all
 from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP, load_of
@@ -33,16 +32,11 @@ from plgwear_jax.sweep.names import (
     QuantityError,
     SweepTarget,
     axis_unit,
-    variable_name,
 )
 from plgwear_jax.sweep.plan import LOAD, SweepPlan, chunk_shape, default_chunk
-from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there, write_chunk
+from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, open_sweep, write_chunk
 
 Progress = Callable[[int, int], None]
-
-
-class UnfinishedWarning(UserWarning):
-    """A sweep that was opened lacks chunks."""
 
 
 @concrete_only("the quantities of contact.steady(load) and the functions of fretting work there")
@@ -180,29 +174,6 @@ def sweep(
         _followed(steps, plan.points - plan.size(missing), plan.points, progress)
         store.finish()
     return open_sweep(out)
-
-
-def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Open a sweep in a Zarr store. Values are read when they are used; values that are still missing are NaN.
-
-    Args:
-        path: The folder.
-
-    Returns:
-        The sweep; its attribute `unfinished` is the number of chunk files that are still missing. A warning says so
-        if there are any (`UnfinishedWarning`).
-
-    Raises:
-        SweepError: The folder holds no sweep.
-    """
-    names, missing, files = what_is_there(path)
-    if missing:
-        said = (
-            f"{one_line(os.fspath(path))}: is not finished: {missing} of {files} chunk files are missing, read as NaN"
-        )
-        warnings.warn(UnfinishedWarning(said), stacklevel=2)
-    found = xr.open_zarr(path, consolidated=False, chunks={})[[*map(variable_name, names)]]
-    return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
 
 
 # --- running --------------------------------------------------------------------------------------------------------
