@@ -211,11 +211,11 @@ def input_keys() -> str:
     return "\n".join(lines)
 
 
-def _rows(section: keys.SectionKeys) -> Iterator[str]:
-    for name, key in section.keys.items():
-        unit = UNIT.search(key.about)
-        default = "required" if key.default is keys.REQUIRED else _default(key.default)
-        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", key.about)  # the unit has its column
+def _rows(section: dict[str, Any]) -> Iterator[str]:
+    for name, key in section["properties"].items():
+        unit = UNIT.search(key["title"])
+        default = "required" if name in section["required"] else _default(key.get("default"))
+        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", key["title"])  # the unit has its column
         cells = f"`{name}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(key), default
         yield f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
@@ -224,12 +224,12 @@ def _default(value: Any) -> str:
     return "" if value is None else f"`{value}`" if not isinstance(value, str) else f'`"{value}"`'
 
 
-def _allowed(key: keys.Key) -> str:
+def _allowed(key: dict[str, Any]) -> str:
     """Which values a key takes, from what messages say or from its schema."""
-    said = re.sub(r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", key.text.removeprefix("must be "))
+    said = re.sub(r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", key["description"])
     if any(mark in said for mark in ("[", "{", '"', "name of", "list of", "whole number")):
         return _as_code(said)
-    return " or ".join(_range(one) for one in key.schema.get("anyOf", [key.schema]))
+    return " or ".join(_range(one) for one in key.get("anyOf", [key]))
 
 
 def _as_code(text: str) -> str:
@@ -238,6 +238,8 @@ def _as_code(text: str) -> str:
 
 
 def _range(one: dict[str, Any]) -> str:
+    if "$ref" in one:
+        one = keys.SECTIONS[one["$ref"].rpartition("/")[2]]
     if "enum" in one:
         return " or ".join(f'`"{value}"`' for value in one["enum"])
     low = f"> {one['exclusiveMinimum']:g}" if "exclusiveMinimum" in one else ""

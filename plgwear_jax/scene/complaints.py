@@ -102,7 +102,7 @@ class Reading:
             name = section.capitalize() if kind is None else kind(given)
             values = values_of(name, given, self.refuse, (section,))
             if section not in self.wrong:
-                setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name].keys) | values))
+                setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name]["properties"]) | values))
 
     @contextlib.contextmanager
     def telling(self, section: str) -> Iterator[None]:

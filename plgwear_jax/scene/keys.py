@@ -1,8 +1,9 @@
-"""The keys of an input file: `keys.toml` has them all; the reader, the JSON schema and the documentation read it.
+"""The keys of an input file: `keys.toml` has them all, as a JSON schema, which the reader and the documentation read.
 
 Imports nothing that takes time.
 """
 
+import copy
 import functools
 import itertools
 import json
@@ -11,7 +12,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from plgwear_jax._core.extras import needs
 from plgwear_jax._core.words import near_or_all
@@ -20,71 +21,14 @@ from plgwear_jax.rules import limit_form
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
-REQUIRED = object()
-_DOCUMENT = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
-_FORMS: dict[str, dict[str, Any]] = _DOCUMENT["forms"]
-_ELEMENT = re.compile(r"^material\.(thickness|depth|modulus)\[\d+\]$")
+_SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
+SECTIONS: dict[str, Any] = _SCHEMA["$defs"]  # and the forms of values, in lower case
+_ALLOWED = {"$ref": "#/$defs/Allowed"}
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
-
-
-class Key(NamedTuple):
-    """A key of an input file.
-
-    Attributes:
-        schema: The JSON schema of its value.
-        text: What it must be, for messages.
-        about: What it is.
-        default: Its value where it is left out; `REQUIRED` if it must be there.
-    """
-
-    schema: dict[str, Any]
-    text: str
-    about: str
-    default: Any
-
-
-class SectionKeys(NamedTuple):
-    """The keys of a section by name, what they describe, and the record of the library with these fields."""
-
-    keys: dict[str, Key]
-    about: str
-    record: str
-
-
-def _schema(takes: str) -> dict[str, Any]:
-    """The schema of what a key takes: words in quotation marks, forms, sections, or one of several."""
-    first, *others = takes.split(" or ")
-    if others:
-        return {"anyOf": list(map(_schema, (first, *others)))}
-    if first.startswith('"'):
-        return {"enum": [json.loads(first)]}
-    form = _FORMS.get(first, {"$ref": f"#/$defs/{first}"})
-    return {name: x for name, x in form.items() if name != "must"}
-
-
-def _sections() -> dict[str, SectionKeys]:
-    found = {}
-    for name, section in _DOCUMENT.items():
-        keys = {}
-        for key, told in section.get("keys", {}).items():
-            takes, default = told["takes"], told.get("default", REQUIRED)
-            text = told.get("must") or _FORMS.get(takes, {}).get("must", takes)
-            keys[key] = Key(
-                _schema(takes),
-                f"must be {text}{told.get('said', '')}",
-                told["about"],
-                None if default == "" else default,
-            )
-        if keys:
-            found[name] = SectionKeys(keys, section["about"], section.get("record", ""))
-    for name in _LIMITED:
-        limit = Key(_schema("Allowed"), f"must be {limit_form(name)}", entry(name).name, None)
-        found["Limits"].keys[name] = limit
-    return found
-
-
-SECTIONS = _sections()
+SECTIONS["Limits"]["properties"] |= {
+    name: {"title": entry(name).name, "description": limit_form(name), **_ALLOWED} for name in _LIMITED
+}
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
@@ -101,51 +45,59 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
         refuse: Takes the path of a wrong key, and what it must be.
         path: The path of the section.
     """
-    keys, found = SECTIONS[section].keys, dict[str, Any]()
-    if section == "Vary":
-        elements = {name: _ELEMENT.fullmatch(name) for name in given}
-        keys = keys | {name: SECTIONS["Elements"].keys[one[1]] for name, one in elements.items() if one}
+    schema, found = SECTIONS[section], dict[str, Any]()
+    keys = schema["properties"] | {
+        name: key
+        for pattern, key in schema.get("patternProperties", {}).items()
+        for name in given
+        if re.search(pattern, name)
+    }
     for name in given:
         if name not in keys:
             refuse((*path, name), _stray(section, name))
     for name, key in keys.items():
-        here, value, inner = (*path, name), given.get(name), _section_of(key.schema)
+        here, value, inner, text = (*path, name), given.get(name), _section_of(key), f"must be {key['description']}"
         if name not in given:
-            if key.default is REQUIRED:
-                refuse(here, key.text)
-            elif key.default is not None:
-                found[name] = key.default
+            if name in schema["required"]:
+                refuse(here, text)
+            elif "default" in key:
+                found[name] = key["default"]
         elif inner == "Allowed" and isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
             found[name] = tuple(values_of(inner, one, refuse, (*here, str(i))) for i, one in enumerate(value))
         elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
             found[name] = values_of(inner, value, refuse, here)
-        elif inner or not _allows(key.schema, value):
-            refuse(here, key.text)
+        elif inner or not _allows(key, value):
+            refuse(here, text)
         else:
-            found[name] = _taken(value, key.schema, refuse, here)
+            found[name] = _taken(value, key, refuse, here)
     return found
 
 
 def _section_of(schema: Mapping[str, Any]) -> str:
-    return schema.get("$ref", "").rpartition("/")[2]
+    name = schema.get("$ref", "").rpartition("/")[2]
+    return name if name[:1].isupper() else ""
 
 
 def _taken(value: Any, schema: Mapping[str, Any], *where: Any) -> Any:
-    """An allowed value as the library takes it: tuples for lists, and of a section among others also its name."""
+    """An allowed value as the library takes it, of a section among others also its name."""
     for one in schema.get("anyOf", ()):
-        if _allows(one, value):
-            inner = _section_of(one)
-            return (inner, values_of(inner, value, *where)) if inner else _taken(value, one)
+        if (inner := _section_of(one)) and _allows(one, value):
+            return inner, values_of(inner, value, *where)
+    return value if schema.get("type") == "integer" else _with_floats(value)
+
+
+def _with_floats(value: Any) -> Any:
+    """A value with tuples for lists, and real numbers for whole ones."""
     if isinstance(value, dict):
-        return {name: _taken(one, schema["additionalProperties"]) for name, one in value.items()}
+        return {name: _with_floats(one) for name, one in value.items()}
     if isinstance(value, list | tuple):
-        return tuple(_taken(one, schema["items"]) for one in value)
-    return float(value) if schema.get("type") == "number" else value
+        return tuple(map(_with_floats, value))
+    return float(value) if isinstance(value, int) else value
 
 
 def _allows(schema: Mapping[str, Any], value: Any) -> bool:
     """Whether a value is as its schema says."""
-    return _validator()({"$defs": _definitions(), **schema}).is_valid(value)
+    return _validator()({"$defs": SECTIONS, **schema}).is_valid(value)
 
 
 @functools.cache
@@ -174,38 +126,18 @@ def _validator() -> Any:
 
 def _stray(section: str, name: str) -> str:
     """What is wrong with a key that a section does not have."""
-    if section in MATERIALS and any(name in SECTIONS[other].keys for other in MATERIALS):
+    if section in MATERIALS and any(name in SECTIONS[other]["properties"] for other in MATERIALS):
         return f"cannot be combined with {MATERIALS[section]}; the modulus is a power law, a table or layers"
-    known = [*SECTIONS[section].keys, *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
+    known = [*SECTIONS[section]["properties"], *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
     return f"there is no such key{near_or_all(name, known)}"
-
-
-@functools.cache
-def _definitions() -> dict[str, Any]:
-    """The JSON schemas of all sections, by name."""
-    models: dict[str, Any] = {
-        name: {
-            "type": "object",
-            "description": section.about,
-            "properties": {
-                key: {"title": one.about, "description": one.text.removeprefix("must be "), **one.schema}
-                for key, one in section.keys.items()
-            },
-            "required": [key for key, one in section.keys.items() if one.default is REQUIRED],
-            "additionalProperties": False,
-        }
-        for name, section in SECTIONS.items()
-    }
-    elements = models.pop("Elements")["properties"]
-    models["Vary"]["patternProperties"] = {_ELEMENT.pattern: elements["modulus"]}
-    for name in _LIMITED:
-        one = models["Limits"]["properties"][name]
-        one["anyOf"] = [{"$ref": one["$ref"]}, {"type": "array", "items": {"$ref": one.pop("$ref")}, "minItems": 1}]
-    minimise = models["Design"]["properties"]["minimise"]
-    minimise["anyOf"] = [{"enum": [*_LIMITED]}, *minimise["anyOf"][1:]]
-    return models
 
 
 def json_schema() -> dict[str, Any]:
     """The JSON schema of an input file, with which editors check and complete it; `load` checks more."""
-    return _DOCUMENT["schema"] | {"$defs": _definitions()}
+    schema = copy.deepcopy(_SCHEMA)
+    for name in _LIMITED:
+        limit = schema["$defs"]["Limits"]["properties"][name]
+        del limit["$ref"]
+        limit["anyOf"] = [_ALLOWED, {"type": "array", "items": _ALLOWED, "minItems": 1}]
+    schema["$defs"]["Design"]["properties"]["minimise"]["anyOf"][0] = {"enum": [*_LIMITED]}
+    return schema

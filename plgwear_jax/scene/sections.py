@@ -85,7 +85,7 @@ def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
         if name in fields:
             given = fields[name]
             fields[name] = _body_of(reading, *given) if isinstance(given, tuple) else None
-    return Body(_FLAT.get(kind, SECTIONS[section].record), kind, fields, file)
+    return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
 
 
 def kind_of_material(given: Mapping[str, Any]) -> str:
