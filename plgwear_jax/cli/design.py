@@ -36,7 +36,7 @@ def design_command(
         refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
     report = Report(scene_file, as_json, picture, kind="design")
     with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least", one_question=True):
-        found = given.free_design() if space.free else given.design()
+        found: Any = given.free_design() if space.free else given.design()
     with working("comparing it with the reference"):
         from plgwear_jax.cli.design_report import tell_design, tell_freely
 

@@ -70,7 +70,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
             rival = f"the next best minimum, at {_where(found.rival)}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
         tension = _tensions(found) if STRESSES & asked and question.by_force else None
-        report.say(gain, tension, verdict, rival, higher and higher["line"])
+        report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
     report.say(doubtful(found, comparison))
     _tell_life(report, given, found)
     if sensitivities and found.keeps_limits:
@@ -142,8 +142,8 @@ def _tell_allowed(
     states = {name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()}
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
-    columns = enumerate(zip(headings, zip(*rows, strict=True), strict=True))
-    report.table(*(Column(*column, left=i != 1, wrap=i in (0, 3)) for i, column in columns), title="")
+    columns = (Column(one, [row[i] for row in rows], "", i != 1, i in (0, 3)) for i, one in enumerate(headings))
+    report.table(*columns, title="")
 
 
 def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
@@ -258,9 +258,9 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
             label = "k of the reference" if source == "k" else source
             rows.append([label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes)])
     headings = "input", "saving (points)", *(name if is_linear(name) else f"{name} (%)" for name in varied)
-    columns = zip(headings, zip(*rows, strict=True) if rows else [()] * len(headings), strict=True)
+    columns = (Column(heading, [row[i] for row in rows], left=i == 0) for i, heading in enumerate(headings))
     report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
-    report.table(*(Column(*column, left=column[0] == "input") for column in columns), title="")
+    report.table(*columns, title="")
     report.say(f"without effect: {', '.join(idle)}" if idle else None)
 
 
@@ -326,10 +326,11 @@ _WORN = "radii", "wear_depth", "stick_radius", "worn_radius"
 
 
 def _free_verdict(found: optimise.FreeDesign) -> str:
+    best = found.minima[0]
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best gradient that it found"
     if not found.certified:
         return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
     other = f"the best of {len(found.minima)} minima" if len(found.minima) > 1 else "the same minimum"
-    some = f"{found.minima[0].starts} of {found.starts} descents ended in {other}"
+    some = f"{best.starts} of {found.starts} descents ended in {other}"
     return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"

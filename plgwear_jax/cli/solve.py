@@ -65,9 +65,9 @@ def solve(
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    columns = zip(("quantity", "value", "unit", "at r", "meaning"), zip(*rows, strict=True), strict=True)
-    kinds = [Column(name, cells, left=name != "value", wrap=name == "meaning") for name, cells in columns]
-    report.table(*(column for column in kinds if column.heading != "at r" or any(column.cells)))
+    headings = "quantity", "value", "unit", "at r", "meaning"
+    columns = [Column(one, [row[i] for row in rows], "", i != 1, i == 4) for i, one in enumerate(headings)]
+    report.table(*(column for column in columns if column.heading != "at r" or any(column.cells)))
     if picture is not None and given.load is not None:
         contact: Any = given.build_contact()
         report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))

@@ -112,7 +112,7 @@ def sweep_command(
             typer.echo(f"{values.attrs['quantity']} is undefined at {undefined:,} of {values.size:,} points")
     slips = found.get("gross_slip")
     if slips is not None:
-        along = f" along {', '.join(slips.dims)}" if slips.ndim else ""
+        along = f" along {', '.join(map(str, slips.dims))}" if slips.ndim else ""
         typer.echo(f"gross slip at {int(slips.sum()):,} of {slips.size:,} points{along}, partial slip at the others")
 
 

@@ -117,7 +117,8 @@ def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
         raise AxisError(f"{said}: with {spacing} both ends must be {must}")
     if spacing == "log":
         return np.geomspace(start, stop, count)
-    steps = np.linspace(*(math.log((end - lower) / (upper - end)) for end in (start, stop)), count)
+    first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
+    steps = np.linspace(first, last, count)
     # measured from the nearer end, so that the distance from it keeps its digits
     near = (upper - lower) / (1.0 + np.exp(np.abs(steps)))
     values = np.where(steps < 0.0, lower + near, upper - near)

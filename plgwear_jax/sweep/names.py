@@ -429,4 +429,5 @@ def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> Sweep
 
     needs, equation = (("phi",), "28") if given is None else (subject.inputs, "")
     smooth = given is None and field in _SMOOTH
-    return SweepQuantity(f"{head}.{field}", needs, evaluate, *fields[field], equation, smooth)
+    unit, about = fields[field]
+    return SweepQuantity(f"{head}.{field}", needs, evaluate, unit, about, equation, smooth)

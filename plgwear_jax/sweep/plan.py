@@ -257,7 +257,7 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     """The shape of chunks of at most so many points, of equal size and as square as possible."""
     lengths, parts = np.array(shape), np.ones(len(shape), int)
     while math.prod((sizes := -(-lengths // parts)).tolist()) > points:
-        longest = sizes.argmax()
+        longest = int(sizes.argmax())
         parts[longest] = min(max(parts[longest] + 1, int(1.02 * parts[longest])), shape[longest])
     return tuple(sizes.tolist())
 
