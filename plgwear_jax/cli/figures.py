@@ -40,10 +40,9 @@ def figures(
     stems, suffixes = [figure.stem for figure in chosen], (".pdf", ".png")
     try:
         out.mkdir(exist_ok=True)
-    except FileExistsError:
-        raise _files.TargetError(f"{out}: is a file, not a folder to write to") from None
     except OSError as error:
-        raise _files.TargetError(f"{out}: cannot be made: {error.strerror}") from None
+        why = "is a file, not a folder to write to" if out.is_file() else f"cannot be made: {error.strerror}"
+        raise _files.TargetError(f"{out}: {why}") from None
     for stem, suffix in [("figures", ".md"), *itertools.product([*stems, "contact-sheet"], suffixes)]:
         _files.check_target(out / f"{stem}{suffix}", (suffix,))
     for figure in chosen:

@@ -63,9 +63,8 @@ def page(width: float, height: float, layout: Any = "constrained", dpi: int = 30
 
 def letters(panels: Iterable[Axes], names: Iterable[str] = "") -> None:
     """(a), (b) and so on above the panels, with their names if they have any."""
-    for letter, axes, name in itertools.zip_longest("abcdefghijkl", panels, names):
-        if axes is not None:
-            axes.set_title(f"({letter})   {name or ''}".rstrip(), loc="left")
+    for letter, axes, name in zip("abcdefghijkl", panels, itertools.chain(names, itertools.repeat("")), strict=False):
+        axes.set_title(f"({letter})   {name}".rstrip(), loc="left")
 
 
 def mark(axes: Axes, place: float, words: str) -> None:
@@ -84,10 +83,9 @@ def mark_roughness(axes: Axes, deepest: float) -> bool:
     return seen
 
 
-def legend_above(figure: FigureBase, shown: Axes | Iterable[Axes], columns: int) -> None:
+def legend_above(figure: FigureBase, shown: Any, columns: int) -> None:
     """Draw a legend of what a panel, or several, show in rows above all panels."""
-    panels = [shown] if isinstance(shown, Axes) else shown
-    handles = [handle for axes in panels for handle in axes.get_legend_handles_labels()[0]]
+    handles = [handle for axes in np.ravel(shown) for handle in axes.get_legend_handles_labels()[0]]
     figure.legend(handles=handles, loc="outside upper center", ncols=columns)
 
 

@@ -40,19 +40,18 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     if "scenarios" in arguments:
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
-    def others(one: str, limit: Any) -> Any:
-        several = list(limit) if isinstance(limit, list | tuple) else [limit]
-
-        def stays(at: Any) -> bool:  # of several limits of one quantity those at other places
-            own = limited_quantity(one, at, given.contact.kind)[0]
-            return own != name or (len(several) > 1 and bool(places.items() - at.items()))
-
-        return limit if all(map(stays, several)) else list(filter(stays, several))
-
-    # The front replaces a limit of x by its own values.
-    limits = {one: rest for one, limit in arguments.pop("limits").items() if (rest := others(one, limit))}
-    space = given.asked()
-    wrong = complaint(space.variables, bool(space.hold), space.objective, [*limits, name], kind=given.contact.kind)
+    space, kind, limits = given.asked(), given.contact.kind, {}
+    # The front replaces a limit of x by its own values; of several limits of one quantity those at other places stay.
+    for one, limit in arguments.pop("limits").items():
+        several = limit if isinstance(limit, list | tuple) else [limit]
+        others = [
+            at
+            for at in several
+            if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
+        ]
+        if others:
+            limits[one] = others if several[1:] else limit
+    wrong = complaint(space.variables, bool(space.hold), space.objective, [*limits, name], kind=kind)
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))

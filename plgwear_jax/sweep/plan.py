@@ -116,19 +116,18 @@ class SweepPlan:
             along = [place for place, length in enumerate(array.shape) if length == 2]
             dims, shape, chunks = ([each[place] for place in along] for each in ([*self.axes], self.shape, self.chunk))
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
-            found[variable_name(asked.name)] = xr.Variable(dims, empty, self._attributes(asked))
+            digits = self.subject.digits or self.subject.digits_of(asked.name) or f"all of {self.dtype}"
+            about = {
+                "quantity": asked.name,
+                "units": asked.unit,
+                "label": label_of(asked.name),
+                "long_name": asked.description,
+                "equation": asked.equation,
+                "digits": str(digits),
+            }
+            about = {key: text for key, text in about.items() if text}  # not everything has an equation
+            found[variable_name(asked.name)] = xr.Variable(dims, empty, about)
         return found
-
-    def _attributes(self, asked: SweepQuantity) -> dict[str, str]:
-        digits = self.subject.digits or self.subject.digits_of(asked.name) or f"all of {self.dtype}"
-        return {
-            "quantity": asked.name,
-            "units": asked.unit,
-            "label": label_of(asked.name),
-            "long_name": asked.description,
-            **({"equation": asked.equation} if asked.equation else {}),
-            "digits": str(digits),
-        }
 
     def evaluate(self, *rows: Array) -> tuple[Array, ...]:
         """The quantities on the outer product of the rows, each with as many axes as there are rows."""

@@ -149,8 +149,7 @@ def sweep(
     width = 1 if amplitudes is None else amplitudes[0].shape[1]
     shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, width, subject.slow))
     plan = SweepPlan(names, rows, fixed, subject, tuple(loads), dtype, shape)
-    _refuse_gross_slip_anywhere(plan)
-    _refuse_needs(plan)
+    _refuse(plan)
     try:
         used = {axis for variable in plan.variables.values() for axis in variable.dims}
     except (QuantityError, AxisError):
@@ -278,30 +277,26 @@ def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.
     return np.stack(forces), np.stack([np.pad(shares, (0, longest - shares.size)) for _, shares in pairs])
 
 
-def _refuse_gross_slip_anywhere(plan: SweepPlan) -> None:
-    """Refuse amplitudes that reach the friction force in any combination of the axes."""
-    if not {LOAD, "tangential_force"} & {*plan.subject.inputs}:
-        return
-    known: dict[str, Any] = {"factor": 1.0, "tangential_force": 0.0, **plan.fixed, **plan.axes}
-    forces, _ = plan.subject.amplitudes or (known["tangential_force"], None)
-    largest, limit = np.max(known["factor"]) * np.max(forces), np.min(known["friction"]) * np.min(known["normal_force"])
-    if not PARTIAL_SLIP.contains(largest / limit):
-        raise AxisError(
-            f"tangential_force = {largest}: this is gross slip; it must be below the least mu F_N, {limit:g} N"
-        )
-
-
-def _refuse_needs(plan: SweepPlan) -> None:
-    """Refuse quantities that need an input without a value."""
-    available = {*plan.axes, *plan.fixed, LOAD}
-    allowed = plan.subject.names.allowed
+def _refuse(plan: SweepPlan) -> None:
+    """Refuse amplitudes that reach the friction force in any combination of the axes, and what lacks an input."""
+    subject = plan.subject
+    if {LOAD, "tangential_force"} & {*subject.inputs}:
+        known: dict[str, Any] = {"factor": 1.0, "tangential_force": 0.0, **plan.fixed, **plan.axes}
+        forces, _ = subject.amplitudes or (known["tangential_force"], None)
+        largest = np.max(known["factor"]) * np.max(forces)
+        limit = np.min(known["friction"]) * np.min(known["normal_force"])
+        if not PARTIAL_SLIP.contains(largest / limit):
+            told = f"this is gross slip; it must be below the least mu F_N, {limit:g} N"
+            raise AxisError(f"tangential_force = {largest}: {told}")
     for asked in plan.asked:
         for need in asked.needs:
-            if need not in available:
-                instead = ", phi, displacement or loads" if need == "tangential_force" and "phi" in allowed else ""
-                unit = axis_unit(need, plan.subject.contact)
+            if need not in (*plan.axes, *plan.fixed, LOAD):
+                by_phi = need == "tangential_force" and "phi" in subject.names.allowed
+                unit = axis_unit(need, subject.contact)
                 in_units = f" in {unit}" if unit != "1" else ""
-                raise QuantityError(f"{asked.name}: needs {need}{in_units}{instead}")
+                raise QuantityError(
+                    f"{asked.name}: needs {need}{in_units}{', phi, displacement or loads' if by_phi else ''}"
+                )
     for name in plan.fixed:
-        if plan.subject.contact is None and not any(name in asked.needs for asked in plan.asked):
+        if subject.contact is None and not any(name in asked.needs for asked in plan.asked):
             raise AxisError(f"{name}: none of {', '.join(plan.names)} depends on it")
