@@ -9,9 +9,9 @@ from plgwear_jax import coating, optimise
 from plgwear_jax._core import doubts
 from plgwear_jax.catalogue import DESIGNED, STRESSES, entry, placed
 from plgwear_jax.cli.question import amplitudes_told, saved
-from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields, measure
+from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
 from plgwear_jax.contact import FrettingContact, is_closed
-from plgwear_jax.optimise.best import doubtful
+from plgwear_jax.optimise.best import doubtful, measured
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
@@ -87,7 +87,7 @@ def _tensions(found: optimise.Design) -> str:
         steady = contact.steady(np.max(found.load.amplitudes))  # pyright: ignore[reportCallIssue]
         values.append(float(steady.peak_tension))
         at = placed("tension", dict(zip("xz", steady.peak_tension_at, strict=True))).partition(" at ")[2]
-        told.append(f"{measure(values[-1], 'peak_tension')} at {at}")
+        told.append(f"{measured('peak_tension', values[-1])} at {at}")
     times = f"{values[0] / values[1]:.3g} times that of the reference"
     return f"its peak tension, {told[0]}, is {times}, {told[1]}"
 
@@ -106,7 +106,9 @@ def _if_higher(found: optimise.Design, limited: dict[str, str]) -> dict[str, Any
         higher = optimise.under_other_load(found, 1.1)
     except ValueError:
         return {"line": f"{said} the contact is in gross slip", "loss": None}
-    violated = [f"the {limited[name]} is {_measure(x.value, x)}" for name, x in higher.limits.items() if not x.kept]
+    violated = [
+        f"the {limited[name]} is {measured(x.quantity, x.value)}" for name, x in higher.limits.items() if not x.kept
+    ]
     if violated:
         line = f"this design violates a limit: {violated[0]}"
     elif not higher.best.converged:
@@ -132,13 +134,13 @@ def _tell_allowed(
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
-        rows.append((names[name], measure(value, name), " to ".join(measure(end, name) for end in ends), standing))
+        rows.append((names[name], measured(name, value), measured(name, ends), standing))
     for name, state in found.limits.items():
         standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:
             standing = f"active; relaxing it by 1 % saves {float(state.multiplier):.2g} %"
-        allowed = f"at {'least' if state.lowest else 'most'} {_measure(state.allowed, state)}"
-        rows.append((limited[name], _measure(state.value, state), allowed, standing))
+        allowed = f"at {'least' if state.lowest else 'most'} {measured(state.quantity, state.allowed)}"
+        rows.append((limited[name], measured(state.quantity, state.value), allowed, standing))
     states = {name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()}
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
@@ -152,7 +154,7 @@ def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited:
     for limit in found.question.limits:
         if limit.name in conflict.allowed:
             said = limited[limit.name]
-            best, allowed = (measure(x[limit.name], limit.quantity) for x in (conflict.reachable, conflict.allowed))
+            best, allowed = (measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed))
             limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
             reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
             names.append(said)
@@ -191,7 +193,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
             "flips_at_cycles": flips_at,
         }
     )
-    volumes = (measure(volume, found.objective) for volume in (forever.volume, forever.reference_volume, least))
+    volumes = (measured(found.objective, volume) for volume in (forever.volume, forever.reference_volume, least))
     worn, reference, least = volumes
     worn = f"in the steady state it wears {worn}, the reference {reference}"
     if flips_at is None:
@@ -223,13 +225,8 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
     return best, reference
 
 
-def _measure(value: Any, state: optimise.LimitState) -> str:
-    """A value of a limited quantity."""
-    return measure(float(np.asarray(value)), state.quantity)
-
-
 def _where(variables: dict[str, float]) -> str:
-    return ", ".join(f"{name} = {measure(value, name)}" for name, value in variables.items())
+    return ", ".join(f"{name} = {measured(name, value)}" for name, value in variables.items())
 
 
 def _verdict(found: optimise.Design) -> str:
@@ -304,11 +301,11 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     headings = "free gradient", "power law", "reference"
     compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = ([measure(float(end), "modulus") for end in np.asarray(ends)] for ends in (profile.lower, profile.upper))
+    ends = zip(np.asarray(profile.lower), np.asarray(profile.upper), strict=True)
     report.table(
         each_with_unit("depth", at),
         *(each_with_unit("modulus", np.asarray(row), name) for row, name in zip(moduli, headings, strict=True)),
-        Column("allowed", [f"{low} to {high}" for low, high in zip(*ends, strict=True)]),
+        Column("allowed", [measured("modulus", between) for between in ends]),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )

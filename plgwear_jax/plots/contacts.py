@@ -7,10 +7,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.fitting import Fit
+from plgwear_jax.optimise.best import measured
 from plgwear_jax.plots.style import (
     BEST,
     BLUE,
@@ -94,7 +94,7 @@ def regimes_picture(
     mark(right, cut.gross_slip_displacement[0], "transition")
     right.plot(own, np.interp(own, moves, cut.energy_ratio[0]), **_OWN)  # those beyond the panel are cut off
     right.set(xlim=(0.0, moves[-1]), ylim=(0.0, None), ylabel="energy ratio, sliding ratio")
-    right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
+    right.legend(loc="lower right", title=f"at {measured('normal_force', force)}")
     show_units(left.yaxis, "normal_force")
     for axes in panels:
         show_units(axes.xaxis, "displacement_amplitude", words)
@@ -149,7 +149,7 @@ def stress_picture(steady: Steady) -> Figure:
     for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
         place = (float(at) for at in getattr(steady, f"{name}_at"))
         axes.plot(*place, marker, label=f"largest {words}", **_PEAK)
-        told.append(f"largest {words} {written(float(getattr(steady, name)), entry(name).unit)}")
+        told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
         show_units(axis, words=words, unit=entry("r").unit, size=a)
@@ -230,7 +230,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
-    deep = written(deepest, entry("wear_depth").unit)
+    deep = measured("wear_depth", deepest)
     panels["c"].set_title(f"{'steady state' if end < np.inf else 'in the end'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
     legend_above(figure, (panels["a"], panels["c"]), 4)
