@@ -23,7 +23,6 @@ PREFIXED = scales_of("""
     N    MN  1e6   kN  1e3     N  1        mN  1e-3     µN  1e-6
     J    J  1      mJ  1e-3    µJ  1e-6    nJ  1e-9     pJ  1e-12
     1    -  1
-    points/s  G points/s  1e9  M points/s  1e6  k points/s  1e3  points/s  1
 """)
 
 

@@ -3,22 +3,19 @@
 from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
-from rich.text import Text
+from rich.progress import Progress
 
-from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line
 
 
 class Bar(Progress):
-    """A progress bar on standard error with the rate and the time left, shown if there is something to do."""
+    """A progress bar on standard error with the time left, shown if there is something to do."""
 
     def __init__(self, names: list[str]) -> None:
+        super().__init__(console=Console(stderr=True))
         self.first: int | None = None
         self.done = self.points = 0
         self._names = one_line(", ".join(names))
-        texts = TextColumn("{task.description}"), TextColumn("{task.percentage:>3.0f} %")
-        super().__init__(texts[0], BarColumn(), texts[1], _Speed(), TimeRemainingColumn(), console=Console(stderr=True))
 
     def __enter__(self) -> Self:
         return self  # not shown yet
@@ -26,7 +23,7 @@ class Bar(Progress):
     def __call__(self, done: int, points: int) -> None:
         """Show that this many of the points are done."""
         if self.first is None:
-            self.first = done  # points of finished chunks do not count for the rate
+            self.first = done  # points of finished chunks do not count for the time left
             if done < points:
                 self.add_task(self._names, total=points - done)
                 self.start()
@@ -50,9 +47,3 @@ class Bar(Progress):
             return "all were computed already"
         there = f", {self.first:,} were computed already" if self.first else ""
         return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
-
-
-class _Speed(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text(written(speed, "points/s") if speed else "")

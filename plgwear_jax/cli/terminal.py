@@ -7,7 +7,6 @@ import functools
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
@@ -51,31 +50,28 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, ended = sys.unraisablehook, threading.Event()
-    main = threading.main_thread().ident or 0
+    before, later, main = sys.unraisablehook, list[threading.Timer](), threading.main_thread().ident or 0
 
     def interrupt() -> None:
-        while not ended.wait(_SOON):
-            at = traceback.walk_stack(sys._current_frames().get(main))
-            if all(frame.f_code is not ignored.__code__ for frame, _ in at):  # where it would be lost as well
-                if hasattr(signal, "pthread_kill"):  # which also ends a wait
-                    signal.pthread_kill(main, signal.SIGINT)
-                else:
-                    _thread.interrupt_main()
-                return
+        if hasattr(signal, "pthread_kill"):  # which also ends a wait
+            signal.pthread_kill(main, signal.SIGINT)
+        else:
+            _thread.interrupt_main()
 
     def ignored(error: Any) -> None:
-        if not issubclass(error.exc_type, KeyboardInterrupt):
+        if issubclass(error.exc_type, KeyboardInterrupt):  # once more, if it is lost again
+            later.append(threading.Timer(_SOON, interrupt))
+            later[-1].start()
+        else:
             before(error)
-            return
-        threading.Thread(target=interrupt, daemon=True).start()
 
     sys.unraisablehook = ignored
     try:
         yield
     finally:
         sys.unraisablehook = before
-        ended.set()
+        for timer in later:
+            timer.cancel()
 
 
 _SOON = 0.05  # s, after which a callback has mostly ended

@@ -26,7 +26,7 @@ def test_a_map_is_written_resumed_and_drawn():
     first = plgwear(MAP)
     assert first.exit_code == 0, first.output
     assert first.stdout.startswith("map.zarr: wear_volume, stick_radius.dk at 35 points: 35 computed in ")
-    assert "100 %" in first.stderr
+    assert "100%" in first.stderr
     found = sweep.open_sweep("map.zarr")
     k, phi = np.linspace(-0.9, 0.9, 7), np.linspace(0.1, 0.9, 5)
     expected = sweep.sweep(["wear_volume", "stick_radius.dk"], k=k, phi=phi)
