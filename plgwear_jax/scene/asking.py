@@ -6,8 +6,8 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
-from plgwear_jax._core.words import near, one_line
-from plgwear_jax.catalogue import Law, element, laws_of
+from plgwear_jax._core.words import near, near_or_all, one_line
+from plgwear_jax.catalogue import Law, laws_of
 from plgwear_jax.rules import (
     BY_THEN,
     OF_POWER_LAW,
@@ -109,12 +109,17 @@ class DesignSpace(SimpleNamespace):
         reading = self.reading
         if self.scenarios is None:
             return None
-        material, contact, wear = reading.material, reading.contact, reading.wear
-        names = [*material.numbers(), *contact.numbers()]
-        names += [f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row))]
+        wear, names = reading.wear, self.numbers
         names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
         columns = {name: domain_of(name) for name in names}
         return from_table("scenarios", self.scenarios, reading, columns)
+
+    @property
+    def numbers(self) -> list[str]:
+        """The names of all numbers of the contact."""
+        material, contact = self.reading.material, self.reading.contact
+        rows = (f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row)))
+        return [*material.numbers(), *contact.numbers(), *rows]
 
     @property
     def edge_distance(self) -> float | None:
@@ -187,22 +192,11 @@ class DesignSpace(SimpleNamespace):
 
     def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
         """Refuse bounds of what this contact does not have, and of what slips as a whole."""
-        for name in self.variables:
-            first = name.partition(".")[0]
-            missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
-            if missing is not None and getattr(contact, first, None) is None:
-                raise WrongKeyError(f"vary.{first}", f"the contact has a {missing}")
-            if first == "material":
-                table, place = element(name.removeprefix("material."))
-                found = len(material.rows.get(table, ()))
-                if place is None or place >= found:
-                    has = f"has {found} of {table}" if found else f"has no {table}"
-                    text = f"there is no such number: [material], {material.words}, {has}"
-                    raise WrongKeyError(f"vary.{name}", text)
-            elif first not in (*OF_POWER_LAW, "nu", "modulus", *contact.fields):
-                raise WrongKeyError(f"vary.{name}", f"is no number of a {contact.kind} contact")
         if "nu" in self.variables and isinstance(material.nu, str):
             raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
+        for name in self.variables:
+            if name not in (*self.numbers, "modulus"):
+                raise WrongKeyError(f"vary.{name}", f"is no number of this contact{near_or_all(name, self.numbers)}")
         varied = [name for name in PRESSED if name in self.variables]
         if varied and load is not None and not (load.of_displacement or load.pressed):
             lowest = (self.variables[name][0] if name in varied else getattr(contact, name) for name in PRESSED)
