@@ -274,7 +274,8 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         _free_verdict(found),
     )
     counts, at = coating.where_it_counts(found.contact, force), np.asarray(profile.at)
-    worn = [[one[name] for name in _WORN] for one in (coating.worn(contact, force) for contact in contacts)]
+    rings = [coating.worn(contact, force) for contact in contacts]
+    worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
     depths = np.geomspace(min(0.5 * at[at > 0.0][0], 0.03 * widest), max(2.0 * at[-1], 3.0 * widest), 300)
     curves = [depths, *(np.asarray(contact.material.modulus_at(depths)) for contact in contacts)]
     moduli = found.modulus, found.power_law.material.modulus, found.reference.material.modulus_at(at)
@@ -315,11 +316,8 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     report.say(saved(found.saving, objective.words), freedom, verdict)
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
-    report.say(doubts.of_design(depths, curves[1], widest, float(np.max(worn[0][1]))))
+    report.say(doubts.of_design(depths, curves[1], widest, float(np.max(worn[1, 0]))))
     return [verdict], found.contact_radii[2], "free_picture", found, curves, counts, worn
-
-
-_WORN = "radii", "wear_depth", "stick_radius", "worn_radius"
 
 
 def _free_verdict(found: optimise.FreeDesign) -> str:

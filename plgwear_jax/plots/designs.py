@@ -42,8 +42,6 @@ _POINTS = 61  # of a curve, which is one batch of contacts
 _SYMBOLS = "$a_0$: contact radius before wear"
 _RING = rf"{_SYMBOLS}; $c$, $a_\infty$: stick radius and outer radius of the worn ring, dotted"
 
-_Worn = Sequence[Sequence[Any]]  # radii, wear depths, both edges of the ring, all in m
-
 
 @picture
 def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
@@ -73,12 +71,11 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     ]
     figure, panels = _three_panels(comparison.depths, comparison.modulus, labels, radius, design.windows)
     _draw_objective(panels[1], design)
-    worn = [(r, depth, r[0], r[-1]) for r, depth in zip(comparison.radii, comparison.depth, strict=True)]
     end, symbols = r"$a_\infty$", _RING
     if "worn_radius" not in found:
         end, symbols = "$a$", f"{_SYMBOLS}; $a$: contact radius when worn, dotted"
     words = r"worn off the face, $d - w_\infty$" if design.load is None else None
-    _draw_depths(panels[2], worn, (BEST, REFERENCE), end, words)
+    _draw_depths(panels[2], comparison.radii, comparison.depth, (BEST, REFERENCE), end, words)
     saved = f"{best}: {less(design.saving)} {entry(design.objective).name} than the reference"
     kept = keeps(evaluated(design.question, design.reference_variables).values[0, 1:])
     breaks = "" if kept else ", which breaks a limit"
@@ -146,17 +143,17 @@ def _explained(figure: Figure, panels: Any, words: str) -> Figure:
 
 
 def _draw_depths(
-    axes: Axes, worn: _Worn, styles: Sequence[Style], end: str = r"$a_\infty$", words: str | None = None
+    axes: Axes, radii: Any, depths: Any, styles: Sequence[Style], end: str = r"$a_\infty$", words: str | None = None
 ) -> None:
-    """Draw wear depths over the radius, and the roughness of a ground surface; outside of the ring nothing is worn."""
-    for (r, depth, *edges), style in zip(worn, styles, strict=True):
+    """Draw wear depths over the radii of rings, and the roughness of a ground surface; elsewhere nothing is worn."""
+    for r, depth, style in zip(radii, depths, styles, strict=True):
         axes.plot(r, depth, **style)
-        for edge in filter(None, edges):  # all of a punch, and after cycles, is drawn from the axis on
+        for edge in filter(None, r[[0, -1]]):  # all of a punch, and after cycles, is drawn from the axis on
             axes.axvline(edge, **GUIDE | {"color": style["color"]})
-    for edge, symbol in zip(worn[-1][2:], ("$c$", end), strict=True):
+    for edge, symbol in zip(radii[-1][[0, -1]], ("$c$", end), strict=True):
         if edge > 0.0:
             mark(axes, edge, symbol)
-    if not mark_roughness(axes, max(float(np.max(depth)) for _, depth, *_ in worn)):
+    if not mark_roughness(axes, float(np.max(depths))):
         axes.set_title(f"below the roughness, {ROUGHNESS}", loc="right")
     label(axes, "r", "wear_depth", words or entry("wear_depth").name)
 
@@ -278,8 +275,7 @@ def coating_picture(
     _draw_influence(panels, counts, radii[0])
     panels[0].axvspan(*fit.felt, label="0.1 to 3 contact radii", **_FELT)
     panels[1].axvspan(*fit.felt, **_FELT)
-    edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
-    _draw_depths(panels[2], [*zip(idealisation.radii, idealisation.wear_depth, *edges, strict=True)], (BEST, REFERENCE))
+    _draw_depths(panels[2], idealisation.radii, idealisation.wear_depth, (BEST, REFERENCE))
     told = " and ".join(measured("contact_radius", radius) for radius in radii)
     beside = "" if measured_radius is None else f"; measured: {measured('contact_radius', measured_radius)}"
     words = f"contact radius on $E(z)$ and on the power law: {told}{beside}"
@@ -299,7 +295,7 @@ def _draw_influence(panels: Any, counts: Any, radius: float) -> None:
 
 @picture
 def free_picture(
-    found: "FreeDesign", curves: Sequence[np.ndarray], counts: tuple[np.ndarray, np.ndarray], worn: _Worn
+    found: "FreeDesign", curves: Sequence[np.ndarray], counts: tuple[np.ndarray, np.ndarray], worn: np.ndarray
 ) -> Figure:
     """Draw the best E(z), the best power law and the reference, the influence of each depth, and the wear depths.
 
@@ -310,7 +306,8 @@ def free_picture(
         curves: Depths in m, then the moduli in Pa at these depths of the best E(z), the power law and the reference,
             each of shape (n,).
         counts: The result of `coating.where_it_counts` for the best E(z).
-        worn: (Radii, wear depths, stick radius, worn radius) in m of the best E(z), the power law and the reference.
+        worn: Radii from edge to edge of the worn ring, and wear depths, in m, of the best E(z), the power law and the
+            reference, shape (2, 3, n).
 
     Returns:
         A figure 18 cm wide; `save` writes it.
@@ -321,7 +318,7 @@ def free_picture(
     bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
-    _draw_depths(panels[2], worn, (BEST, OTHER, REFERENCE))
+    _draw_depths(panels[2], *worn, (BEST, OTHER, REFERENCE))
     name = entry(found.objective).name
     told = f"{less(found.saving)} {name} than the reference, {less(found.freedom)} than the best power law"
     return _explained(figure, panels, f"best free gradient: {told}\n{_RING}")
