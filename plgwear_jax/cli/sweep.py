@@ -203,6 +203,8 @@ def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
         return {"loads": {str(load.table): (load.force, load.weights)}}
     if load.displacement is not None or (load.cycles is not None and lasts):
         return {"load": load.record()}
+    if "displacement" in axes:
+        return {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
     from plgwear_jax.loads import Force
 
     return {"load": Force(load.force, load.rig_stiffness)}

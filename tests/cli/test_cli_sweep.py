@@ -111,6 +111,7 @@ wear = { coefficient = 1e-14, cycles = 4e5 }
 design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
 """
 HELD = "load = { displacement = 2e-7, rig_stiffness = 2e7 }"
+FORCED = "load = { tangential_force = 1.0, rig_stiffness = 2e7 }"
 SLIDING = "load = { displacement = 1.5e-6 }"
 HISTORY = 'load = { history = "h.csv" }'
 
@@ -126,6 +127,7 @@ BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
             (HELD, quantity, "--displacement=1e-7:2e-7:2", {"load": Displacement(2e-7, 2e7)})
             for quantity in ("transient.wear_volume", "wear_volume", "design.k")
         ),
+        (FORCED, "wear_volume", "--displacement=1e-7:2e-7:2", {"rig_stiffness": 2e7}),
         (HELD, "transient.wear_volume", "--rig-stiffness=1e7:2e7:2", {"load": Displacement(2e-7, 2e7)}),
         (SLIDING, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(1.5e-6)}),
         (SLIDING, "design.k", "--radius=1e-3:2e-3:2", {"load": Displacement(1.5e-6)}),
