@@ -18,6 +18,7 @@ from plgwear_jax.sweep.store import SweepError, SweepStore
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
 _PATIENCE = "10s"  # for the scheduler to answer
+_UNFIT = "cluster: a worker cannot take part"
 _compiling = threading.Lock()
 
 
@@ -49,22 +50,18 @@ def run_on_cluster(plan: SweepPlan, store: SweepStore, numbers: Sequence[int], s
             raise SweepError("cluster: the workers that tried the same chunks died, one after the other") from None
         except (CommClosedError, CancelledError):
             raise SweepError(f"scheduler {one_line(scheduler)}: does not answer any more") from None
-        except (ModuleNotFoundError, _UnfitError) as error:
-            raise SweepError(f"cluster: a worker cannot take part: {error}") from None
+        except ModuleNotFoundError as error:
+            raise SweepError(f"{_UNFIT}: {error}") from None
         finally:
             client.cancel(tasks)
-
-
-class _UnfitError(ValueError):
-    """Why a worker cannot take part."""
 
 
 def _compute_and_write(numbers: Sequence[int], plan: SweepPlan, path: str, version: str) -> int:
     """Compute chunks and write them, on a worker; returns how many points they hold."""
     if version != __version__:
-        raise _UnfitError(f"it has plgwear_jax {__version__}, not {version}")
+        raise SweepError(f"{_UNFIT}: it has plgwear_jax {__version__}, not {version}")
     if not Path(path).is_dir():
-        raise _UnfitError(f"it does not see {path}: out must lie on a file system that all share")
+        raise SweepError(f"{_UNFIT}: it does not see {path}: out must lie on a file system that all share")
     store = SweepStore(path, plan)
     # A task is repeated if the worker that had finished it died.
     missing = [number for number in numbers if not store.has(number)]

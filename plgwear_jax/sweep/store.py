@@ -16,7 +16,6 @@ import zarr
 from filelock import FileLock, Timeout
 from zarr.codecs import BloscCodec
 from zarr.errors import ZarrUserWarning
-from zarr.storage import LocalStore
 
 from plgwear_jax._core.words import GivenError, cut, one_line, shown
 from plgwear_jax._version import __version__
@@ -86,7 +85,7 @@ class SweepStore:
                     shutil.rmtree(part, ignore_errors=True)
                 self.remove_partial()
                 if os.path.lexists(self.path):
-                    _refuse_other(self.name, _manifest_at(self.path, self.name), self._plan.manifest)
+                    self._refuse_other()
                 else:
                     self._create()
                 missing = self._missing()
@@ -96,6 +95,16 @@ class SweepStore:
                 raise self._unwritable(error) from None
             yield missing
 
+    def _refuse_other(self) -> None:
+        """Refuse a sweep that differs from the one in the store, and name the difference."""
+        there, here = _manifest_at(self.path, self.name), self._plan.manifest
+        for key in dict.fromkeys([*there, *here]):
+            old, new = (manifest.get(key, "absent") for manifest in (there, here))
+            if old != new and key != "version":  # the version of the formulas decides
+                old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
+                said = f"holds another sweep: {key} there is {old}, here {new}"
+                raise SweepError(f"{self.name}: {said}; name another folder")
+
     def _missing(self) -> list[int]:
         return [number for number in range(len(self._plan.places)) if not self.has(number)]
 
@@ -104,7 +113,8 @@ class SweepStore:
         for name, part in self._plan.parts(number).items():
             array = self._arrays[name]
             index = tuple(one.start // size for one, size in zip(part, array.chunks, strict=True))
-            if not _is_there(array, index):
+            file = self.path / name / array.metadata.encode_chunk_key(index)
+            if not (file.is_file() and file.stat().st_size):  # a loss of power may leave an empty one
                 return False
         return True
 
@@ -206,15 +216,6 @@ def _array(group: zarr.Group, name: str) -> zarr.Array:
     return array
 
 
-def _is_there(array: zarr.Array, index: tuple[int, ...]) -> bool:
-    """Whether the file of a chunk exists and is not empty: it may be after a loss of power."""
-    assert isinstance(array.store, LocalStore)
-    try:
-        return (array.store.root / array.path / array.metadata.encode_chunk_key(index)).stat().st_size > 0
-    except FileNotFoundError:
-        return False
-
-
 def _consolidate(path: Path) -> None:
     """Copy the metadata of all arrays to the top of the store, where xarray expects them."""
     with warnings.catch_warnings():
@@ -246,12 +247,3 @@ def _damaged(name: str) -> Iterator[None]:
         yield
     except (KeyError, ValueError, TypeError) as error:
         raise SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}") from None
-
-
-def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:
-    """Refuse a sweep that differs from the one in the store, and name the difference."""
-    for key in dict.fromkeys([*there, *here]):
-        old, new = (manifest.get(key, "absent") for manifest in (there, here))
-        if old != new and key != "version":  # the version of the formulas decides
-            old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
-            raise SweepError(f"{name}: holds another sweep: {key} there is {old}, here {new}; name another folder")
