@@ -130,8 +130,7 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
         return None
     contacts = _in_scenarios(given, space.scatter)
     found = solving.displacement_effect(contacts, np.asarray(load.displacement), load.rig_stiffness)
-    force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
-    return np.broadcast_to(force, space.scatter.row.shape)
+    return np.broadcast_to(np.asarray(found.force), space.scatter.row.shape)
 
 
 def _limits_of(allowed: dict[str, Any]) -> dict[str, Any]:
