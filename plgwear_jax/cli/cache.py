@@ -37,7 +37,7 @@ def use(one_question: bool) -> None:
     """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
 
     Args:
-        one_question: See `computing.set_up`.
+        one_question: See `terminal.set_up`.
     """
     import jax
 

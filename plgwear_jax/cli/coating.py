@@ -8,10 +8,9 @@ import typer
 
 from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure
-from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import PowerLawFit

@@ -4,10 +4,9 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units
 from plgwear_jax.cli.report import Report
-from plgwear_jax.cli.terminal import refuse, warn, working
+from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
 
 def design_command(

@@ -8,9 +8,8 @@ import typer
 
 from plgwear_jax import _files
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import option
-from plgwear_jax.cli.terminal import refuse, working
+from plgwear_jax.cli.terminal import computing, refuse, working
 
 # the keys of `plots.figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax.catalogue import entry, placed
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,
@@ -19,7 +18,7 @@ from plgwear_jax.cli.question import (
     positive,
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
-from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.cli.terminal import computing, refuse, warn
 from plgwear_jax.rules import LARGER
 
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from plgwear_jax._core.ranges import POSITIVE
 from plgwear_jax.catalogue import entry
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,
@@ -20,7 +19,7 @@ from plgwear_jax.cli.question import (
     refuse_extremes,
 )
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure, rounded
-from plgwear_jax.cli.terminal import refuse
+from plgwear_jax.cli.terminal import computing, refuse
 
 if TYPE_CHECKING:
     import numpy as np

@@ -14,8 +14,7 @@ from plgwear_jax import _files
 from plgwear_jax._core.units import readable, written
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import entry, unit_of
-from plgwear_jax.cli.computing import plots
-from plgwear_jax.cli.terminal import working
+from plgwear_jax.cli.terminal import plots, working
 
 if TYPE_CHECKING:
     import numpy as np

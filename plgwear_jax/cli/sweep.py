@@ -13,9 +13,8 @@ from plgwear_jax._core.extras import needs
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
-from plgwear_jax.cli.computing import computing, plots, set_up
 from plgwear_jax.cli.question import Digits, Picture, asked, interval, option, read_scene
-from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.cli.terminal import computing, plots, refuse, set_up, warn
 
 _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 

@@ -8,7 +8,6 @@ import typer
 
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
-from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,
@@ -21,7 +20,7 @@ from plgwear_jax.cli.question import (
     refuse_extremes,
 )
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared
-from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
     import numpy as np

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import plgwear_jax
 from plgwear_jax import cli
 from plgwear_jax._startup import programs
-from plgwear_jax.cli import cache, computing, terminal
+from plgwear_jax.cli import cache, terminal
 
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
 SCENE = """
@@ -123,7 +123,7 @@ def settings(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_what_is_compiled_is_kept_within_bounds(folder, settings):
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert settings == {
         "jax_enable_x64": True,
         "jax_compilation_cache_dir": str(folder / "cache" / "plgwear"),
@@ -138,10 +138,10 @@ def test_what_is_compiled_is_kept_within_bounds(folder, settings):
 def test_an_option_turns_it_off(settings):
     for line, variables in ((("--no-cache", "schema"), {}), (("schema",), {"PLGWEAR_NO_CACHE": "1"})):
         assert CliRunner().invoke(cli.app, line, env=variables).exit_code == 0
-        computing.set_up(one_question=False)
+        terminal.set_up(one_question=False)
         assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
     assert CliRunner().invoke(cli.app, ["schema"]).exit_code == 0
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert "jax_compilation_cache_dir" in settings
 
 
@@ -156,7 +156,7 @@ def test_an_option_turns_it_off(settings):
 )
 def test_variables_of_jax_decide_instead(settings, monkeypatch, variable):
     monkeypatch.setenv(*variable.split("="))
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
 
 
@@ -182,7 +182,7 @@ def a_lock_that_cannot_be(place: Path) -> None:
 def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys, make):
     make(Path("cache/plgwear"))
     before = sorted(Path().rglob("*"))
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True} and capsys.readouterr() == ("", "")
     assert sorted(Path().rglob("*")) == before
 
@@ -193,20 +193,20 @@ def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, 
         raise error
 
     monkeypatch.setattr("filelock.FileLock.acquire", refuses)
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True}
 
 
 def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypatch):
     seen = []
     monkeypatch.setattr(programs, "keep_in", lambda *given: seen.append(given))
-    computing.set_up(one_question=True)
+    terminal.set_up(one_question=True)
     assert settings == {"jax_enable_x64": True} and seen == [
         (None,),
         (folder / "cache" / "plgwear" / "programs", cache.MOST),
     ]
     monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")
-    computing.set_up(one_question=True)
+    terminal.set_up(one_question=True)
     assert seen[2:] == [(None,)]
 
 
@@ -215,7 +215,7 @@ def test_halves_of_programs_are_dropped(settings):
     place.mkdir(0o700)
     for name in ("whole-cache", "whole-atime", "half-cache"):
         (place / name).write_bytes(b"")
-    computing.set_up(one_question=False)
+    terminal.set_up(one_question=False)
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 
