@@ -21,7 +21,7 @@ from plgwear_jax.cli import app
 from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.plots import figures
 from plgwear_jax.plots.figures import section_2, section_3
-from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
+from plgwear_jax.plots.figures.paper import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
 from plgwear_jax.plots.style import BLUE, ORANGE
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "hess_numbers.md"

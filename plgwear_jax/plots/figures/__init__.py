@@ -10,9 +10,19 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from plgwear_jax.plots.figures import section_2, section_3  # noqa: F401  they enter their figures into `FIGURES`
-from plgwear_jax.plots.figures.claims import FIGURES, Claim, PaperFigure, verdict
-from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, PAGE, PAIRS
-from plgwear_jax.plots.figures.text_numbers import NUMBERS, TextNumber, numbers
+from plgwear_jax.plots.figures.paper import (
+    AMPLITUDES,
+    DEPTHS,
+    FIGURES,
+    NUMBERS,
+    PAGE,
+    PAIRS,
+    Claim,
+    PaperFigure,
+    TextNumber,
+    numbers,
+    verdict,
+)
 from plgwear_jax.plots.style import STYLE, page
 
 __all__ = ["FIGURES", "NUMBERS", "Claim", "PaperFigure", "TextNumber", "contact_sheet", "numbers", "report", "verdict"]

@@ -7,8 +7,7 @@ import numpy as np
 from matplotlib.figure import FigureBase
 
 from plgwear_jax import gross_slip as laws
-from plgwear_jax.plots.figures.claims import Claim, of_paper, rising
-from plgwear_jax.plots.figures.sketch import (
+from plgwear_jax.plots.figures.paper import (
     ALMOST,
     COLUMN,
     DEPTHS,
@@ -16,11 +15,19 @@ from plgwear_jax.plots.figures.sketch import (
     OF_EXPONENT,
     PAGE,
     WORN,
+    Claim,
+    OfNumbers,
     arrow,
+    balance_of,
+    listed,
+    numbers,
     of_k,
+    of_paper,
+    rising,
+    root,
     sketch,
+    stiffness_of,
 )
-from plgwear_jax.plots.figures.text_numbers import OfNumbers, balance_of, listed, numbers, root, stiffness_of
 from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
 
 gross_slip = OfNumbers(laws)

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
 from plgwear_jax import fretting as laws
-from plgwear_jax.plots.figures.claims import Claim, of_paper, rising
-from plgwear_jax.plots.figures.sketch import (
+from plgwear_jax.plots.figures.paper import (
     AMPLITUDES,
     COLUMN,
     EXPONENTS,
@@ -18,11 +17,17 @@ from plgwear_jax.plots.figures.sketch import (
     PAGE,
     PAIRS,
     WORN,
+    Claim,
+    OfNumbers,
     arrow,
+    listed,
+    modulus_factor,
+    numbers,
     of_k,
+    of_paper,
+    rising,
     sketch,
 )
-from plgwear_jax.plots.figures.text_numbers import OfNumbers, listed, modulus_factor, numbers
 from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, Style, legend_above, letters
 
 fretting = OfNumbers(laws)

@@ -1,16 +1,114 @@
-"""The numbers of the text."""
+"""What the figures share: what the paper draws and says, the numbers of its text, and sketches of contacts."""
 
 import functools
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
 from scipy import optimize
 
 from plgwear_jax import fretting, gross_slip, material
-from plgwear_jax.plots.figures.sketch import ALMOST, EXPONENTS
+from plgwear_jax._core.units import text_cells
+from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, STYLE, Style, page
+
+COLUMN, PAGE = 8.6, 17.8  # widths in cm
+EXPONENTS = np.array([-0.5, 0.0, 0.5])
+AMPLITUDES = np.array([0.3, 0.6, 0.9])  # the paper shows three and does not say which
+DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, which the paper does not state either
+PAIRS = np.array([0.2, 0.5, 0.8])  # abs(k) in Fig. 9
+ALMOST = 1.0 - 1e-9
+
+# Orange is k < 0, which is red in the paper, and blue k > 0.
+OF_EXPONENT: dict[float, Style] = {
+    -0.5: {"color": ORANGE, "linestyle": DASHED},
+    0.0: {"color": "k", "linestyle": DASH_DOT, "linewidth": 1.1},
+    0.5: {"color": BLUE},
+}
+OF_AMPLITUDE: dict[float, Style] = {
+    phi: {"color": colour, "linestyle": dashes, "label": rf"$F_x/(\mu F_N) = {phi:g}$"}
+    for phi, colour, dashes in zip(AMPLITUDES, (GREEN, "#E69F00", "#AA4499"), ("-", DASHED, DASH_DOT), strict=True)
+}
+WORN: Style = {"facecolor": "#BFDDEE", "edgecolor": BLUE, "hatch": "////", "linewidth": 0.0, "zorder": 3.5}
+_THIN: Style = {"color": "0.3", "linewidth": 0.7, "zorder": 5}
+
+
+# --- statements -------------------------------------------------------------------------------------------------------
+
+
+class Claim(NamedTuple):
+    """A statement of the paper, and the result of the library."""
+
+    said: str
+    """In the words of the paper, or nearly."""
+    found: str
+    """What the library gives, with numbers."""
+    agrees: bool
+    in_part: bool = False
+    """Whether it agrees in part, if not in all."""
+
+    @property
+    def verdict(self) -> str:
+        """One of "agrees", "agrees in part", "differs"."""
+        return "agrees" if self.agrees else "agrees in part" if self.in_part else "differs"
+
+
+class PaperFigure(NamedTuple):
+    """A figure or table of the paper, how it is drawn, and how its claims are checked."""
+
+    key: str
+    """Key on the command line: "4" for Fig. 4, "table-1", "eq-27"."""
+    label: str
+    title: str
+    size: tuple[float, float]
+    """Width and height in cm."""
+    check: Callable[[], list[Claim]]
+    draw_on: Callable[[FigureBase], None]
+    """Draws the figure on a page, or on a part of a page."""
+
+    def draw(self) -> Figure:
+        """The figure on a page of its own."""
+        with rc_context(STYLE):
+            figure = page(*self.size)
+            self.draw_on(figure)
+        return figure
+
+    @property
+    def stem(self) -> str:
+        """The name of the figure's files without suffix."""
+        return f"fig-{int(self.key):02d}" if self.key.isdigit() else self.key
+
+
+FIGURES: dict[str, PaperFigure] = {}
+_Drawing = Callable[[FigureBase], None]
+
+
+def rising(values: np.ndarray, axis: int = 0) -> bool:
+    """Whether values rise along an axis."""
+    return bool(np.all(np.diff(values, axis=axis) > 0.0))
+
+
+def verdict(claims: Sequence[Claim]) -> str:
+    """The least favourable verdict of several claims."""
+    return max((claim.verdict for claim in claims), key=("agrees", "agrees in part", "differs").index)
+
+
+def of_paper(
+    key: str, label: str, title: str, size: tuple[float, float], check: Callable[[], list[Claim]]
+) -> Callable[[_Drawing], _Drawing]:
+    """A decorator that enters a drawing function into `FIGURES`."""
+
+    def enter(draw_on: _Drawing) -> _Drawing:
+        FIGURES[key] = PaperFigure(key, label, title, size, functools.cache(check), draw_on)
+        return draw_on
+
+    return enter
+
+
+# --- numbers ----------------------------------------------------------------------------------------------------------
 
 
 class OfNumbers:
@@ -104,10 +202,7 @@ _TABLE = """
     rings_stiff  φ at which a∞ of k = −0.5 and 0 are the same  Fig. 7  not mentioned
     rings_compliant  φ at which a∞ of k = 0 and 0.5 are the same  Fig. 7  not mentioned
 """
-NUMBERS: Mapping[str, TextNumber] = {
-    name: TextNumber(words, where, printed.strip("-"))
-    for name, words, where, printed in (re.split("  +", line.strip()) for line in _TABLE.strip().splitlines())
-}
+NUMBERS = {name: TextNumber(*about) for name, *about in text_cells(_TABLE)}
 # The exponents whose wear volumes are compared; every second pair is drawn, and compared once more, with its rings.
 _COMPARED = (-0.5, 0.5), (-0.99, 0.99), (-0.5, 0.0), (-0.99, 0.0), (0.0, 0.5)
 
@@ -136,3 +231,39 @@ def numbers() -> Mapping[str, float]:
         *(_equal_at(fretting.worn_radius, *pair, 0.9, 0.99999) for pair in _COMPARED[::2]),
     ]
     return dict(zip(NUMBERS, map(float, values), strict=True))
+
+
+# --- sketches ---------------------------------------------------------------------------------------------------------
+
+
+def of_k(k: float) -> str:
+    """An exponent as a label."""
+    return f"$k = {k:g}$"
+
+
+def sketch(axes: Axes, surface: Any, body: Any, depth: float, top: float, bottom: float) -> None:
+    """Draw a rigid body in a half-space whose shade grows with the depth like the modulus, between two heights.
+
+    Both outlines are (radii, z) from the axis outwards, and mirrored. The sketch is to scale, without axes, with lines
+    along the unworn surface and along the axis of the contact, down to the depth.
+    """
+    (x, z), outline = (np.hstack([np.flip(half, 1) * [[-1.0], [1.0]], half]) for half in (surface, body))
+    shade, extent = np.sqrt(np.linspace(0.0, 1.0, 256))[:, None], (x[0], x[-1], bottom, z.min())
+    axes.imshow(shade, cmap="Blues", vmin=-0.25, vmax=2.2, extent=extent, aspect="auto", zorder=0)
+    axes.fill_between(x, z.min(), z, color="w", linewidth=0.0, zorder=1)
+    axes.plot(x, z, color=BLUE, zorder=4)
+    axes.fill(*outline, facecolor="0.88", edgecolor="k", linewidth=0.9, zorder=3)
+    axes.axhline(0.0, linestyle=DOTTED, **_THIN)
+    axes.plot([0.0, 0.0], [outline[1].min(), depth], linestyle=DASH_DOT, **_THIN)
+    axes.set(xlim=x[[0, -1]], ylim=(bottom, top), aspect="equal")
+    axes.set_axis_off()
+
+
+_Place = tuple[float, float]
+
+
+def arrow(axes: Axes, start: _Place, end: _Place, words: str, at: _Place, heads: str = "-|>") -> None:
+    """An arrow from start to end, or with two heads the length between both, and words at a place."""
+    style = {"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}
+    axes.annotate("", end, start, arrowprops=style, zorder=6)
+    axes.text(*at, words, fontsize=9, ha="center", va="center", zorder=7)
