@@ -8,7 +8,6 @@ from typing import Any, ParamSpec
 
 import matplotlib
 import numpy as np
-from cycler import cycler
 from matplotlib import rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -41,8 +40,7 @@ _Given = ParamSpec("_Given")
 
 def use_style() -> None:
     """Have matplotlib draw your own pictures in the style of those of this library, from now on."""
-    own = {"figure.dpi": 144, "figure.constrained_layout.use": True, "axes.prop_cycle": cycler(color=COLOURS)}
-    matplotlib.rcParams.update(STYLE | own)
+    matplotlib.rcParams.update(STYLE)
 
 
 def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
