@@ -60,8 +60,7 @@ def coating(
     data = tables.read(table, tables.MODULUS)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact takes an E(z) from a table')
-    if given.load.is_zero:
-        refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
+    given.load.refuse_rest()
     if isinstance(given.material.nu, str):
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)

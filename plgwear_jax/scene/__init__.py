@@ -111,11 +111,8 @@ class Scene:
         """
         if self.design_space is None:
             raise SceneError("[design]: missing; it says what may vary")
-        load = self.load
-        if load is not None and load.is_zero:
-            single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
-            key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
-            raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
+        if self.load is not None:
+            self.load.refuse_rest()
         return self.design_space.checked()
 
     @property
@@ -152,8 +149,7 @@ class Scene:
         if load.history is not None and load.cycles is None:
             text = "its amplitudes have no cycles: add a column cycles to it, or give one amplitude"
             raise SceneError(f"[load] history: {text}")
-        if load.is_zero:
-            raise SceneError("[load]: an amplitude of 0: nothing wears")
+        load.refuse_rest()
         return load
 
     def over_cycles(self) -> "Run":

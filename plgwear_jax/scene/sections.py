@@ -208,6 +208,11 @@ class LoadSection(SimpleNamespace):
             return not (self.tangential_force or self.displacement)
         return not (self.given * self.columns.get("weight", 1.0)).any()
 
+    def refuse_rest(self) -> None:
+        """Refuse a load under which nothing wears."""
+        if self.is_zero:
+            raise SceneError("[load]: an amplitude of 0: nothing wears")
+
     def record(self) -> Any:
         """The load of a test over cycles: an amplitude, or the blocks of a history."""
         from plgwear_jax import loads

@@ -277,7 +277,7 @@ def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch):
     far = changed(SINGLE_NUMBERS, (HOLD, changed(TWO_LIMITS, ("distance = 1e-6", "distance = 1e-3"))))
     for text, ask, message in (
         (design, "design", "[design]: missing; it says what may vary"),
-        (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load] tangential_force = 0.0: nothing wears"),
+        (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load]: an amplitude of 0: nothing wears"),
         (far, "design", "[design] limits.edge_pressure.distance = 0.001: must be below the stick radius"),
         (SINGLE_NUMBERS, "design", "the wear exceeds the range of numbers"),
         (SINGLE_NUMBERS, "front", "x.distance: must be a finite number, as edge_pressure needs the distance from the"),
