@@ -8,10 +8,10 @@ import numpy as np
 from plgwear_jax import coating, optimise
 from plgwear_jax._core import doubts
 from plgwear_jax.catalogue import DESIGNED, STRESSES, entry, placed
-from plgwear_jax.cli.question import amplitudes_told, saved
+from plgwear_jax.cli.question import amplitudes_told
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
 from plgwear_jax.contact import FrettingContact, is_closed
-from plgwear_jax.optimise.best import doubtful, measured
+from plgwear_jax.optimise.best import doubtful, less, measured
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
@@ -60,7 +60,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     if not found.keeps_limits:  # savings have no meaning here
         report.say(verdict, conflict_told)
     else:
-        gain, rival = saved(found.saving, called(objective)), None
+        rival, gain = None, f"{less(found.saving)} {called(objective).partition(', ')[0]} than the reference"
         if "edge_pressure" in best:
             times = best["edge_pressure"] / reference["edge_pressure"]
             gain += f", at {times:.3g} times its {words['edge_pressure']}"
@@ -313,7 +313,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     freedom = f"the free gradient wears {100.0 * found.freedom:.3g} % less than the best power law within these bounds"
     if found.power_law_value != found.power_law_value:  # NaN
         freedom = "no power law within these bounds keeps the limits"
-    report.say(saved(found.saving, objective.words), freedom, verdict)
+    report.say(f"{less(found.saving)} {objective.name} than the reference", freedom, verdict)
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
     report.say(doubts.of_design(depths, curves[1], widest, float(np.max(worn[1, 0]))))

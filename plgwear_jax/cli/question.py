@@ -87,12 +87,6 @@ def doubt_units(
         warn(f"{scene_file}: {line}")
 
 
-def saved(saving: float, words: str) -> str:
-    """How much less there is of what these words name than for the reference."""
-    much = f"{abs(100.0 * saving):.3g} % {'less' if saving >= 0.0 else 'MORE'}"
-    return f"{much} {words.partition(', ')[0]} than the reference"
-
-
 def _part(level: float) -> str:
     return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
 
