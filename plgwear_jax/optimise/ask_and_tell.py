@@ -117,12 +117,10 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
+def _solver(plan: SearchPlan) -> "optax.GradientTransformation":
     import optax  # a tenth of a second, which a process that loads its programs does without
 
-    memory = min(10, 2 * plan.variables - 1)
-    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
-    return optax.with_extra_args_support(plan.solver or default)
+    return optax.scale_by_lbfgs(memory_size=min(10, 2 * plan.variables - 1))
 
 
 @program(static=1)
@@ -151,9 +149,7 @@ def _merit_slope(at: Descent) -> Any:
     return inclination(at.slopes, _pushed(at, at.values))
 
 
-def descended(
-    plan: SearchPlan, state: SearchState, values: Any, slopes: Any, objective: Callable[[Array], Array] | None
-) -> SearchState:
+def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
     trials = state.points.reshape(plan.trials, plan.starts, plan.variables)
@@ -161,8 +157,7 @@ def descended(
 
     after = _merit(at, values)
     wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
-    falls = after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)
-    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done
+    falls = (after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)) & ~at.done
     taken, longest = falls.any(0), falls.argmax(0)
     u, found, inclined = (
         select(taken, new[longest, np.arange(plan.starts)], old)
@@ -186,7 +181,7 @@ def descended(
         free=at.free & ~settled[:, None],
         done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
     )
-    at = _turned(plan, at, taken | settled, objective)
+    at = _turned(plan, at, taken | settled)
     finished = all_done(plan, at.done)
     return state._replace(
         phase=xp.where(finished, POLISH, DESCENT),
@@ -195,23 +190,18 @@ def descended(
     )
 
 
-def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Array], Array] | None) -> Descent:
+def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
     # The memory is reset when other variables are on their bounds.
     fresh = (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
-    if plan.solver is None:
-        step = _next_directions(plan, at.u, gradient, at.memory, fresh)
-        direction, *memory = jax.tree.map(xp.asarray, step)
-        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
-        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
-        direction = direction * xp.minimum(1.0, 0.4 / longest)
-    else:
-        step = _next_directions.function(plan, at.u, gradient, at.memory, fresh, at, objective)
-        direction, *memory = step
+    direction, *memory = map(xp.asarray, _next_directions(plan, at.u, gradient, at.memory, fresh))
+    direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+    # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+    longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+    direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
         free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
@@ -221,29 +211,17 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Arra
 
 
 @program(static=1)
-def _next_directions(
-    plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any, at: Any = (), objective: Any = None
-) -> tuple[Any, ...]:
-    """The directions and the memory that the solver of optax gives.
-
-    Descents and the objective are for the line search of a solver that has one.
-    """
+def _next_directions(plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, ...]:
+    """The directions and the memory that the solver of optax gives."""
     solver = _solver(plan)
 
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array, at: Any) -> tuple[Array, ...]:
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, ...]:
         at_first, tree = jax.tree.flatten(solver.init(u))
         memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        more: dict[str, Any] = {}
-        if at:
-            more = {
-                "value": _merit(at, at.values),
-                "grad": gradient,
-                "value_fn": lambda u: _merit(at, objective(u)),
-            }
-        direction, memory = solver.update(gradient, memory, u, **more)
-        return direction, *jax.tree.leaves(memory)
+        upwards, memory = solver.update(gradient, memory, u)
+        return -upwards, *jax.tree.leaves(memory)  # pyright: ignore[reportOperatorIssue]
 
-    return jax.vmap(one)(u, gradient, memory, fresh, at)
+    return jax.vmap(one)(u, gradient, memory, fresh)
 
 
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
@@ -326,13 +304,7 @@ def begin(plan: SearchPlan) -> SearchState:
     )
 
 
-def tell(
-    plan: SearchPlan,
-    state: SearchState,
-    values: Any,
-    slopes: Any,
-    objective: Callable[[Array], Array] | None = None,
-) -> SearchState:
+def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """The state after the values and slopes at `state.points` are known.
 
     Args:
@@ -340,7 +312,6 @@ def tell(
         state: Where it stands.
         values: At the points, (lanes, 1 + m).
         slopes: By u, (lanes, 1 + m, n).
-        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
     """
     xp = namespace(values)
     new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
@@ -354,11 +325,10 @@ def tell(
     values, slopes = (
         x.reshape(plan.trials, plan.starts, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
     )
-    scaled = None if objective is None else lambda u: objective(u) / state.scale
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes, scaled),
+        lambda rest: descended(plan, rest, values, slopes),
         lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )

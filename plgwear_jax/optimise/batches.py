@@ -1,7 +1,6 @@
 """The best gradients for many contacts in one call."""
 
 import dataclasses
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, Unpack, cast
 
@@ -146,19 +145,17 @@ def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], 
 def _designs_in_turn(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
     shape, numbers, one_of = _batch_of(question, np)
-    count = math.prod(shape)
-    found, certain = np.full((count, len(question.bounds) + 2), np.nan), np.zeros((count, 3), bool)
-    for i, given in enumerate(zip(*(x.reshape(count, *x.shape[len(shape) :]) for x in numbers), strict=True)):
-        one = one_of(*given)
-        load = one.load
-        assert load is not None
+    found = [
+        Designs(dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False)
+    ]  # where nothing wears
+    for place in np.ndindex(shape):
+        one: Any = one_of(*(x[place] for x in numbers))
+        load, best = one.load, found[0]
         if not question.by_force or np.any(load.amplitudes * load.weight):
-            weighted = weighted_load(one.contact, load.load, load.weight, level, one.horizon is None)
+            weighted = weighted_load(one.contact, load.load, load.weight, level)
             best = answered(dataclasses.replace(one, load=weighted))
-            found[i] = *(best.variables[name] for name in question.bounds), best.value, best.saving
-            certain[i] = best.converged, best.certified, best.scan_found_nothing_better
-    columns = (jnp.asarray(column.reshape(shape)) for column in (*found.T, *certain.T))
-    return Designs(dict(zip(question.bounds, columns, strict=False)), *columns)
+        found.append(Designs(*(getattr(best, field.name) for field in dataclasses.fields(Designs))))
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.reshape(leaves[1:], shape).astype(type(leaves[0]))), *found)
 
 
 @jax.jit

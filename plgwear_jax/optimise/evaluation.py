@@ -31,11 +31,10 @@ from plgwear_jax.optimise.question import (
     variable_of,
     with_variables,
 )
-from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
+from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
 from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
-from plgwear_jax.wear_laws import Archard
 
 if TYPE_CHECKING:
     from plgwear_jax.optimise.along_exponent import RunsAlongExponent
@@ -77,20 +76,15 @@ class Candidate:
     def _amplitudes(self) -> tuple[Any, Array | None]:
         """(Amplitudes at which it is solved, the largest first, the matrix from there to those of the load)."""
         load = self.question.load
-        assert load is not None
-        if not solved_one_by_one(self.question):
+        if not (solved_one_by_one(self.question) and self.question.by_force):
             return load.amplitudes, None
-        counting = without_padding(load.amplitudes, load.weight)
-        if not self.question.by_force:
-            return counting, None
         limit = jnp.asarray(self.free.friction * self.free.normal_force)
-        phi, between = solved_at(counting / limit)
+        phi, between = solved_at(load.amplitudes / limit)
         return phi * limit, between
 
     def _steady(self, force: Any) -> Any:
-        assert self.question.load is not None
         force = Force(force, self.question.load.load.rig_stiffness)
-        if self.shared.radius is not None and is_closed(self.free):
+        if self.shared.radius is not None and is_closed(self.free):  # a smaller program
             return self.free.steady(force).with_contact_radius(self.shared.radius)
         return self.contact.steady(force)
 
@@ -101,21 +95,19 @@ class Candidate:
 
     @functools.cached_property
     def largest(self) -> Any:
-        """At the largest amplitude, first of an axis where all of them are solved together."""
-        closed, forced = is_closed(self.free), any(needs_force(one.quantity) for one in self.question.limits)
-        if not closed and (self.question.horizon is None or forced):
+        """At the largest amplitude, first of an axis where all of them are solved together, or before any wear."""
+        if tells_states(self.question):
             return self.steady
-        return self._steady(self._amplitudes[0][0] if closed and self.question.by_force else 0.0)
+        forced = any(needs_force(one.quantity) for one in self.question.limits)
+        return self._steady(self._amplitudes[0][0] if forced else 0.0)
 
     def _by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity after the cycles, at each amplitude at which it is solved."""
         horizon, load, runs = self.question.horizon, self.question.load, self.shared.runs
-        assert horizon is not None and load is not None
         if runs is not None:
-            contact, law, radius = self.free, horizon.law, self.shared.radius
-            assert isinstance(law, Archard)
+            contact, radius = self.free, self.shared.radius
             radius = contact.steady(0.0).contact_radius if radius is None else radius
-            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * law.wear_coefficient
+            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * horizon.law.wear_coefficient
             log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)
             log_worn = runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
             return radius**4 / jnp.asarray(contact.radius) * jnp.exp(log_worn)
@@ -293,7 +285,7 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes, state = values_and_jacobian(there, True)(jnp.zeros(len(here), point.dtype))
+    values, slopes, state = values_and_jacobian(there, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
         along = slopes[-1, :-1] / slopes[-1, -1]
         values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
@@ -306,16 +298,9 @@ def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points:
 
 
 @program(static=1, level=1)
-def _in_turn(names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array) -> Told:
-    """The first `count` points, one after the other: contacts that are solved numerically."""
-    one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
-
-    def add(i: Array, found: Any) -> Any:
-        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, one(points[i]))
-
-    like = jax.eval_shape(one, points[0])
-    none = jax.tree.map(lambda x: jnp.zeros((len(points), *x.shape), x.dtype), like)
-    return jax.lax.fori_loop(0, count, add, none)
+def _alone(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
+    """At a single point, of a contact that is solved numerically."""
+    return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
 
 
 def concrete(tree: Any) -> Any:
@@ -324,13 +309,18 @@ def concrete(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
 
 
+def _bytes_of(tree: Any) -> bytes:
+    return b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(tree))
+
+
 class Evaluator:
     """Evaluates a question at concrete choices of the variables, by one program; no point is solved twice."""
 
-    def __init__(self, question: Question, known: Known | None = None, lanes: int | None = None) -> None:
-        self.question, self.lanes = concrete(question), lanes or plan_for(question).lanes
+    def __init__(self, question: Question, known: Known | None = None) -> None:
+        self.question, self.in_turn = concrete(question), solved_in_turn(question)
+        self.lanes = 1 if self.in_turn else plan_for(question).lanes
         self.names, self.known = tuple(question.bounds), {} if known is None else known
-        self.key = b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self.question))
+        self.key = _bytes_of(self.question)
 
     @functools.cached_property
     def shared(self) -> Shared:
@@ -340,8 +330,7 @@ class Evaluator:
             one = np.ones((), np.result_type(*jax.tree.leaves(question.contact)))
             shared = Shared(concrete(_held_radius(question)), self._runs(), one)
             told = self._solved(self.points(reference_variables(question)), shared)
-            (worth,) = self._over_scenarios(told.values, told.slopes)[0][:, 0]
-            self.known[self.key] = shared._replace(scale=np.exp(worth))
+            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, *told[:2]).values[0, 0]))
         return self.known[self.key]
 
     def _runs(self) -> Any:
@@ -349,29 +338,23 @@ class Evaluator:
             return None
         from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
 
-        question, nu = self.question, self.question.contact.material.nu
-        assert question.load is not None
-        given = question.phi, question.load.weight, ends_of(question), [0.5 if isinstance(nu, str) else nu]
-        key = np.concatenate(given).tobytes()
+        key = _bytes_of((self.question.phi, ends_of(self.question), self.question.contact.material.nu))
         if key not in self.known:
-            self.known[key] = runs_of(question)
+            self.known[key] = runs_of(self.question)
         return self.known[key]
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        in_turn = solved_in_turn(self.question)
-        found = []
+        found, program = [], _alone if self.in_turn else _at_once
         for first in range(0, len(points), self.lanes):
             some = points[first : first + self.lanes]
-            count = np.asarray(len(some))
             some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
-            given = self.names, self.question, shared, some
-            found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
+            found.append(jax.device_get(program(self.names, self.question, shared, some)))
         return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
 
     def told(self, points: np.ndarray) -> Told:
         """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
-        if not solved_in_turn(self.question):
+        if not self.in_turn:
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
@@ -380,19 +363,10 @@ class Evaluator:
             self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
         return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
 
-    def rows(self, points: np.ndarray) -> Rows:
-        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
-        told = self.told(points)
-        return told.values, told.slopes
-
-    def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
-        return (
-            (values, slopes) if self.question.scenarios is None else over_scenarios(self.question, values, slopes)[:2]
-        )
-
     def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
-        return Evaluation(*self._over_scenarios(*self.rows(self.points(variables))), self.shared.scale)
+        rows = self.told(self.points(variables))[:2]
+        return Evaluation(*over_scenarios(self.question, *rows)[:2], self.shared.scale)
 
     def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
         """The choices as rows, (points, n)."""
@@ -443,7 +417,7 @@ def search(
     evaluator = Evaluator(question, known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        rows = evaluator.rows(evaluator.points(variables))
+        rows = evaluator.told(evaluator.points(variables))[:2]
         return rows if changed is None else changed(*rows)
 
     return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
@@ -453,12 +427,12 @@ def search(
 
 
 class Worst(NamedTuple):
-    """Scenarios in one: what is minimised over all of them, and each limit where it is broken the most."""
+    """Scenarios, if there are any, in one: what is minimised over all, and each limit where it is broken the most."""
 
     values: np.ndarray  # as of `Candidate.rows`, (points, 1 + m)
     slopes: np.ndarray  # (points, 1 + m, n)
-    weights: np.ndarray  # with which the scenarios and amplitudes count, (points, scenarios * amplitudes)
-    scenario: np.ndarray  # where a limit is broken the most, (points, m)
+    weights: Any = None  # with which the scenarios and amplitudes count, (points, scenarios * amplitudes)
+    scenario: Any = None  # where a limit is broken the most, (points, m)
 
 
 def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -466,8 +440,8 @@ def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) ->
 
     The shapes are (points, scenarios * amplitudes, 1 + n) and (points, scenarios, m, 1 + n).
     """
-    assert question.scenarios is not None
-    points, count, number = len(values), np.size(question.scenarios.weight), 1 + slopes.shape[-1]
+    scenarios: Any = question.scenarios
+    points, count, number = len(values), np.size(scenarios.weight), 1 + slopes.shape[-1]
     rows = np.concatenate([values[..., None], slopes], axis=-1).reshape(points, count, -1, number)
     first = rows.shape[2] - len(question.limits)
     return rows[:, :, :first].reshape(points, -1, number), rows[:, :, first:]
@@ -482,7 +456,8 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
-    assert question.scenarios is not None
+    if question.scenarios is None:
+        return Worst(values, slopes)
     amounts, excess = _of_scenarios(question, values, slopes)
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
@@ -525,7 +500,7 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
 
     def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Worst, list[tuple[int, int]]]:
         """The scenarios in one, and in which of them each limit is broken the most."""
-        at = over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
+        at = over_scenarios(question, *evaluator.told(evaluator.points(variables))[:2])
         return at, [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
 
     def badness(found: Minimum) -> tuple[bool, float]:

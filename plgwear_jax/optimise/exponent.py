@@ -28,8 +28,10 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
 from plgwear_jax.optimise.search_plan import plan_of
+from plgwear_jax.special.root import first_at
 
 
 @record
@@ -183,22 +185,17 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
 
 @functools.partial(jax.jit, static_argnums=5)
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax.optimise.along_exponent import (  # seldom needed, and take time
-        NODES,
-        exponents_of_runs,
-        shares_of_nodes,
-        with_room,
-    )
+    from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
     from plgwear_jax.wear.closed_ring import wear_volume
 
     def wear(k: Array, lower: Array, upper: Array, heights: Array) -> Array:
-        return jnp.exp(shares_of_nodes(jnp.stack(with_room(upper, lower)), k, NODES) @ heights)
+        return jnp.exp(shares_of_nodes(nodes_between(*with_room(upper, lower), NODES), k) @ heights)
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
     worn = jnp.broadcast_to(phi > 0.0, shape)
     # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
-    k = exponents_of_runs(jnp.stack(jnp.broadcast_arrays(*with_room(upper, lower))), NODES)
+    k = nodes_between(*with_room(upper, lower), NODES)
     phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
     volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
     heights = jnp.broadcast_to(jnp.log(volume), (*shape, NODES))
@@ -294,8 +291,8 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 
 
-# For any k, dV/dk is positive at the first amplitudes, negative at the second, and phi_1, phi_1 and phi_2 between.
-_BRACKETS = (0.05, 0.05, 0.998), (0.4, 0.4, 0.97)
+# For any k, phi_1, phi_1 and phi_2 lie between these amplitudes and those so much larger; dV/dk has these signs there.
+_BEGINS, _WIDTHS, _SIGNS = np.array([[0.05, 0.05, 0.97], [0.35, 0.35, 0.028], [-1.0, -1.0, 1.0]])[..., None]
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
@@ -322,19 +319,13 @@ def _roots(lower: Array, upper: Array) -> Array:
     nodes, weights = (jnp.asarray(values, lower.dtype) for values in (_NODES, _WEIGHTS))
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
 
-    def mean_slope(phi: Array) -> Array:
+    begins, widths, signs = (jnp.asarray(values, k.dtype) for values in (_BEGINS, _WIDTHS, _SIGNS))
+
+    def rising(k: Array, beyond: Array) -> Array:
+        phi = begins + beyond
         at = jnp.broadcast_to(phi[..., None], k.shape)
         by_k = jax.jvp(lambda k: fretting.wear_volume(k, at), (k,), (jnp.ones_like(k),))[1]
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
-        return by_k @ weights * (1.0 - phi) / (phi * phi)
+        return signs * (by_k @ weights) * (1.0 - phi) / (phi * phi)
 
-    def halved(f: Callable[[Array], Array], above: Array) -> Array:
-        def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
-            middle = 0.5 * (ends[0] + ends[1])
-            positive = f(middle) > 0.0
-            return jnp.where(positive, middle, ends[0]), jnp.where(positive, ends[1], middle)
-
-        return jax.lax.fori_loop(0, jnp.finfo(above.dtype).nmant + 4, halve, (above, below))[0]
-
-    above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
-    return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
+    return begins + first_at(rising, k, jnp.zeros_like(first), widths)

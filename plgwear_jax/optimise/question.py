@@ -25,7 +25,7 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.scenarios import ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
+from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
 from plgwear_jax.rules import (
     BY_THEN,
     HOLDS,
@@ -201,11 +201,11 @@ class Question:
     """
 
     contact: Any
-    load: WeightedLoad | None
+    load: Any  # a `WeightedLoad`
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
     limits: tuple[Limit, ...]
     places: dict[str, ArrayLike]
-    horizon: WearHorizon | None = None
+    horizon: Any = None  # a `WearHorizon`
     scenarios: ScenarioBatch | None = None
     objective: str = static(default="")
     hold: bool = static(default=False)
@@ -213,7 +213,6 @@ class Question:
     @property
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
-        assert self.load is not None
         force = self.load.amplitudes
         if self.scenarios is None:
             return force / (self.contact.friction * self.contact.normal_force)
@@ -301,7 +300,7 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
     if load is None:
         return question
-    weighted = weighted_load(contact, load, weight, level, question.horizon is None)
+    weighted = weighted_load(contact, load, weight, level)
     question = dataclasses.replace(question, load=weighted)
     own = None if question.scenarios is None else question.scenarios.tangential_force
     if own is not None and (not load.holds_force or np.size(weighted.weight) > 1):

@@ -1,6 +1,5 @@
 """Uncertain contacts: what a contact may turn out to be, and how probable each of these scenarios is."""
 
-import math
 from typing import Any
 
 import jax
@@ -54,11 +53,9 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     order = xp.argsort(-force)
     share = shares(weight)[order]
     above = xp.cumsum(share) - share
-    tail = 1.0 - xp.asarray(level, dtype)
-    in_tail = xp.clip(tail - above, 0.0, share)
     # The worst case is the largest amplitude that has any weight.
-    worst = (share > 0.0) & (above == 0.0)
-    in_tail = xp.where(xp.sum(in_tail) > 0.0, in_tail, worst.astype(dtype))
+    tail = xp.maximum(1.0 - xp.asarray(level, dtype), np.finfo(dtype).tiny)
+    in_tail = xp.clip(tail - above, 0.0, share)
     return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
 
 
@@ -95,10 +92,8 @@ class WeightedLoad:
         return WeightedLoad(self.load.with_amplitude(lambda x: factor * np.asarray(x)), self.weight)
 
 
-def weighted_load(
-    contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float, steady: bool
-) -> WeightedLoad:
-    """The amplitudes that count, the largest first, or a ValueError; of the steady state padded to a few sizes."""
+def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float) -> WeightedLoad:
+    """The amplitudes that count, the largest first, or a ValueError."""
     if load.amplitude is None:
         if weight is not None:
             raise ValueError("weight: belongs to several amplitudes, not to blocks")
@@ -113,30 +108,20 @@ def weighted_load(
     if amplitudes[0] == 0.0:
         name = "tangential_force" if load.holds_force else "displacement_amplitude"
         raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
-    both = amplitudes[counting > 0.0], counting[counting > 0.0]
-    both = padded(*both) if steady else both  # padding would be worn over cycles as well
-    return WeightedLoad(load, None).with_amplitudes(*both)
+    return WeightedLoad(load, None).with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
 
 
 def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
     """Amplitudes and the weights with which they count, of `tail_weights`, the largest one that counts first.
 
-    The limits of a design are checked at that one: it counts at every level. What has no weight becomes 0.
+    The limits of a design are checked at that one: it counts at every level. It stands also for what has no weight.
     """
     counting = tail_weights(tangential_force, weight, level)
     xp = namespace(counting)
     force = xp.where(counting > 0.0, xp.asarray(tangential_force), 0.0)
+    force = xp.where(counting > 0.0, force, force.max())
     order = xp.argsort(-force)
     return force[order], counting[order]
-
-
-def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
-    bits = (force.size - 1).bit_length()
-    # Above 1024 by a quarter at most, since the time grows with the size.
-    step = 4 ** math.ceil(0.5 * bits) if bits <= 10 else 2 ** (bits - 3)
-    more = (0, -force.size % step)
-    return np.pad(force, more), np.pad(weight, more)
 
 
 # --- where contacts without closed forms are solved -------------------------------------------------------------------
@@ -144,26 +129,27 @@ def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarra
 _NODES = 16  # a table of more amplitudes is solved at so many
 
 
-def without_padding(amplitudes: Any, weight: ArrayLike) -> Array:
-    """The amplitudes, with the largest one in place of padding, which has no weight."""
-    amplitudes = jnp.atleast_1d(amplitudes)
-    return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])
-
-
 def solved_at(phi: Array) -> tuple[Array, Array | None]:
     """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
     if phi.size <= _NODES:
         return phi, None
-    # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
-    x = jnp.log(phi / (1.0 - phi))
-    first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
-    nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
-    at = first + 0.5 * (last - first) * (1.0 - nodes)
-    signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
-    distance = x[:, None] - at
-    same = abs(distance) < 1e-6 * (first - last)
-    shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
-    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
+    x = jnp.log(phi / (1.0 - phi))  # along which the logarithm of the wear is smooth also towards 0 and 1
+    at = nodes_between(x[0], jnp.minimum(jnp.min(x), x[0] - 0.1), _NODES)
+    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares_of_nodes(at, x)
+
+
+def nodes_between(first: Any, last: Any, count: int) -> Array:
+    """Chebyshev's nodes between two ends, of any shape, along a last axis."""
+    first, last = jnp.asarray(first)[..., None], jnp.asarray(last)[..., None]
+    at = 0.5 * np.cos(np.pi * np.arange(count) / max(count - 1, 1))
+    return 0.5 * (first + last) + (first - last) * jnp.asarray(at, first.dtype)
+
+
+def shares_of_nodes(nodes: Array, x: Array) -> Array:
+    """The share of each node in the polynomial through all of them, along a last axis."""
+    own = np.eye(nodes.shape[-1], dtype=bool)
+    apart = jnp.where(own, 1.0, nodes[..., :, None] - nodes[..., None, :])
+    return jnp.prod(jnp.where(own, 1.0, (x[..., None] - nodes)[..., None, :] / apart), axis=-1)
 
 
 # --- uncertain contacts -----------------------------------------------------------------------------------------------

@@ -1,13 +1,10 @@
 """The parameters of a search."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax.typing import DTypeLike
-
-if TYPE_CHECKING:
-    import optax
 
 
 class SearchPlan(NamedTuple):
@@ -21,7 +18,6 @@ class SearchPlan(NamedTuple):
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
         dtype: The dtype of all numbers.
-        solver: An optax transformation; None for L-BFGS with a backtracking line search.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
     """
@@ -33,7 +29,6 @@ class SearchPlan(NamedTuple):
     max_steps: int
     noise: float
     dtype: DTypeLike
-    solver: "optax.GradientTransformation | None" = None
     axis: str | None = None
 
     @property

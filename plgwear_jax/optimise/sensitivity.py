@@ -1,6 +1,7 @@
 """How a design changes with its inputs."""
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
@@ -62,45 +63,46 @@ def sensitivities(found: Design) -> Sensitivities:
     minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
     at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
-    here = _at(question, at[None], runs)
-    curvatures = _curvatures(question, at, runs)
-    state = conditions(here[0][0], here[1][0], curvatures, np.where(side == 0, 0.0, side), multipliers)
+
+    def rows(question: Question, at: np.ndarray) -> Rows:
+        """Values, (1 + m,), and slopes, (1 + m, n), at a point on the scale of the search."""
+        named = zip(question.bounds, at, strict=True)
+        found = evaluate(question, {name: x if is_linear(name) else np.exp(x) for name, x in named}, runs)
+        return found.values[0], found.slopes[0]
+
+    here = rows(question, at)
+
+    def changes(steps: np.ndarray, asked: Callable[[float], tuple[Question, np.ndarray]]) -> Rows:
+        """Derivatives of values and slopes by what is changed in steps."""
+        weights = _weights_of(steps)
+        beside = zip(*(rows(*asked(step)) for step in steps), strict=True)
+        # Values are subtracted first, so that the derivative of what does not change is exactly 0.
+        return tuple(np.tensordot(weights, np.array(part) - now, 1) for now, part in zip(here, beside, strict=True))
+
+    axes = zip(question.bounds, at, np.eye(at.size), strict=True)
+    by_variables = [
+        changes(_input_steps(*one), lambda step, axis=axis: (question, at + step * axis)) for *one, axis in axes
+    ]
+    curvatures = np.stack([slopes for _, slopes in by_variables], axis=-1)
+    state = conditions(*here, curvatures, np.where(side == 0, 0.0, side), multipliers)
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
     for name, (path, value) in inputs(question).items():
         # By its change the values and slopes change; a bound moves only a variable that lies on it.
-        moved, values, slopes = np.zeros(at.size), *(np.zeros(part.shape[1:]) for part in here)
+        moved, values, slopes = np.zeros(at.size), *map(np.zeros_like, here)
         end, _, variable = name.partition(" ")
         if variable in question.bounds:
             moved += (np.array([*question.bounds]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
             steps = _input_steps(path, float(np.max(value)), room.get(name, 1.0))
-            beside = zip(*(_at(changed(question, path, value, step), at[None], runs) for step in steps), strict=True)
-            # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-            parts = (np.concatenate(part) - now for now, part in zip(here, beside, strict=True))
-            values, slopes = (np.tensordot(_weights_of(steps), part, 1) for part in parts)
+            values, slopes = changes(steps, lambda step, at_path=(path, value): (changed(question, *at_path, step), at))
         of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
         of_limits = np.where(state.active > 0.0, values[1:], 0.0)
         dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
         variables[name] = dict(zip(question.bounds, dx.tolist(), strict=True))
-        saving[name] = -share * float(values[0] + here[1][0, 0] @ dx)
+        saving[name] = -share * float(values[0] + here[1][0] @ dx)
     return Sensitivities(variables, saving)
-
-
-def _at(question: Question, at: np.ndarray, known: Known) -> Rows:
-    """Values, (points, 1 + m), and slopes at several points, (points, n), on the scale of the search."""
-    names = enumerate(question.bounds)
-    found = evaluate(question, {name: at[:, i] if is_linear(name) else np.exp(at[:, i]) for i, name in names}, known)
-    return found.values, found.slopes
-
-
-def _curvatures(question: Question, at: np.ndarray, runs: Known) -> np.ndarray:
-    """Second derivatives, (1 + m, n, n)."""
-    steps = np.array([_input_steps(name, x) for name, x in zip(question.bounds, at, strict=True)])
-    stencil = at + steps[..., None] * np.eye(at.size)[:, None]
-    slopes = _at(question, stencil.reshape(-1, at.size), runs)[1].reshape(*steps.shape, -1, at.size)
-    return np.einsum("ij,ijmk->mki", [_weights_of(row) for row in steps], slopes)
 
 
 def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
@@ -115,8 +117,7 @@ def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
 def _weights_of(steps: np.ndarray) -> np.ndarray:
     """The weights of the values after five steps in the derivative before them."""
     scale = np.max(np.abs(steps))
-    powers = np.vander(steps / scale, increasing=True).T
-    return np.linalg.solve(powers, np.eye(steps.size)[1]) / scale
+    return np.linalg.solve(np.vander(steps / scale, increasing=True).T, np.eye(steps.size)[1]) / scale
 
 
 # --- the inputs -------------------------------------------------------------------------------------------------------
