@@ -1,7 +1,6 @@
 """What else is asked about a design: along a variable, under another load, and in the steady state after a life."""
 
 import dataclasses
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +12,8 @@ from plgwear_jax._core.record import record
 from plgwear_jax.catalogue import read
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
-from plgwear_jax.optimise.evaluation import Evaluation, Known, evaluate
-from plgwear_jax.optimise.question import Question, keeps
+from plgwear_jax.optimise.evaluation import Known, evaluate
+from plgwear_jax.optimise.question import keeps
 from plgwear_jax.rules import BY_THEN, one_of
 
 
@@ -49,17 +48,10 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
     values = np.asarray(values)
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
-    at = evaluated(found.question, points)
+    reached = np.append(values, found.bounds[name])  # they may lie beyond the bounds
+    bounds = {**found.question.bounds, name: (reached.min(), reached.max())}
+    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points)
     return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
-
-
-def evaluated(question: Question, variables: Mapping[str, Any]) -> Evaluation:
-    """The objective and the limits at choices of the variables, (points,), which may lie beyond the bounds."""
-    reached = {}
-    for name, ends in question.bounds.items():
-        values = np.append(variables[name], [*map(np.asarray, ends)])
-        reached[name] = values.min(), values.max()
-    return evaluate(dataclasses.replace(question, bounds=reached), variables)
 
 
 # --- another load -----------------------------------------------------------------------------------------------------

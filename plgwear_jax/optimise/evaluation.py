@@ -24,6 +24,7 @@ from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import (
     Question,
     keeps,
+    moved,
     needs_force,
     read_from_runs,
     solved_in_turn,
@@ -239,11 +240,13 @@ Known = dict[Any, Any]  # what is known of questions, and of points that are sol
 
 
 class Evaluation(NamedTuple):
-    """The objective and the limits at several choices of the variables."""
+    """The objective and the limits at several choices of the variables; of scenarios over all of them."""
 
     values: Any  # of `Candidate.rows`, (points, 1 + m)
     slopes: Any  # by the variables on the scale on which they are searched, (points, 1 + m, n)
-    scale: Any  # the objective of the reference in SI units
+    scale: Any = 1.0  # the objective of the reference in SI units
+    weights: Any = None  # with which scenarios and amplitudes count, (points, scenarios * amplitudes)
+    scenario: Any = None  # where a limit is broken the most, (points, m)
 
     @property
     def objective(self) -> Any:
@@ -273,19 +276,16 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here, shared = here | held, shared._replace(radius=None)
 
-    def there(steps: Array) -> tuple[Array, Any]:
-        moved = {
-            name: value + step if is_linear(name) else value * jnp.exp(step)
-            for (name, value), step in zip(here.items(), steps, strict=True)
-        }
-        candidate = Candidate(question, moved, shared)
+    def rows_at(steps: Array) -> tuple[Array, Any]:
+        there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
+        candidate = Candidate(question, there, shared)
         rows = candidate.rows()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes, state = values_and_jacobian(there, jnp.zeros(len(here), point.dtype))
+    values, slopes, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
         along = slopes[-1, :-1] / slopes[-1, -1]
         values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
@@ -365,8 +365,8 @@ class Evaluator:
 
     def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
-        rows = self.told(self.points(variables))[:2]
-        return Evaluation(*over_scenarios(self.question, *rows)[:2], self.shared.scale)
+        found = over_scenarios(self.question, *self.told(self.points(variables))[:2])
+        return found._replace(scale=self.shared.scale)
 
     def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
         """The choices as rows, (points, n)."""
@@ -426,15 +426,6 @@ def search(
 # --- scenarios --------------------------------------------------------------------------------------------------------
 
 
-class Worst(NamedTuple):
-    """Scenarios, if there are any, in one: what is minimised over all, and each limit where it is broken the most."""
-
-    values: np.ndarray  # as of `Candidate.rows`, (points, 1 + m)
-    slopes: np.ndarray  # (points, 1 + m, n)
-    weights: Any = None  # with which the scenarios and amplitudes count, (points, scenarios * amplitudes)
-    scenario: Any = None  # where a limit is broken the most, (points, m)
-
-
 def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows of scenarios, sorted: amounts and excess of limits, each a value and its slopes along a last axis.
 
@@ -454,17 +445,17 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
 
 
-def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
-    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
+def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Evaluation:
+    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and each limit where it is worst."""
     if question.scenarios is None:
-        return Worst(values, slopes)
+        return Evaluation(values, slopes)
     amounts, excess = _of_scenarios(question, values, slopes)
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
     worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
     rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
-    return Worst(rows[..., 0], rows[..., 1:], weights, at)
+    return Evaluation(rows[..., 0], rows[..., 1:], weights=weights, scenario=at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:
@@ -498,9 +489,9 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
     closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, known)
 
-    def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Worst, list[tuple[int, int]]]:
+    def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Evaluation, list[tuple[int, int]]]:
         """The scenarios in one, and in which of them each limit is broken the most."""
-        at = over_scenarios(question, *evaluator.told(evaluator.points(variables))[:2])
+        at = evaluator.evaluate(variables)
         return at, [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
 
     def badness(found: Minimum) -> tuple[bool, float]:

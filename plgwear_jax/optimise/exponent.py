@@ -146,25 +146,21 @@ def _noise(digits: int | None) -> float | None:
 def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | None) -> OptimalExponent:
     phi, lower, upper = jnp.broadcast_arrays(phi, lower, upper)
 
-    def wear(k: Array, lower: Array, upper: Array, phi: Array) -> Array:
-        return fretting.wear_volume(k, phi, digits=digits)
-
+    wear = functools.partial(fretting.wear_volume, digits=digits)
     return _least(wear, _noise(digits), AMPLITUDE.contains(phi), lower, upper, phi)
 
 
 def _least(
-    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, more: Array
+    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, *more: Array
 ) -> OptimalExponent:
-    """The exponents between bounds at which the wear, of k, the bounds and what more it depends on, is least."""
+    """The exponents between bounds at which the wear, of k and what more it depends on, is least."""
 
-    def best(lower: Array, upper: Array, more: Array) -> Minimum:
-        def objective(variables: dict[str, Array]) -> Array:
-            return wear(variables["k"], lower, upper, more)
-
-        return minimise(objective, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+    def best(lower: Array, upper: Array, *more: Array) -> Minimum:
+        space = {"k": Interval(lower, upper)}
+        return minimise(lambda variables: wear(variables["k"], *more), space, noise=noise, axis_name=BATCH)
 
     valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
-    return _exponent_of(in_chunks(best, lower.shape, lower, upper, more), valid)
+    return _exponent_of(in_chunks(best, lower.shape, lower, upper, *more), valid)
 
 
 def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
@@ -188,9 +184,6 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
     from plgwear_jax.wear.closed_ring import wear_volume
 
-    def wear(k: Array, lower: Array, upper: Array, heights: Array) -> Array:
-        return jnp.exp(shares_of_nodes(nodes_between(*with_room(upper, lower), NODES), k) @ heights)
-
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
     worn = jnp.broadcast_to(phi > 0.0, shape)
@@ -198,9 +191,12 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     k = nodes_between(*with_room(upper, lower), NODES)
     phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
     volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
-    heights = jnp.broadcast_to(jnp.log(volume), (*shape, NODES))
+    nodes, heights = (jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume)))
     lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _least(wear, _noise(4 if digits is None else digits), valid, lower, upper, heights)
+    noise = _noise(4 if digits is None else digits)
+    found = _least(
+        lambda k, *runs: jnp.exp(shares_of_nodes(runs[0], k) @ runs[1]), noise, valid, lower, upper, nodes, heights
+    )
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
     )

@@ -25,6 +25,7 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
 from plgwear_jax.rules import (
     BY_THEN,
@@ -37,6 +38,7 @@ from plgwear_jax.rules import (
     complaint,
     domain_of,
     is_after_cycles,
+    is_linear,
     limited_quantity,
     one_of,
     placed_quantity,
@@ -280,6 +282,11 @@ def with_variables(contact: Any, values: Mapping[str, Any]) -> Any:
     for name, value in values.items():
         contact = leaves.with_leaf(contact, _path_of(name), value)
     return contact
+
+
+def moved(name: str, value: Any, step: Any) -> Any:
+    """A number of this name, moved by a step on the scale on which it is searched: k, nu and exponents are linear."""
+    return value + step if is_linear(name) else value * namespace(step).exp(step)
 
 
 # --- from the arguments of `design` -----------------------------------------------------------------------------------

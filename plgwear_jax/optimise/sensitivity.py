@@ -1,7 +1,7 @@
 """How a design changes with its inputs."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import Any
 
 import jax.numpy as jnp
@@ -12,9 +12,8 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.best import Design, stem_and_side
 from plgwear_jax.optimise.evaluation import Known, Rows, evaluate
-from plgwear_jax.optimise.question import Question
+from plgwear_jax.optimise.question import Question, moved
 from plgwear_jax.optimise.search import conditions, inclination, solved_by_elimination
-from plgwear_jax.rules import is_linear
 
 
 @record
@@ -62,45 +61,43 @@ def sensitivities(found: Design) -> Sensitivities:
         raise ValueError("sensitivities takes a design that keeps its limits: one that breaks them is no optimum")
     minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
-    at = np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
+    best = found.variables
 
-    def rows(question: Question, at: np.ndarray) -> Rows:
-        """Values, (1 + m,), and slopes, (1 + m, n), at a point on the scale of the search."""
-        named = zip(question.bounds, at, strict=True)
-        found = evaluate(question, {name: x if is_linear(name) else np.exp(x) for name, x in named}, runs)
-        return found.values[0], found.slopes[0]
+    def rows(question: Question, variables: Mapping[str, float]) -> Rows:
+        """Values, (1 + m,), and slopes, (1 + m, n), at a point."""
+        at = evaluate(question, variables, runs)
+        return at.values[0], at.slopes[0]
 
-    here = rows(question, at)
+    here = rows(question, best)
 
-    def changes(steps: np.ndarray, asked: Callable[[float], tuple[Question, np.ndarray]]) -> Rows:
+    def changes(steps: np.ndarray, beside: list[Rows]) -> Rows:
         """Derivatives of values and slopes by what is changed in steps."""
-        weights = _weights_of(steps)
-        beside = zip(*(rows(*asked(step)) for step in steps), strict=True)
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        return tuple(np.tensordot(weights, np.array(part) - now, 1) for now, part in zip(here, beside, strict=True))
+        parts = zip(here, zip(*beside, strict=True), strict=True)
+        return tuple(np.tensordot(_weights_of(steps), np.array(part) - now, 1) for now, part in parts)
 
-    axes = zip(question.bounds, at, np.eye(at.size), strict=True)
-    by_variables = [
-        changes(_input_steps(*one), lambda step, axis=axis: (question, at + step * axis)) for *one, axis in axes
-    ]
-    curvatures = np.stack([slopes for _, slopes in by_variables], axis=-1)
-    state = conditions(*here, curvatures, np.where(side == 0, 0.0, side), multipliers)
+    curvatures = []
+    for name, value in best.items():
+        steps = _input_steps(name, value)
+        beside = [rows(question, {**best, name: moved(name, value, step)}) for step in steps]
+        curvatures.append(changes(steps, beside)[1])
+    state = conditions(*here, np.stack(curvatures, axis=-1), np.where(side == 0, 0.0, side), multipliers)
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
     for name, (path, value) in inputs(question).items():
         # By its change the values and slopes change; a bound moves only a variable that lies on it.
-        moved, values, slopes = np.zeros(at.size), *map(np.zeros_like, here)
+        along, values, slopes = np.zeros(len(best)), *map(np.zeros_like, here)
         end, _, variable = name.partition(" ")
-        if variable in question.bounds:
-            moved += (np.array([*question.bounds]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
+        if variable in best:
+            along += (np.array([*best]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
             steps = _input_steps(path, float(np.max(value)), room.get(name, 1.0))
-            values, slopes = changes(steps, lambda step, at_path=(path, value): (changed(question, *at_path, step), at))
-        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -moved)
+            values, slopes = changes(steps, [rows(changed(question, path, value, step), best) for step in steps])
+        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -along)
         of_limits = np.where(state.active > 0.0, values[1:], 0.0)
-        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: at.size]
-        variables[name] = dict(zip(question.bounds, dx.tolist(), strict=True))
+        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: len(best)]
+        variables[name] = dict(zip(best, dx.tolist(), strict=True))
         saving[name] = -share * float(values[0] + here[1][0] @ dx)
     return Sensitivities(variables, saving)
 
@@ -136,7 +133,7 @@ def inputs(question: Question) -> dict[str, tuple[str, Any]]:
 
 def changed(question: Question, path: str, value: Any, step: float) -> Question:
     """The question with an input changed: k, nu and exponents by a sum, all else by the logarithm of a factor."""
-    return with_leaf(question, path, value + step if is_linear(path) else value * np.exp(step))
+    return with_leaf(question, path, moved(path, value, step))
 
 
 def _name(path: str, question: Question) -> str:

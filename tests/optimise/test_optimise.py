@@ -14,7 +14,7 @@ from coated import RIGID as CONTACT
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
-from marks import compiled, long, parametrize
+from marks import compiled
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
