@@ -30,7 +30,7 @@ from plgwear_jax.optimise.question import (
     solved_in_turn,
     solved_one_by_one,
 )
-from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, weighted_load
+from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, spread, weighted_load
 from plgwear_jax.optimise.search import minimise
 from plgwear_jax.steady.arguments import amplitude_of, own_axes
 
@@ -132,14 +132,13 @@ def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], 
         own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
     elif load is not None and load.weight is not None:
         own[-1] = 1
-    leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
-    shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
+    dtype = jnp.result_type(0.0, *leaves)
 
     def one(*numbers: Any) -> Question:
         contact, horizon, load = jax.tree.unflatten(rebuild, numbers)
         return dataclasses.replace(question, contact=contact, horizon=horizon, load=load)
 
-    return shape, [xp.broadcast_to(x, (*shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)], one
+    return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), one
 
 
 def _designs_in_turn(question: Question, level: float) -> Designs:

@@ -1,5 +1,6 @@
 """Uncertain contacts: what a contact may turn out to be, and how probable each of these scenarios is."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -225,26 +226,26 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     own_law = None if given.law is None else law_of(given.law)
     if own_law is not None and jax.tree.structure(own_law) != jax.tree.structure(law):
         raise ValueError("scenarios: law takes the kind of law of the design, for a number of cycles")
-    force, weight = given.tangential_force, 1.0 if given.weight is None else given.weight
-    check("scenarios: weight", weight, WEIGHT)
-    if force is not None:
-        check("scenarios: tangential_force", force, FORCE)
-    names = [*paths_of(given.contact), *(f"law {name}" for name in paths_of(own_law))]
-    names += ["weight"] if force is None else ["tangential_force", "weight"]
-    leaves, rebuild = jax.tree.flatten((given.contact, own_law, force, weight))
-    leaves = [np.asarray(leaf, float) for leaf in leaves]
+    given = Scenarios(given.contact, 1.0 if given.weight is None else given.weight, own_law, given.tangential_force)
+    check("scenarios: weight", given.weight, WEIGHT)
+    if given.tangential_force is not None:
+        check("scenarios: tangential_force", given.tangential_force, FORCE)
+    leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
     own = own_axes(contact, len(leaves))
-    shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
-    try:
-        (count,) = np.broadcast_shapes((1,), *shapes.values())
-        alike = all(shape in ((), (count,)) for shape in shapes.values())
-    except ValueError:
-        count, alike = 0, False
-    if not alike:
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+    shapes = {name: leaf.shape[: leaf.ndim - n] for (name, leaf), n in zip(leaves.items(), own, strict=True)}
+    axes = {(), *shapes.values()} - {()}
+    if not (len(axes) <= 1 and all(len(shape) == 1 for shape in axes)):
+        told = ", ".join(f"{name.removeprefix('contact.')} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")
-    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
-    batch, laws, force, weight = jax.tree.unflatten(rebuild, each)
-    if not np.any(weight > 0.0):
+    _, each = spread([*leaves.values(), np.ones(1)], [*own, 0], np)
+    found: Scenarios = jax.tree.unflatten(jax.tree.structure(given), each[:-1])
+    if not np.any(found.weight > 0.0):
         raise ValueError("scenarios: weight: all weights are zero")
-    return ScenarioBatch(batch, laws, shares(weight), force, level)
+    return ScenarioBatch(found.contact, found.law, shares(found.weight), found.tangential_force, level)
+
+
+def spread(leaves: Sequence[Any], own: Sequence[int], xp: Any) -> tuple[tuple[int, ...], list[Any]]:
+    """The shape of a batch, and its numbers with the axes of the batch before so many of their own."""
+    shape = np.broadcast_shapes(*(leaf.shape[: leaf.ndim - n] for leaf, n in zip(leaves, own, strict=True)))
+    pairs = zip(leaves, own, strict=True)
+    return shape, [xp.broadcast_to(leaf, (*shape, *leaf.shape[leaf.ndim - n :])) for leaf, n in pairs]

@@ -50,7 +50,7 @@ def questions():
 
     def other_numbers():
         vary, limits = {"k": (-0.5, 0.6)}, {"edge_pressure": {"below": 9e8, "distance": 2e-6}}
-        force, weight = [0.3, 0.4, 1.5, 2.0], [0.1, 0.2, 0.3, 0.4]
+        force, weight = [0.3, 0.4, 1.5], [0.1, 0.2, 0.3]
         more = {"hold": HELD["hold"], "weight": weight, "level": 0.3, "limits": limits}
         found.append(optimise.design(OTHER, force, vary, **more))
 
