@@ -117,17 +117,16 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(plan: SearchPlan) -> "optax.GradientTransformation":
+def _solver(variables: int) -> "optax.GradientTransformation":
     import optax  # a tenth of a second, which a process that loads its programs does without
 
-    return optax.scale_by_lbfgs(memory_size=min(10, 2 * plan.variables - 1))
+    return optax.scale_by_lbfgs(memory_size=min(10, 2 * variables - 1))
 
 
-@program(static=1)
-def _empty_memory(plan: SearchPlan) -> tuple[Array, ...]:
+@program()
+def _empty_memory(start: Array) -> tuple[Array, ...]:
     """The memory of the solver before its first step, without its structure, which is made of classes of optax."""
-    start = jnp.zeros((plan.starts, plan.variables), plan.dtype)
-    return tuple(jax.tree.leaves(jax.vmap(_solver(plan).init)(start)))
+    return tuple(jax.tree.leaves(jax.vmap(_solver(start.shape[1]).init)(start)))
 
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
@@ -197,7 +196,7 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     # The memory is reset when other variables are on their bounds.
     fresh = (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
-    direction, *memory = map(xp.asarray, _next_directions(plan, at.u, gradient, at.memory, fresh))
+    direction, *memory = map(xp.asarray, _next_directions(at.u, gradient, at.memory, fresh))
     direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
     # At most 0.4, so that it takes three steps from the middle of the box to a bound.
     longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
@@ -210,10 +209,10 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     )
 
 
-@program(static=1)
-def _next_directions(plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, ...]:
+@program()
+def _next_directions(u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, ...]:
     """The directions and the memory that the solver of optax gives."""
-    solver = _solver(plan)
+    solver = _solver(u.shape[1])
 
     def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, ...]:
         at_first, tree = jax.tree.flatten(solver.init(u))
@@ -283,7 +282,7 @@ def begin(plan: SearchPlan) -> SearchState:
         free=u > 0.0,
         direction=u,
         length=one,
-        memory=_empty_memory(plan),
+        memory=_empty_memory(u),
         multipliers=multipliers,
         penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
         violation=np.inf * one,

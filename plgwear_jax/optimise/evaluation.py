@@ -481,70 +481,59 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
 
 
 _ROUNDS = 30
-FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _CLOSED = 1e-9  # of the logarithm of the objective
 
 
 def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, known)
+    closed, evaluator, each = (
+        max(_CLOSED, plan_for(question).noise),
+        Evaluator(question, known),
+        range(len(question.limits)),
+    )
+    at = evaluator.evaluate(reference_variables(question))
+    choices, pairs, all_known = [at.weights[0]], [*zip(at.scenario[0], each, strict=True)], False
 
-    def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Evaluation, list[tuple[int, int]]]:
-        """The scenarios in one, and in which of them each limit is broken the most."""
-        at = evaluator.evaluate(variables)
-        return at, [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
+    def relaxed(which: int) -> Minimum:
+        """The best design where one choice of the weights is the worst of those that are known, within some limits."""
+        scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
+
+        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
+            amounts, excess = _of_scenarios(question, values, slopes)
+            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
+            goal = means[:, [which]]
+            rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
+            return rows[..., 0], rows[..., 1:]
+
+        return search(question, changed, known, limits=len(choices) - 1 + len(pairs))
 
     def badness(found: Minimum) -> tuple[bool, float]:
         kept = bool(keeps(found.limits) and np.isfinite(found.value))
         return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
 
-    at, pairs = worst_at(reference_variables(question))
-    choices, best = [at.weights[0]], None
-    multipliers, all_known = np.zeros(len(question.limits)), False
     for _ in range(_ROUNDS):
-        found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
+        found = [*map(relaxed, range(len(choices)))]
         best = min(found, key=badness)
-        of_pairs = best.multipliers[len(choices) - 1 :][: len(pairs)]
-        multipliers = np.bincount([limit for _, limit in pairs], of_pairs, len(question.limits)) if pairs else of_pairs
-        at, broken = worst_at(best.variables)
+        of_limits = np.array(pairs, int).reshape(-1, 2)[:, 1], best.multipliers[len(choices) - 1 :]
+        at = evaluator.evaluate(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
-        new = [pair for pair in broken if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
+        broken = zip(at.scenario[0], each, at.values[0, 1:], strict=True)
+        new = [pair for *pair, excess in broken if excess > closed and tuple(pair) not in pairs]
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
             all_known = worse = False  # a search has not ended where its limits are kept
         if not new and not worse:
             break
-        pairs += new
+        pairs += map(tuple, new)
         choices += [at.weights[0]] if worse else []
     else:
         all_known = False
-    assert best is not None
     return dataclasses.replace(
         best,
         value=at.values[0, 0],
         limits=at.values[0, 1:],
-        multipliers=multipliers,
+        multipliers=np.bincount(*of_limits, len(each)),
         certified=best.certified & all_known,
         scan_found_nothing_better=best.scan_found_nothing_better & all_known & (len(choices) == 1),
     )
-
-
-def _relaxed(
-    question: Question, choices: list[np.ndarray], pairs: list[tuple[int, int]], which: int, known: Known
-) -> Minimum:
-    """The best design where one choice of the weights is the worst of those that are known, within some limits."""
-    count = len(choices) - 1 + len(pairs)
-    room = next(size for size in (0, 1, 2, 4, 8, 16, 32, 64, count) if size >= count)  # for few programs
-    scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
-
-    def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-        amounts, excess = _of_scenarios(question, values, slopes)
-        means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
-        goal = means[:, [which]]
-        rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
-        rows = np.pad(rows, ((0, 0), (0, room - count), (0, 0)))
-        rows[:, 1 + count :, 0] = FAR_OFF
-        return rows[..., 0], rows[..., 1:]
-
-    return search(question, changed, known, limits=room)
