@@ -169,14 +169,10 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
         if load is not None and load.amplitudes is not None:
             one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)))
         shared = shared_of(one)
-
-        def limits(variables: dict[str, Array]) -> Array:
-            return jnp.stack([jnp.asarray(x) for x in Candidate(one, variables, shared).excess()])
-
         found = minimise(
             lambda variables: Candidate(one, variables, shared).objective(),
             space(one),
-            limits=limits if question.limits else None,
+            limits=lambda variables: Candidate(one, variables, shared).rows()[1:],
             samples=plan.samples,
             starts=plan.starts,
             axis_name=BATCH,

@@ -137,29 +137,25 @@ class Candidate:
         found = jnp.broadcast_to(found, jnp.shape(amplitudes))
         return found if between is None else jnp.exp(between @ _log_or_least(found))
 
-    def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
-        """A quantity in SI units at the largest amplitude."""
-        return jnp.ravel(self._read(name, places, True))[0]
-
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""
         load = self.question.load
         total = jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(())
         return _log_or_least(total / self.shared.scale)
 
-    def excess(self) -> list[Array]:
-        """log(value/limit) for each limit, with the sign that is positive where the limit is broken, also by inf."""
-        return [
-            (-1.0 if one.lowest else 1.0)
-            * jnp.minimum(_log_or_least(self.value(one.quantity, one.places) / one.value), 1e3)
-            for one in self.question.limits
-        ]
-
     def rows(self) -> Array:
-        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`."""
+        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`.
+
+        The excess is log(value/limit), with the sign that is positive where the limit is broken, also by inf.
+        """
         if self.question.scenarios is not None:
             return self._rows_of_scenarios(self.question.scenarios)
-        return jnp.stack([jnp.asarray(x) for x in (self.objective(), *self.excess())])
+        rows = [self.objective()]
+        for one in self.question.limits:
+            value = jnp.ravel(self._read(one.quantity, one.places, True))[0]
+            over = jnp.minimum(_log_or_least(value / one.value), 1e3)
+            rows.append(-over if one.lowest else over)
+        return jnp.stack(rows)
 
     def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
         """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
@@ -179,7 +175,7 @@ class Candidate:
             # The names of what varies stay: they decide how a contact is solved.
             parts = {"contact": there, "load": load, "horizon": horizon, "hold": False, "scenarios": None}
             one = Candidate(dataclasses.replace(question, **parts), {})
-            return jnp.concatenate([one.amounts() / self.shared.scale, *(x.reshape(1) for x in one.excess())])
+            return jnp.append(one.amounts() / self.shared.scale, one.rows()[1:])
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
         return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
