@@ -66,9 +66,8 @@ def with_room(highest: Any, lowest: Any) -> tuple[Any, Any]:
 def _without_shares(question: Question) -> tuple[RunsAlongExponent, Array]:
     """What closed forms tell of the runs, and the amplitudes at which they are needed, (n,)."""
     phi, _ = solved_at(question.phi)
-    k = nodes_between(
-        *(jnp.asarray(end, phi.dtype) for end in ends_of(question)), NODES if "k" in question.bounds else 1
-    )
+    highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
+    k = nodes_between(highest, lowest, NODES if "k" in question.bounds else 1)
     log_ratio = jnp.log(dataclasses.replace(question.contact.material, k=k).tangential_ratio()) - jnp.log1p(k)
     return RunsAlongExponent(k, jnp.log(fretting.wear_volume(k, phi[:, None])), log_ratio, None), phi
 

@@ -8,7 +8,7 @@ over its limit.
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -507,21 +507,23 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         kept = bool(keeps(found.limits) and np.isfinite(found.value))
         return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
 
+    best = multipliers = cast(Any, None)
     for _ in range(_ROUNDS):
         found = [*map(relaxed, range(len(choices)))]
         best = min(found, key=badness)
-        of_limits = np.array(pairs, int).reshape(-1, 2)[:, 1], best.multipliers[len(choices) - 1 :]
+        of_limits = np.array(pairs, int).reshape(-1, 2)[:, 1]
+        multipliers = np.bincount(of_limits, best.multipliers[len(choices) - 1 :], len(each))
         at = evaluator.evaluate(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
         broken = zip(at.scenario[0], each, at.values[0, 1:], strict=True)
-        new = [pair for *pair, excess in broken if excess > closed and tuple(pair) not in pairs]
+        new = [(one, limit) for one, limit, excess in broken if excess > closed and (one, limit) not in pairs]
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
             all_known = worse = False  # a search has not ended where its limits are kept
         if not new and not worse:
             break
-        pairs += map(tuple, new)
+        pairs += new
         choices += [at.weights[0]] if worse else []
     else:
         all_known = False
@@ -529,7 +531,7 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         best,
         value=at.values[0, 0],
         limits=at.values[0, 1:],
-        multipliers=np.bincount(*of_limits, len(each)),
+        multipliers=multipliers,
         certified=best.certified & all_known,
         scan_found_nothing_better=best.scan_found_nothing_better & all_known & (len(choices) == 1),
     )

@@ -73,8 +73,8 @@ def sensitivities(found: Design) -> Sensitivities:
     def changes(steps: np.ndarray, beside: list[Rows]) -> Rows:
         """Derivatives of values and slopes by what is changed in steps."""
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        parts = zip(here, zip(*beside, strict=True), strict=True)
-        return tuple(np.tensordot(_weights_of(steps), np.array(part) - now, 1) for now, part in parts)
+        values, slopes = (np.array(part) - now for now, part in zip(here, zip(*beside, strict=True), strict=True))
+        return np.tensordot(_weights_of(steps), values, 1), np.tensordot(_weights_of(steps), slopes, 1)
 
     curvatures = []
     for name, value in best.items():
