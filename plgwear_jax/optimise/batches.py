@@ -144,9 +144,8 @@ def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], 
 def _designs_in_turn(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
     shape, numbers, one_of = _batch_of(question, np)
-    unknown: Any = np.nan
-    no: Any = False
-    found = [Designs(dict.fromkeys(question.bounds, unknown), unknown, unknown, no, no, no)]  # where nothing wears
+    nothing: Any = dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False
+    found = [Designs(*nothing)]  # where nothing wears
     for place in np.ndindex(shape):
         one: Any = one_of(*(x[place] for x in numbers))
         load, best = one.load, found[0]

@@ -21,6 +21,7 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read, read_from
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
+from plgwear_jax.optimise.ask_and_tell import SearchPlan, plan_of
 from plgwear_jax.optimise.question import (
     Question,
     keeps,
@@ -34,7 +35,6 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
-from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 
 if TYPE_CHECKING:

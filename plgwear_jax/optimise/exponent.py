@@ -27,10 +27,10 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
+from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
-from plgwear_jax.optimise.search_plan import plan_of
 from plgwear_jax.special.root import first_at
 
 

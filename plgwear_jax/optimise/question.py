@@ -90,8 +90,7 @@ _ROUNDING = 1e-6  # of log(value/limit)
 
 def keeps(excess: Any) -> Any:
     """Whether limits are kept, up to rounding, along the last axis of log(value/limit), negative where the lowest."""
-    kept = np.max(excess, axis=-1, initial=-1.0) < _ROUNDING if np.ndim(excess) else excess < _ROUNDING
-    return bool(kept) if np.ndim(kept) == 0 else kept
+    return np.max(np.atleast_1d(excess), axis=-1, initial=-1.0) < _ROUNDING
 
 
 @record
@@ -231,11 +230,6 @@ class Question:
         """Whether wear and its slopes agree to many digits: a march of any test has about two."""
         return self.horizon is None or (self.by_force and isinstance(self.horizon.law, Archard))
 
-    @property
-    def distance(self) -> ArrayLike | None:
-        """The distance from the stick-slip boundary at which the pressure is limited; None without this limit."""
-        return next((one.places["distance"] for one in self.limits if one.quantity == "edge_pressure"), None)
-
 
 def solved_one_by_one(question: Question) -> bool:
     """Each value takes milliseconds: the contact has no closed forms, or its way through a life is followed."""
@@ -301,7 +295,6 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     doubt(*of_contact(contact))
     level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
     if scenarios is not None:
-        refuse_traced("scenarios", scenarios, "a design for each of them works there")
         law = None if question.horizon is None else question.horizon.law
         question = dataclasses.replace(question, scenarios=scenario_batch(scenarios, contact, law, level))
         level = 0.0  # it is that of all pairs of a scenario and an amplitude

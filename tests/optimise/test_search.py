@@ -12,8 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
 from plgwear_jax import optimise
-from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, tell
-from plgwear_jax.optimise.search_plan import plan_of
+from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, tell
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
