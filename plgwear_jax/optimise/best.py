@@ -26,6 +26,7 @@ from plgwear_jax.optimise.evaluation import (
     Evaluator,
     Known,
     concrete,
+    evaluate,
     reference_variables,
     search,
     search_over_scenarios,
@@ -39,6 +40,7 @@ from plgwear_jax.optimise.question import (
     Question,
     keeps,
     question_of,
+    with_variables,
 )
 from plgwear_jax.optimise.scenarios import WeightedLoad
 from plgwear_jax.optimise.search import Minimum
@@ -253,9 +255,9 @@ def answered(question: Question, known: Known | None = None) -> Design:
     """The design that answers a question; what is evaluated on the way is put to what is known."""
     known = {} if known is None else known
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
-    evaluator = Evaluator(question, known)
-    at = evaluator.evaluate(found.variables)
-    contact = evaluator.contact(question.contact, found.variables)
+    at = evaluate(question, found.variables, known)
+    given = {name: np.asarray(value).item() for name, value in {**found.variables, **at.held}.items()}
+    contact = with_variables(question.contact, given)
     return Design(
         contact=contact,
         value=valued(at.objective[0], question, contact),

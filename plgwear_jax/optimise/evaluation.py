@@ -241,6 +241,7 @@ class Evaluation(NamedTuple):
     values: Any  # of `Candidate.rows`, (points, 1 + m)
     slopes: Any  # by the variables on the scale on which they are searched, (points, 1 + m, n)
     scale: Any = 1.0  # the objective of the reference in SI units
+    held: Any = None  # E0 that holds the contact radius, by name, if it is held
     weights: Any = None  # with which scenarios and amplitudes count, (points, scenarios * amplitudes)
     scenario: Any = None  # where a limit is broken the most, (points, m)
 
@@ -294,7 +295,7 @@ def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points:
 
 
 @program(static=1, level=1)
-def _alone(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
+def _at_one_point(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
     """At a single point, of a contact that is solved numerically."""
     return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
 
@@ -341,7 +342,7 @@ class Evaluator:
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        found, program = [], _alone if self.in_turn else _at_once
+        found, program = [], _at_one_point if self.in_turn else _at_once
         for first in range(0, len(points), self.lanes):
             some = points[first : first + self.lanes]
             some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
@@ -361,18 +362,12 @@ class Evaluator:
 
     def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
-        found = over_scenarios(self.question, *self.told(self.points(variables))[:2])
-        return found._replace(scale=self.shared.scale)
+        told = self.told(self.points(variables))
+        return over_scenarios(self.question, *told[:2])._replace(scale=self.shared.scale, held=told.held)
 
     def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
         """The choices as rows, (points, n)."""
         return np.stack([np.atleast_1d(concrete(variables[name])) for name in self.names], axis=-1)
-
-    def contact(self, contact: Any, variables: Mapping[str, Any]) -> Any:
-        """The contact, as it was given, with these variables, and with its radius held."""
-        held = self.told(self.points(variables)).held if self.question.hold else {}
-        given = {name: variables[name] for name in self.names} | held  # in the order of the question
-        return with_variables(contact, {name: np.asarray(value).item() for name, value in given.items()})
 
 
 def plan_for(question: Question) -> SearchPlan:
