@@ -341,24 +341,22 @@ class Evaluator:
         return self.known[key]
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
-        """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        found, program = [], _at_one_point if self.in_turn else _at_once
-        for first in range(0, len(points), self.lanes):
-            some = points[first : first + self.lanes]
-            some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
-            found.append(jax.device_get(program(self.names, self.question, shared, some)))
-        return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
+        """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
+        lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
+        program = _at_one_point if self.in_turn else _at_once
+        found = jax.device_get(program(self.names, self.question, shared, lanes))
+        return jax.tree.map(lambda x: x[: len(points)], found)
 
     def told(self, points: np.ndarray) -> Told:
-        """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
-        if not self.in_turn:
-            return self._solved(points, self.shared)
-        keys = [(self.key, point.tobytes()) for point in points]
-        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
-        if new:
-            found = self._solved(np.array([*new.values()]), self.shared)
-            self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
-        return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
+        """What `_at_point` tells at points, (n, variables); of contacts that are solved numerically it is kept."""
+        known, found = self.known if self.in_turn else {}, []
+        for first in range(0, len(points), self.lanes):
+            some = points[first : first + self.lanes]
+            key = self.key, some.tobytes()
+            if key not in known:
+                known[key] = self._solved(some, self.shared)
+            found.append(known[key])
+        return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
 
     def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
