@@ -31,6 +31,7 @@ from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
+from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.root import first_at
 
 
@@ -288,34 +289,26 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
 
 
 # For any k, phi_1, phi_1 and phi_2 lie between these amplitudes and those so much larger; dV/dk has these signs there.
-_BEGINS, _WIDTHS, _SIGNS = np.array([[0.05, 0.05, 0.97], [0.35, 0.35, 0.028], [-1.0, -1.0, 1.0]])[..., None]
+_BRACKETS = (0.05, 0.05, 0.97), (0.35, 0.35, 0.028), (-1.0, -1.0, 1.0)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 @jax.jit
 def _critical(lower: Array, upper: Array) -> Array:
+    """The three amplitudes for each pair of bounds, shape (3, ...)."""
     lower, upper = jnp.broadcast_arrays(lower, upper)
     # As a factor NaN makes derivatives NaN too.
     allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
-    return _roots(*(_in_between(bound * allowed).ravel() for bound in (lower, upper))).reshape(3, *lower.shape)
-
-
-def _in_between(k: Array) -> Array:
-    """The exponent, or the number next to it where it is -1 or 1, where the formulas cannot be evaluated."""
-    most = 1.0 - jnp.finfo(k.dtype).epsneg
-    return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
-
-
-def _roots(lower: Array, upper: Array) -> Array:
-    """The three amplitudes for each pair of bounds, shape (3, n)."""
+    # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
+    least = jnp.finfo(lower.dtype).epsneg - 1.0
+    lower, upper = clamp_keep_slope(least, allowed * lower), -clamp_keep_slope(least, -allowed * upper)
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
     # difference of the two volumes loses no digits between near bounds.
     first, last = jnp.stack([lower, upper, lower]), jnp.stack([lower, upper, upper])
     nodes, weights = (jnp.asarray(values, lower.dtype) for values in (_NODES, _WEIGHTS))
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
-
-    begins, widths, signs = (jnp.asarray(values, k.dtype) for values in (_BEGINS, _WIDTHS, _SIGNS))
+    begins, widths, signs = jnp.asarray(_BRACKETS, k.dtype).reshape(3, 3, *lower.ndim * (1,))
 
     def rising(k: Array, beyond: Array) -> Array:
         phi = begins + beyond
