@@ -166,7 +166,7 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
         one = one_of(*numbers)
         load = one.load
         if load is not None and load.amplitudes is not None:
-            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)))
+            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)[:2]))
         shared = shared_of(one)
         found = minimise(
             lambda variables: Candidate(one, variables, shared).objective(),

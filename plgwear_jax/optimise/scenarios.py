@@ -39,25 +39,8 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     Raises:
         ValueError: A concrete argument is outside its range.
     """
-    tangential_force, weight = as_array(tangential_force), as_array(weight)
-    check("weight", weight, WEIGHT)
-    check("level", level, LEVEL)
-    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
-    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
-    # Concrete numbers are handled by NumPy, which compiles nothing.
-    xp = np if concrete else jnp
-    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
-    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
-        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
-    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
-        raise ValueError("weight: all weights are zero")
-    order = xp.argsort(-force)
-    share = shares(weight)[order]
-    above = xp.cumsum(share) - share
-    # The worst case is the largest amplitude that has any weight.
-    tail = xp.maximum(1.0 - xp.asarray(level, dtype), np.finfo(dtype).tiny)
-    in_tail = xp.clip(tail - above, 0.0, share)
-    return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
+    _, counting, order = falling(tangential_force, weight, level)
+    return counting[namespace(order).argsort(order)]
 
 
 def shares(weight: Any) -> Any:
@@ -105,24 +88,39 @@ def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None,
         check_real("load", amplitudes)
         phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
         check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    amplitudes, counting = (np.asarray(x) for x in falling(amplitudes, weight, level))
+    amplitudes, counting, _ = falling(amplitudes, weight, level)
     if amplitudes[0] == 0.0:
         name = "tangential_force" if load.holds_force else "displacement_amplitude"
         raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
     return WeightedLoad(load, None).with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
 
 
-def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
-    """Amplitudes and the weights with which they count, of `tail_weights`, the largest one that counts first.
+def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array, Array]:
+    """(Amplitudes, the weights of `tail_weights` with which they count, their order), the largest that counts first.
 
     The limits of a design are checked at that one: it counts at every level. It stands also for what has no weight.
     """
-    counting = tail_weights(tangential_force, weight, level)
-    xp = namespace(counting)
-    force = xp.where(counting > 0.0, xp.asarray(tangential_force), 0.0)
-    force = xp.where(counting > 0.0, force, force.max())
+    tangential_force, weight = as_array(tangential_force), as_array(weight)
+    check("weight", weight, WEIGHT)
+    check("level", level, LEVEL)
+    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
+    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
+    # Concrete numbers are handled by NumPy, which compiles nothing.
+    xp = np if concrete else jnp
+    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
+    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
+        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
+    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
+        raise ValueError("weight: all weights are zero")
     order = xp.argsort(-force)
-    return force[order], counting[order]
+    force, share = force[order], shares(weight)[order]
+    above = xp.cumsum(share) - share
+    # The worst case is the largest amplitude that has any weight.
+    tail = xp.maximum(1.0 - xp.asarray(level, dtype), np.finfo(dtype).tiny)
+    in_tail = xp.clip(tail - above, 0.0, share)
+    counting = in_tail / xp.sum(in_tail)
+    largest = xp.where(counting > 0.0, force, 0.0).max()
+    return xp.where(counting > 0.0, force, largest), counting, order
 
 
 # --- where contacts without closed forms are solved -------------------------------------------------------------------
