@@ -301,7 +301,7 @@ def _critical(lower: Array, upper: Array) -> Array:
     # As a factor NaN makes derivatives NaN too.
     allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
     # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
-    least = jnp.finfo(lower.dtype).epsneg - 1.0
+    least = float(jnp.finfo(lower.dtype).epsneg) - 1.0
     lower, upper = clamp_keep_slope(least, allowed * lower), -clamp_keep_slope(least, -allowed * upper)
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
     # difference of the two volumes loses no digits between near bounds.

@@ -106,7 +106,7 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
     concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
     # Concrete numbers are handled by NumPy, which compiles nothing.
-    xp = np if concrete else jnp
+    xp: Any = np if concrete else jnp
     force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
     if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
         raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
