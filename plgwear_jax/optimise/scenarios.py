@@ -95,7 +95,7 @@ def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None,
     return WeightedLoad(load, None).with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
 
 
-def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array, Array]:
+def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Any, Any, Any]:
     """(Amplitudes, the weights of `tail_weights` with which they count, their order), the largest that counts first.
 
     The limits of a design are checked at that one: it counts at every level. It stands also for what has no weight.
@@ -106,7 +106,7 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
     concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
     # Concrete numbers are handled by NumPy, which compiles nothing.
-    xp: Any = np if concrete else jnp
+    xp = np if concrete else jnp
     force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
     if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
         raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
