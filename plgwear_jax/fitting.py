@@ -181,7 +181,7 @@ def _worn(volume: Any) -> float:
 
 
 class _OneRun:
-    """Worn volumes over the final volume, under one amplitude.
+    """Worn volumes under one amplitude.
 
     The time scales with the wear coefficient, so that one run gives the volumes with every coefficient. Its values and
     slopes are taken at points so dense that cubics between them have errors below 1e-8 of the volume, under a constant
@@ -194,35 +194,35 @@ class _OneRun:
         # Up to the end, or a tenth of it, where a run has no state at its last time.
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
         volume, rate, steady = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid)), run.steady
-        final = _worn(volume[-1])
-        self.unit = final if steady is None or not run.load.holds_force else float(steady.wear_volume)
-        self.cycles, self.steady, self.most = cycles, None if steady is None else self.unit, final / self.unit
-        shares, logs = volume / final, np.log(self.grid)
-        self.share = CubicHermiteSpline(logs, shares, self.grid * rate / final)
+        self.most, self.cycles, logs = _worn(volume[-1]), cycles, np.log(self.grid)
+        self.steady = None if steady is None else float(steady.wear_volume) if run.load.holds_force else self.most
+        self.volume = CubicHermiteSpline(logs, volume, self.grid * rate)
         # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
-        last = np.interp(1.0 if steady is None else 1.0 - 1e-6, shares, logs)
+        last = np.interp(self.most * (1.0 if steady is None else 1.0 - 1e-6), volume, logs)
         self.ends = float(logs[0] - np.log(cycles.max())), float(last - np.log(cycles.min()))
 
     def at(self, log: float) -> np.ndarray:
-        """Volumes at the cycles of the data, in `unit`, by log(K)."""
+        """Volumes at the cycles of the data by log(K)."""
         return self.curve(np.exp(log), self.cycles)
 
     def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        """Volumes in `unit` with some coefficients at other cycles; both broadcast."""
+        """Volumes with some coefficients at other cycles; both broadcast."""
         x, first, last = coefficient * cycles, self.grid[0], self.grid[-1]
         # Before the first point the volume grows with x, after the last one not at all.
-        return np.minimum(x / first, 1.0) * self.share(np.log(np.clip(x, first, last)))
+        return np.minimum(x / first, 1.0) * self.volume(np.log(np.clip(x, first, last)))
 
 
 class _ManyRuns:
-    """Worn volumes over the largest measured one, over blocks of given cycles: a run for each of some coefficients."""
+    """Worn volumes over blocks of given cycles: a run for each of some coefficients."""
 
     steady = None
 
     def __init__(self, run_with: Callable[[Any], Run], least: float, cycles: np.ndarray, volume: np.ndarray):
-        self.run_with, self.unit, self.cycles = run_with, float(volume.max()), cycles
+        self.run_with, self.cycles = run_with, cycles
         first = np.asarray(run_with(least).volume(cycles))
-        slow = least * self.unit / _worn(first.max())  # the coefficient without any change of the contact by its wear
+        slow = (
+            least * volume.max() / _worn(first.max())
+        )  # the coefficient without any change of the contact by its wear
         self.logs, self.volumes = np.zeros(0), np.zeros((0, cycles.size))
         self.follow(np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
 
@@ -235,14 +235,14 @@ class _ManyRuns:
         followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
         self.logs, places = np.unique(np.append(self.logs, logs[followed]), return_index=True)
         self.volumes = np.append(self.volumes, volumes[followed], axis=0)[places]
-        self.most = self.volumes.max(axis=0)  # in `unit`, with any coefficient
+        self.most = self.volumes.max(axis=0)  # with any coefficient
         self.at, self.ends = PchipInterpolator(self.logs, self.volumes), (float(self.logs[0]), float(self.logs[-1]))
 
     def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        """Volumes in `unit` with coefficients of shape (c, 1) at other cycles, shape (c, n); NaN with infinite ones."""
+        """Volumes with coefficients of shape (c, 1) at other cycles, shape (c, n); NaN with infinite ones."""
         one = coefficient[:, 0]
         found = np.asarray(self.run_with(np.where((one > 0.0) & (one < math.inf), one, 1.0)).volume(cycles[:, None])).T
-        return np.where(coefficient > 0.0, np.where(coefficient < math.inf, found / self.unit, math.nan), coefficient)
+        return np.where(coefficient > 0.0, np.where(coefficient < math.inf, found, math.nan), coefficient)
 
 
 @concrete_only("contact.over_cycles(load, law).volume(cycles) works there")
@@ -317,10 +317,10 @@ def fit_wear_coefficient(
         else:
             least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
             model = _ManyRuns(run_with, least, N, target)
-        known = model.unit if deviation is None else deviations[worn]
+        known = target.max() if deviation is None else deviations[worn]
 
         def misfit(log: float) -> float:
-            return float(np.sum(((model.unit * model.at(log) - target) / known) ** 2))
+            return float(np.sum(((model.at(log) - target) / known) ** 2))
 
         def most_likely() -> tuple[np.ndarray, float]:
             """(Some log(K), the best one); points early and late in a test can each have a minimum."""
@@ -333,7 +333,8 @@ def fit_wear_coefficient(
         if isinstance(model, _ManyRuns):
             model.follow(best + np.linspace(-0.5, 0.5, _NODES))
             tried, best = most_likely()
-        least, freedom, share = misfit(best), N.size - 1, model.at(best)
+        least, freedom, fitted = misfit(best), N.size - 1, np.zeros_like(volume)
+        fitted[worn] = model.at(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
         # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the
         # normal distribution if the deviations are known.
@@ -349,34 +350,33 @@ def fit_wear_coefficient(
             said = "the scatter is too large: the data do not tell the wear coefficient"
         elif high == math.inf and model.steady is None:
             said = "the data do not bound the wear coefficient from above"
-        elif model.steady is not None and (high == math.inf or share.min() > _STEADY):
-            beyond = f"all points lie beyond {share.min():.0%} of the steady state"
+        elif model.steady is not None and (high == math.inf or fitted[worn].min() > _STEADY * model.steady):
+            beyond = f"all points lie beyond {fitted[worn].min() / model.steady:.0%} of the steady state"
             said = f"{beyond}: they tell little but the least coefficient"
         elif high - low > math.log(100.0):
             said = "the scatter is too large: the data hardly tell the wear coefficient"
         elif deviation is not None and freedom and special.chdtrc(freedom, least) < 0.01:
             said = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
-        ratio = target / model.unit
-        if model.steady is not None and min(ratio.max(), np.mean(ratio / np.maximum(share, 1e-300))) > _EXCESS:
-            more = f"up to {ratio.max():.3g} times the volume of the steady state is measured"
-            said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-        if model.steady is None and np.any(ratio > _EXCESS * model.most):
+        if model.steady is not None:
+            ratio = target.max() / model.steady
+            if min(ratio, np.mean(target / np.maximum(fitted[worn], 1e-300))) > _EXCESS:
+                more = f"up to {ratio:.3g} times the volume of the steady state is measured"
+                said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
+        elif np.any(target > _EXCESS * model.most):
             said = "more is measured than any wear coefficient explains: the test is another than given"
         most = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
         curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), most), _GRID)
-        fitted = np.zeros_like(volume)
-        fitted[worn] = model.unit * share
         return Fit(
             wear_coefficient=math.exp(best),
             interval=(math.exp(low), math.exp(high)),
             cycles=cycles,
             volume=volume,
             fitted=fitted,
-            deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviations,
+            deviation=np.full_like(volume, scatter * target.max()) if deviation is None else deviations,
             steady_volume=model.steady,
             doubt=said,
             curve_cycles=curve_cycles,
-            curve=model.unit * model.curve(np.exp([[best], [low], [high]]), curve_cycles),
+            curve=model.curve(np.exp([[best], [low], [high]]), curve_cycles),
         )
 
 

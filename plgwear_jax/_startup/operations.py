@@ -243,7 +243,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "reduce_min": lambda x, *, axes: np.min(x, axes),
     "reduce_or": lambda x, *, axes: np.any(x, axes),
     "reduce_sum": lambda x, *, axes: np.sum(x, axes, x.dtype),
-    "reshape": lambda x, *, new_sizes: x.reshape(new_sizes),
+    "reshape": lambda x, *, new_sizes, dimensions: (x if dimensions is None else x.transpose(dimensions)).reshape(
+        new_sizes
+    ),
     "rev": lambda x, *, dimensions: np.flip(x, dimensions),
     "round": _rounded,
     "rsqrt": lambda x: 1 / np.sqrt(x),

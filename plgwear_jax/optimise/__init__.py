@@ -3,20 +3,20 @@
 from plgwear_jax.optimise.afterwards import (
     InSteadyState,
     ObjectiveCurve,
+    Sensitivities,
     UnderOtherLoad,
     along,
     in_steady_state,
+    sensitivities,
     under_other_load,
 )
 from plgwear_jax.optimise.batches import Designs, designs
-from plgwear_jax.optimise.best import Design, LimitState, compared, design
-from plgwear_jax.optimise.comparison import Comparison
+from plgwear_jax.optimise.best import Comparison, Design, LimitState, compared, design
 from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
 from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
 from plgwear_jax.optimise.question import Keywords, Limit, Question, WearHorizon
 from plgwear_jax.optimise.scenarios import Scenarios, WeightedLoad, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, minimise
-from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 from plgwear_jax.optimise.tradeoffs import Conflict, Front, conflict, front
 
 __all__ = [

@@ -24,6 +24,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.typing import DTypeLike
 
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.conditions import (
@@ -34,11 +35,100 @@ from plgwear_jax.optimise.conditions import (
     select,
     solved_by_elimination,
 )
-from plgwear_jax.optimise.search_plan import SearchPlan
 
 if TYPE_CHECKING:
     import optax
 
+
+# --- the parameters of a search ---------------------------------------------------------------------------------------
+
+
+class SearchPlan(NamedTuple):
+    """The parameters of a search; they determine its program.
+
+    Attributes:
+        variables: n, how many variables.
+        limits: m, how many limits.
+        samples: Points of the scan along each variable.
+        starts: How many valleys to descend from.
+        max_steps: Evaluations allowed on each descent.
+        noise: Relative error of the objective, below which differences have no meaning.
+        dtype: The dtype of all numbers.
+        axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
+            is no such axis or it is not known.
+    """
+
+    variables: int
+    limits: int
+    samples: int
+    starts: int
+    max_steps: int
+    noise: float
+    dtype: DTypeLike
+    axis: str | None = None
+
+    @property
+    def trials(self) -> int:
+        """Points for each start: steps of several lengths in a descent, a stencil in Newton's method."""
+        return 2 * self.variables + 1
+
+    @property
+    def lanes(self) -> int:
+        """The number of points in each evaluation."""
+        return self.starts * self.trials
+
+    @property
+    def passes(self) -> int:
+        """The number of evaluations of the scan."""
+        return -(-(self.samples**self.variables) // self.lanes)
+
+    @property
+    def eps(self) -> float:
+        """Relative rounding error."""
+        return float(jnp.finfo(self.dtype).eps)
+
+    @property
+    def width(self) -> float:
+        """The width of the stencil, whose differences of slopes stand for second derivatives."""
+        return self.eps ** (1.0 / 3.0)
+
+    @property
+    def tolerance(self) -> float:
+        """The relative slope at which it has converged: well above rounding errors, well below what users need."""
+        return self.eps**0.625
+
+    def axis_points(self) -> np.ndarray:
+        """Points of the scan along a variable."""
+        return np.linspace(-1.0, 1.0, self.samples).astype(self.dtype)
+
+    def mesh(self) -> np.ndarray:
+        """Points of the scan, (passes, lanes, n); the last evaluation is filled up with the first points."""
+        points = np.stack(np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij"), axis=-1)
+        return np.resize(points, (self.passes, self.lanes, self.variables))
+
+    def lengths(self) -> np.ndarray:
+        """The lengths of the trial steps of a descent, in units of the longest."""
+        return 0.25 ** np.arange(self.trials, dtype=self.dtype)
+
+
+def plan_of(
+    n: int,
+    limits: int,
+    dtype: Any = None,
+    samples: int | None = None,
+    starts: int | None = None,
+    max_steps: int = 200,
+    noise: float | None = None,
+) -> SearchPlan:
+    """The plan of the search for so many variables and limits."""
+    dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
+    along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
+    begun = min(along**n, starts or (3 if n == 1 else 24))
+    noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
+    return SearchPlan(n, limits, along, begun, max_steps, noise, dtype)
+
+
+# --- its state --------------------------------------------------------------------------------------------------------
 
 SCAN, DESCENT, POLISH, DONE = np.arange(4, dtype=np.int32)  # the phases
 
@@ -117,19 +207,16 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(plan: SearchPlan) -> "optax.GradientTransformationExtraArgs":
+def _solver(variables: int) -> "optax.GradientTransformation":
     import optax  # a tenth of a second, which a process that loads its programs does without
 
-    memory = min(10, 2 * plan.variables - 1)
-    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
-    return optax.with_extra_args_support(plan.solver or default)
+    return optax.scale_by_lbfgs(memory_size=min(10, 2 * variables - 1))
 
 
-@program(static=1)
-def _empty_memory(plan: SearchPlan) -> tuple[Array, ...]:
+@program()
+def _empty_memory(start: Array) -> tuple[Array, ...]:
     """The memory of the solver before its first step, without its structure, which is made of classes of optax."""
-    start = jnp.zeros((plan.starts, plan.variables), plan.dtype)
-    return tuple(jax.tree.leaves(jax.vmap(_solver(plan).init)(start)))
+    return tuple(jax.tree.leaves(jax.vmap(_solver(start.shape[1]).init)(start)))
 
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
@@ -151,9 +238,7 @@ def _merit_slope(at: Descent) -> Any:
     return inclination(at.slopes, _pushed(at, at.values))
 
 
-def descended(
-    plan: SearchPlan, state: SearchState, values: Any, slopes: Any, objective: Callable[[Array], Array] | None
-) -> SearchState:
+def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
     xp, at = namespace(values), state.descent
     trials = state.points.reshape(plan.trials, plan.starts, plan.variables)
@@ -161,8 +246,7 @@ def descended(
 
     after = _merit(at, values)
     wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
-    falls = after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)
-    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done
+    falls = (after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)) & ~at.done
     taken, longest = falls.any(0), falls.argmax(0)
     u, found, inclined = (
         select(taken, new[longest, np.arange(plan.starts)], old)
@@ -186,7 +270,7 @@ def descended(
         free=at.free & ~settled[:, None],
         done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
     )
-    at = _turned(plan, at, taken | settled, objective)
+    at = _turned(plan, at, taken | settled)
     finished = all_done(plan, at.done)
     return state._replace(
         phase=xp.where(finished, POLISH, DESCENT),
@@ -195,23 +279,18 @@ def descended(
     )
 
 
-def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Array], Array] | None) -> Descent:
+def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
     # The memory is reset when other variables are on their bounds.
     fresh = (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
-    if plan.solver is None:
-        step = _next_directions(plan, at.u, gradient, at.memory, fresh)
-        direction, *memory = jax.tree.map(xp.asarray, step)
-        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
-        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
-        direction = direction * xp.minimum(1.0, 0.4 / longest)
-    else:
-        step = _next_directions.function(plan, at.u, gradient, at.memory, fresh, at, objective)
-        direction, *memory = step
+    direction, *memory = map(xp.asarray, _next_directions(at.u, gradient, at.memory, fresh))
+    direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+    # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+    longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+    direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
         free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
@@ -220,30 +299,18 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any, objective: Callable[[Arra
     )
 
 
-@program(static=1)
-def _next_directions(
-    plan: SearchPlan, u: Any, gradient: Any, memory: Any, fresh: Any, at: Any = (), objective: Any = None
-) -> tuple[Any, ...]:
-    """The directions and the memory that the solver of optax gives.
+@program()
+def _next_directions(u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, ...]:
+    """The directions and the memory that the solver of optax gives."""
+    solver = _solver(u.shape[1])
 
-    Descents and the objective are for the line search of a solver that has one.
-    """
-    solver = _solver(plan)
-
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array, at: Any) -> tuple[Array, ...]:
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, ...]:
         at_first, tree = jax.tree.flatten(solver.init(u))
         memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        more: dict[str, Any] = {}
-        if at:
-            more = {
-                "value": _merit(at, at.values),
-                "grad": gradient,
-                "value_fn": lambda u: _merit(at, objective(u)),
-            }
-        direction, memory = solver.update(gradient, memory, u, **more)
-        return direction, *jax.tree.leaves(memory)
+        upwards, memory = solver.update(gradient, memory, u)
+        return -upwards, *jax.tree.leaves(memory)  # pyright: ignore[reportOperatorIssue]
 
-    return jax.vmap(one)(u, gradient, memory, fresh, at)
+    return jax.vmap(one)(u, gradient, memory, fresh)
 
 
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
@@ -305,7 +372,7 @@ def begin(plan: SearchPlan) -> SearchState:
         free=u > 0.0,
         direction=u,
         length=one,
-        memory=_empty_memory(plan),
+        memory=_empty_memory(u),
         multipliers=multipliers,
         penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
         violation=np.inf * one,
@@ -326,13 +393,7 @@ def begin(plan: SearchPlan) -> SearchState:
     )
 
 
-def tell(
-    plan: SearchPlan,
-    state: SearchState,
-    values: Any,
-    slopes: Any,
-    objective: Callable[[Array], Array] | None = None,
-) -> SearchState:
+def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
     """The state after the values and slopes at `state.points` are known.
 
     Args:
@@ -340,7 +401,6 @@ def tell(
         state: Where it stands.
         values: At the points, (lanes, 1 + m).
         slopes: By u, (lanes, 1 + m, n).
-        objective: The values at a point u, (1 + m,), for a solver of optax that has a line search of its own.
     """
     xp = namespace(values)
     new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
@@ -354,11 +414,10 @@ def tell(
     values, slopes = (
         x.reshape(plan.trials, plan.starts, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
     )
-    scaled = None if objective is None else lambda u: objective(u) / state.scale
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes, scaled),
+        lambda rest: descended(plan, rest, values, slopes),
         lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )

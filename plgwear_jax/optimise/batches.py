@@ -1,7 +1,6 @@
 """The best gradients for many contacts in one call."""
 
 import dataclasses
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, Unpack, cast
 
@@ -31,7 +30,7 @@ from plgwear_jax.optimise.question import (
     solved_in_turn,
     solved_one_by_one,
 )
-from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, weighted_load
+from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, spread, weighted_load
 from plgwear_jax.optimise.search import minimise
 from plgwear_jax.steady.arguments import amplitude_of, own_axes
 
@@ -133,32 +132,28 @@ def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], 
         own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
     elif load is not None and load.weight is not None:
         own[-1] = 1
-    leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
-    shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
+    dtype = jnp.result_type(0.0, *leaves)
 
     def one(*numbers: Any) -> Question:
         contact, horizon, load = jax.tree.unflatten(rebuild, numbers)
         return dataclasses.replace(question, contact=contact, horizon=horizon, load=load)
 
-    return shape, [xp.broadcast_to(x, (*shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)], one
+    return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), one
 
 
 def _designs_in_turn(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
     shape, numbers, one_of = _batch_of(question, np)
-    count = math.prod(shape)
-    found, certain = np.full((count, len(question.bounds) + 2), np.nan), np.zeros((count, 3), bool)
-    for i, given in enumerate(zip(*(x.reshape(count, *x.shape[len(shape) :]) for x in numbers), strict=True)):
-        one = one_of(*given)
-        load = one.load
-        assert load is not None
+    nothing: Any = dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False
+    found = [Designs(*nothing)]  # where nothing wears
+    for place in np.ndindex(shape):
+        one: Any = one_of(*(x[place] for x in numbers))
+        load, best = one.load, found[0]
         if not question.by_force or np.any(load.amplitudes * load.weight):
-            weighted = weighted_load(one.contact, load.load, load.weight, level, one.horizon is None)
+            weighted = weighted_load(one.contact, load.load, load.weight, level)
             best = answered(dataclasses.replace(one, load=weighted))
-            found[i] = *(best.variables[name] for name in question.bounds), best.value, best.saving
-            certain[i] = best.converged, best.certified, best.scan_found_nothing_better
-    columns = (jnp.asarray(column.reshape(shape)) for column in (*found.T, *certain.T))
-    return Designs(dict(zip(question.bounds, columns, strict=False)), *columns)
+        found.append(Designs(*(getattr(best, field.name) for field in dataclasses.fields(Designs))))
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.reshape(leaves[1:], shape).astype(type(leaves[0]))), *found)
 
 
 @jax.jit
@@ -171,16 +166,12 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
         one = one_of(*numbers)
         load = one.load
         if load is not None and load.amplitudes is not None:
-            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)))
+            one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)[:2]))
         shared = shared_of(one)
-
-        def limits(variables: dict[str, Array]) -> Array:
-            return jnp.stack([jnp.asarray(x) for x in Candidate(one, variables, shared).excess()])
-
         found = minimise(
             lambda variables: Candidate(one, variables, shared).objective(),
             space(one),
-            limits=limits if question.limits else None,
+            limits=lambda variables: Candidate(one, variables, shared).rows()[1:],
             samples=plan.samples,
             starts=plan.starts,
             axis_name=BATCH,

@@ -1,7 +1,5 @@
 """The best design for a question, beside its reference and in words."""
 
-import contextlib
-import dataclasses
 import itertools
 import math
 import textwrap
@@ -9,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Unpack
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
@@ -18,16 +17,20 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
+from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.comparison import Comparison, side_by_side
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.evaluation import (
     Evaluation,
     Evaluator,
     Known,
+    concrete,
+    evaluate,
     reference_variables,
     search,
     search_over_scenarios,
+    tells_states,
     valued,
 )
 from plgwear_jax.optimise.question import (
@@ -37,6 +40,7 @@ from plgwear_jax.optimise.question import (
     Question,
     keeps,
     question_of,
+    with_variables,
 )
 from plgwear_jax.optimise.scenarios import WeightedLoad
 from plgwear_jax.optimise.search import Minimum
@@ -73,7 +77,7 @@ class LimitState:
         """The limit is broken by no more than rounding."""
         with np.errstate(divide="ignore"):  # what is limited can be 0
             excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
-        return keeps(-excess if self.lowest else excess)
+        return bool(keeps(-excess if self.lowest else excess))
 
 
 def stem_and_side(name: str) -> tuple[str, str]:
@@ -160,7 +164,7 @@ class Design:
     @property
     def keeps_limits(self) -> bool:
         """No limit is broken by more than rounding."""
-        return keeps(self.minimum.limits)
+        return bool(keeps(self.minimum.limits))
 
     @property
     def converged(self) -> bool:
@@ -251,9 +255,9 @@ def answered(question: Question, known: Known | None = None) -> Design:
     """The design that answers a question; what is evaluated on the way is put to what is known."""
     known = {} if known is None else known
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
-    evaluator = Evaluator(question, known)
-    at = evaluator.evaluate(found.variables)
-    contact = evaluator.contact(question.contact, found.variables)
+    at = evaluate(question, found.variables, known)
+    given = {name: np.asarray(value).item() for name, value in {**found.variables, **at.held}.items()}
+    contact = with_variables(question.contact, given)
     return Design(
         contact=contact,
         value=valued(at.objective[0], question, contact),
@@ -275,6 +279,34 @@ def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[s
 
 # --- beside the reference ---------------------------------------------------------------------------------------------
 
+_SAMPLES = 201
+
+
+@record
+class Comparison:
+    """The quantities of the best contact of a design and of its reference, in SI units, at the largest amplitude.
+
+    The first entry of every array is of the best contact, the second of the reference.
+
+    Attributes:
+        quantities: By name, each of shape (2,): "contact_radius", "stick_radius", "worn_radius", "wear_volume",
+            "edge_pressure", "modulus_at_radius" and the objective, which is over the whole load. For gross slip
+            "volume_change", "force_drop" and "modulus_at_radius"; for a displacement or blocks "contact_radius".
+        distance: At which the edge pressure is taken, in m inside the stick-slip boundary; NaN where there is none.
+        radii: Places in the worn ring, or on the face of the punch, shape (2, n); from the axis on after a displacement
+            or blocks.
+        depth: The wear depth there, shape (2, n).
+        depths: Depths in the half-space at which the pictures show the modulus, shape (m,): two of a power law.
+        modulus: Young's modulus there, shape (2, m).
+    """
+
+    quantities: dict[str, Array]
+    distance: ArrayLike
+    radii: Array
+    depth: Array
+    depths: Array
+    modulus: Array
+
 
 @concrete_only("optimise.designs works there for contacts with closed forms")
 def compared(found: Design) -> Comparison:
@@ -291,9 +323,65 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    both = side_by_side(found.question, found.contact, found.variables)
-    objective = {found.objective: np.array([found.value, found.reference_value])}
-    return dataclasses.replace(both, quantities=both.quantities | objective)
+    question, load, evaluator = found.question, found.question.load, Evaluator(found.question)
+    pair = concrete(found.contact), concrete(question.contact)
+    limited = (one.places["distance"] for one in question.limits if one.quantity == "edge_pressure")
+    distance, each = concrete(next(limited, np.nan)), []
+    for one, values in zip(reversed(pair), (found.reference_variables, found.variables), strict=True):
+        if load is None:
+            each.append(_face(one))
+        elif not question.by_force:
+            each.append(_worn_by_then(question, one))
+        else:
+            steady = one.steady(concrete(load.amplitudes)[0])
+            if tells_states(question):  # by the program of the search
+                told = evaluator.told(evaluator.points(values)).state
+                vars(steady)["solved"] = jax.tree.map(lambda x: x[0], told)
+            distance, *ring = _ring(steady, distance)  # both at the place of the reference
+            each.append(ring)
+    quantities, edge, radii, depth = jax.tree.map(lambda *parts: np.stack(parts[::-1]), *map(tuple, each))
+    marked = [float(np.asarray(one.places["z"])) for one in question.limits if one.quantity == "modulus_at"]
+    ends = min([0.01 * edge[1], *(0.5 * z for z in marked)]), max([10.0 * edge[1], *(2.0 * z for z in marked)])
+    depths = concrete(np.geomspace(*ends, 2 if isinstance(found.contact.material, PowerLawGraded) else _SAMPLES))
+    modulus: Any = np.stack([_moduli(one.material, np.append(at, depths)) for one, at in zip(pair, edge, strict=True)])
+    quantities["modulus_at_radius"] = modulus[:, 0]
+    quantities[found.objective] = np.array([found.value, found.reference_value])
+    return Comparison(quantities, np.asarray(distance), radii, depth, depths, modulus[:, 1:])
+
+
+# Each gives quantities, the edge of the contact before any wear, radii and wear depths there.
+
+
+@program(level=1)
+def _ring(steady: Any, distance: Array) -> Any:
+    quantities = {name: getattr(steady, name) for name in ("contact_radius", "stick_radius", "worn_radius")}
+    radius, inner, outer = quantities.values()
+    distance = jnp.where(jnp.isnan(distance), 0.01 * radius, distance)
+    quantities |= {"wear_volume": steady.wear_volume, "edge_pressure": steady.edge_pressure(distance)}
+    radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
+    return distance, quantities, radius, radii, steady.wear_depth(radii)
+
+
+@program()
+def _face(punch: Any) -> Any:
+    steady = punch.steady()
+    quantities = {name: getattr(steady, name) for name in ("volume_change", "force_drop")}
+    radii = punch.radius * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
+    return quantities, punch.radius, radii, punch.depth - steady.steady_displacement(radii)
+
+
+def _worn_by_then(question: Question, contact: Any) -> Any:
+    """Under a load without a steady state: what is worn after the life."""
+    horizon, load = question.horizon, question.load
+    largest = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
+    run, radius = contact.over_cycles(largest, horizon.law), contact.steady(0.0).contact_radius
+    radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
+    return {"contact_radius": radius}, radius, radii, run.depth(radii, horizon.cycles)
+
+
+@program()
+def _moduli(material: Any, depths: Array) -> Array:
+    return material.modulus_at(depths)
 
 
 def doubtful(found: Design, comparison: Comparison) -> str | None:
@@ -327,8 +415,7 @@ def _in_words(found: Design) -> str:
     if scenarios is not None:
         lines.append(f"scenarios: {np.size(scenarios.weight)}, limits for the worst of them")
     if found.question.by_force:
-        with contextlib.suppress(ValueError):  # of a design put together by hand, whose contacts cannot be compared
-            lines.append(doubtful(found, compared(found)))
+        lines.append(doubtful(found, compared(found)))
     limits = []
     for state in found.limits.values():
         value, allowed = (measured(state.quantity, number) for number in (state.value, state.allowed))

@@ -8,7 +8,7 @@ over its limit.
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -21,9 +21,11 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read, read_from
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
+from plgwear_jax.optimise.ask_and_tell import SearchPlan, plan_of
 from plgwear_jax.optimise.question import (
     Question,
     keeps,
+    moved,
     needs_force,
     read_from_runs,
     solved_in_turn,
@@ -31,11 +33,9 @@ from plgwear_jax.optimise.question import (
     variable_of,
     with_variables,
 )
-from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights, without_padding
+from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
-from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
-from plgwear_jax.wear_laws import Archard
 
 if TYPE_CHECKING:
     from plgwear_jax.optimise.along_exponent import RunsAlongExponent
@@ -77,20 +77,15 @@ class Candidate:
     def _amplitudes(self) -> tuple[Any, Array | None]:
         """(Amplitudes at which it is solved, the largest first, the matrix from there to those of the load)."""
         load = self.question.load
-        assert load is not None
-        if not solved_one_by_one(self.question):
+        if not (solved_one_by_one(self.question) and self.question.by_force):
             return load.amplitudes, None
-        counting = without_padding(load.amplitudes, load.weight)
-        if not self.question.by_force:
-            return counting, None
         limit = jnp.asarray(self.free.friction * self.free.normal_force)
-        phi, between = solved_at(counting / limit)
+        phi, between = solved_at(load.amplitudes / limit)
         return phi * limit, between
 
     def _steady(self, force: Any) -> Any:
-        assert self.question.load is not None
         force = Force(force, self.question.load.load.rig_stiffness)
-        if self.shared.radius is not None and is_closed(self.free):
+        if self.shared.radius is not None and is_closed(self.free):  # a smaller program
             return self.free.steady(force).with_contact_radius(self.shared.radius)
         return self.contact.steady(force)
 
@@ -101,21 +96,19 @@ class Candidate:
 
     @functools.cached_property
     def largest(self) -> Any:
-        """At the largest amplitude, first of an axis where all of them are solved together."""
-        closed, forced = is_closed(self.free), any(needs_force(one.quantity) for one in self.question.limits)
-        if not closed and (self.question.horizon is None or forced):
+        """At the largest amplitude, first of an axis where all of them are solved together, or before any wear."""
+        if tells_states(self.question):
             return self.steady
-        return self._steady(self._amplitudes[0][0] if closed and self.question.by_force else 0.0)
+        forced = any(needs_force(one.quantity) for one in self.question.limits)
+        return self._steady(self._amplitudes[0][0] if forced else 0.0)
 
     def _by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity after the cycles, at each amplitude at which it is solved."""
         horizon, load, runs = self.question.horizon, self.question.load, self.shared.runs
-        assert horizon is not None and load is not None
         if runs is not None:
-            contact, law, radius = self.free, horizon.law, self.shared.radius
-            assert isinstance(law, Archard)
+            contact, radius = self.free, self.shared.radius
             radius = contact.steady(0.0).contact_radius if radius is None else radius
-            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * law.wear_coefficient
+            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * horizon.law.wear_coefficient
             log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)
             log_worn = runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
             return radius**4 / jnp.asarray(contact.radius) * jnp.exp(log_worn)
@@ -144,29 +137,25 @@ class Candidate:
         found = jnp.broadcast_to(found, jnp.shape(amplitudes))
         return found if between is None else jnp.exp(between @ _log_or_least(found))
 
-    def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
-        """A quantity in SI units at the largest amplitude."""
-        return jnp.ravel(self._read(name, places, True))[0]
-
     def objective(self) -> Array:
         """The logarithm of what is minimised, over that of the reference."""
         load = self.question.load
         total = jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(())
         return _log_or_least(total / self.shared.scale)
 
-    def excess(self) -> list[Array]:
-        """log(value/limit) for each limit, with the sign that is positive where the limit is broken, also by inf."""
-        return [
-            (-1.0 if one.lowest else 1.0)
-            * jnp.minimum(_log_or_least(self.value(one.quantity, one.places) / one.value), 1e3)
-            for one in self.question.limits
-        ]
-
     def rows(self) -> Array:
-        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`."""
+        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`.
+
+        The excess is log(value/limit), with the sign that is positive where the limit is broken, also by inf.
+        """
         if self.question.scenarios is not None:
             return self._rows_of_scenarios(self.question.scenarios)
-        return jnp.stack([jnp.asarray(x) for x in (self.objective(), *self.excess())])
+        rows = [self.objective()]
+        for one in self.question.limits:
+            value = jnp.ravel(self._read(one.quantity, one.places, True))[0]
+            over = jnp.minimum(_log_or_least(value / one.value), 1e3)
+            rows.append(-over if one.lowest else over)
+        return jnp.stack(rows)
 
     def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
         """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
@@ -186,7 +175,7 @@ class Candidate:
             # The names of what varies stay: they decide how a contact is solved.
             parts = {"contact": there, "load": load, "horizon": horizon, "hold": False, "scenarios": None}
             one = Candidate(dataclasses.replace(question, **parts), {})
-            return jnp.concatenate([one.amounts() / self.shared.scale, *(x.reshape(1) for x in one.excess())])
+            return jnp.append(one.amounts() / self.shared.scale, one.rows()[1:])
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
         return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
@@ -247,11 +236,14 @@ Known = dict[Any, Any]  # what is known of questions, and of points that are sol
 
 
 class Evaluation(NamedTuple):
-    """The objective and the limits at several choices of the variables."""
+    """The objective and the limits at several choices of the variables; of scenarios over all of them."""
 
     values: Any  # of `Candidate.rows`, (points, 1 + m)
     slopes: Any  # by the variables on the scale on which they are searched, (points, 1 + m, n)
-    scale: Any  # the objective of the reference in SI units
+    scale: Any = 1.0  # the objective of the reference in SI units
+    held: Any = None  # E0 that holds the contact radius, by name, if it is held
+    weights: Any = None  # with which scenarios and amplitudes count, (points, scenarios * amplitudes)
+    scenario: Any = None  # where a limit is broken the most, (points, m)
 
     @property
     def objective(self) -> Any:
@@ -281,19 +273,16 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here, shared = here | held, shared._replace(radius=None)
 
-    def there(steps: Array) -> tuple[Array, Any]:
-        moved = {
-            name: value + step if is_linear(name) else value * jnp.exp(step)
-            for (name, value), step in zip(here.items(), steps, strict=True)
-        }
-        candidate = Candidate(question, moved, shared)
+    def rows_at(steps: Array) -> tuple[Array, Any]:
+        there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
+        candidate = Candidate(question, there, shared)
         rows = candidate.rows()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
-    values, slopes, state = values_and_jacobian(there, True)(jnp.zeros(len(here), point.dtype))
+    values, slopes, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
         along = slopes[-1, :-1] / slopes[-1, -1]
         values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
@@ -306,16 +295,9 @@ def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points:
 
 
 @program(static=1, level=1)
-def _in_turn(names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array) -> Told:
-    """The first `count` points, one after the other: contacts that are solved numerically."""
-    one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
-
-    def add(i: Array, found: Any) -> Any:
-        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, one(points[i]))
-
-    like = jax.eval_shape(one, points[0])
-    none = jax.tree.map(lambda x: jnp.zeros((len(points), *x.shape), x.dtype), like)
-    return jax.lax.fori_loop(0, count, add, none)
+def _at_one_point(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
+    """At a single point, of a contact that is solved numerically."""
+    return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
 
 
 def concrete(tree: Any) -> Any:
@@ -324,13 +306,18 @@ def concrete(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
 
 
+def _bytes_of(tree: Any) -> bytes:
+    return b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(tree))
+
+
 class Evaluator:
     """Evaluates a question at concrete choices of the variables, by one program; no point is solved twice."""
 
-    def __init__(self, question: Question, known: Known | None = None, lanes: int | None = None) -> None:
-        self.question, self.lanes = concrete(question), lanes or plan_for(question).lanes
+    def __init__(self, question: Question, known: Known | None = None) -> None:
+        self.question, self.in_turn = concrete(question), solved_in_turn(question)
+        self.lanes = 1 if self.in_turn else plan_for(question).lanes
         self.names, self.known = tuple(question.bounds), {} if known is None else known
-        self.key = b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self.question))
+        self.key = _bytes_of(self.question)
 
     @functools.cached_property
     def shared(self) -> Shared:
@@ -340,8 +327,7 @@ class Evaluator:
             one = np.ones((), np.result_type(*jax.tree.leaves(question.contact)))
             shared = Shared(concrete(_held_radius(question)), self._runs(), one)
             told = self._solved(self.points(reference_variables(question)), shared)
-            (worth,) = self._over_scenarios(told.values, told.slopes)[0][:, 0]
-            self.known[self.key] = shared._replace(scale=np.exp(worth))
+            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, *told[:2]).values[0, 0]))
         return self.known[self.key]
 
     def _runs(self) -> Any:
@@ -349,60 +335,37 @@ class Evaluator:
             return None
         from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
 
-        question, nu = self.question, self.question.contact.material.nu
-        assert question.load is not None
-        given = question.phi, question.load.weight, ends_of(question), [0.5 if isinstance(nu, str) else nu]
-        key = np.concatenate(given).tobytes()
+        key = _bytes_of((self.question.phi, ends_of(self.question), self.question.contact.material.nu))
         if key not in self.known:
-            self.known[key] = runs_of(question)
+            self.known[key] = runs_of(self.question)
         return self.known[key]
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
-        """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
-        in_turn = solved_in_turn(self.question)
-        found = []
-        for first in range(0, len(points), self.lanes):
-            some = points[first : first + self.lanes]
-            count = np.asarray(len(some))
-            some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
-            given = self.names, self.question, shared, some
-            found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
-        return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
+        """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
+        lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
+        program = _at_one_point if self.in_turn else _at_once
+        found = jax.device_get(program(self.names, self.question, shared, lanes))
+        return jax.tree.map(lambda x: x[: len(points)], found)
 
     def told(self, points: np.ndarray) -> Told:
-        """What `_at_point` tells at points, (points, n); of contacts that are solved numerically it is kept."""
-        if not solved_in_turn(self.question):
-            return self._solved(points, self.shared)
-        keys = [(self.key, point.tobytes()) for point in points]
-        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
-        if new:
-            found = self._solved(np.array([*new.values()]), self.shared)
-            self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
-        return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
-
-    def rows(self, points: np.ndarray) -> Rows:
-        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
-        told = self.told(points)
-        return told.values, told.slopes
-
-    def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
-        return (
-            (values, slopes) if self.question.scenarios is None else over_scenarios(self.question, values, slopes)[:2]
-        )
+        """What `_at_point` tells at points, (n, variables); of contacts that are solved numerically it is kept."""
+        known, found = self.known if self.in_turn else {}, []
+        for first in range(0, len(points), self.lanes):
+            some = points[first : first + self.lanes]
+            key = self.key, some.tobytes()
+            if key not in known:
+                known[key] = self._solved(some, self.shared)
+            found.append(known[key])
+        return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
 
     def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
-        return Evaluation(*self._over_scenarios(*self.rows(self.points(variables))), self.shared.scale)
+        told = self.told(self.points(variables))
+        return over_scenarios(self.question, *told[:2])._replace(scale=self.shared.scale, held=told.held)
 
     def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
         """The choices as rows, (points, n)."""
         return np.stack([np.atleast_1d(concrete(variables[name])) for name in self.names], axis=-1)
-
-    def contact(self, contact: Any, variables: Mapping[str, Any]) -> Any:
-        """The contact, as it was given, with these variables, and with its radius held."""
-        held = self.told(self.points(variables)).held if self.question.hold else {}
-        given = {name: variables[name] for name in self.names} | held  # in the order of the question
-        return with_variables(contact, {name: np.asarray(value).item() for name, value in given.items()})
 
 
 def plan_for(question: Question) -> SearchPlan:
@@ -443,7 +406,7 @@ def search(
     evaluator = Evaluator(question, known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        rows = evaluator.rows(evaluator.points(variables))
+        rows = evaluator.told(evaluator.points(variables))[:2]
         return rows if changed is None else changed(*rows)
 
     return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
@@ -452,22 +415,13 @@ def search(
 # --- scenarios --------------------------------------------------------------------------------------------------------
 
 
-class Worst(NamedTuple):
-    """Scenarios in one: what is minimised over all of them, and each limit where it is broken the most."""
-
-    values: np.ndarray  # as of `Candidate.rows`, (points, 1 + m)
-    slopes: np.ndarray  # (points, 1 + m, n)
-    weights: np.ndarray  # with which the scenarios and amplitudes count, (points, scenarios * amplitudes)
-    scenario: np.ndarray  # where a limit is broken the most, (points, m)
-
-
 def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows of scenarios, sorted: amounts and excess of limits, each a value and its slopes along a last axis.
 
     The shapes are (points, scenarios * amplitudes, 1 + n) and (points, scenarios, m, 1 + n).
     """
-    assert question.scenarios is not None
-    points, count, number = len(values), np.size(question.scenarios.weight), 1 + slopes.shape[-1]
+    scenarios: Any = question.scenarios
+    points, count, number = len(values), np.size(scenarios.weight), 1 + slopes.shape[-1]
     rows = np.concatenate([values[..., None], slopes], axis=-1).reshape(points, count, -1, number)
     first = rows.shape[2] - len(question.limits)
     return rows[:, :, :first].reshape(points, -1, number), rows[:, :, first:]
@@ -480,16 +434,17 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
 
 
-def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
-    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
-    assert question.scenarios is not None
+def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Evaluation:
+    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and each limit where it is worst."""
+    if question.scenarios is None:
+        return Evaluation(values, slopes)
     amounts, excess = _of_scenarios(question, values, slopes)
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
     worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
     rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
-    return Worst(rows[..., 0], rows[..., 1:], weights, at)
+    return Evaluation(rows[..., 0], rows[..., 1:], weights=weights, scenario=at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:
@@ -515,35 +470,47 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
 
 
 _ROUNDS = 30
-FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _CLOSED = 1e-9  # of the logarithm of the objective
 
 
 def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, known)
+    closed, evaluator, each = (
+        max(_CLOSED, plan_for(question).noise),
+        Evaluator(question, known),
+        range(len(question.limits)),
+    )
+    at = evaluator.evaluate(reference_variables(question))
+    choices, pairs, all_known = [at.weights[0]], [*zip(at.scenario[0], each, strict=True)], False
 
-    def worst_at(variables: Mapping[str, ArrayLike]) -> tuple[Worst, list[tuple[int, int]]]:
-        """The scenarios in one, and in which of them each limit is broken the most."""
-        at = over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
-        return at, [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
+    def relaxed(which: int) -> Minimum:
+        """The best design where one choice of the weights is the worst of those that are known, within some limits."""
+        scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
+
+        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
+            amounts, excess = _of_scenarios(question, values, slopes)
+            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
+            goal = means[:, [which]]
+            rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
+            return rows[..., 0], rows[..., 1:]
+
+        return search(question, changed, known, limits=len(choices) - 1 + len(pairs))
 
     def badness(found: Minimum) -> tuple[bool, float]:
         kept = bool(keeps(found.limits) and np.isfinite(found.value))
         return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
 
-    at, pairs = worst_at(reference_variables(question))
-    choices, best = [at.weights[0]], None
-    multipliers, all_known = np.zeros(len(question.limits)), False
+    best = multipliers = cast(Any, None)
     for _ in range(_ROUNDS):
-        found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
+        found = [*map(relaxed, range(len(choices)))]
         best = min(found, key=badness)
-        of_pairs = best.multipliers[len(choices) - 1 :][: len(pairs)]
-        multipliers = np.bincount([limit for _, limit in pairs], of_pairs, len(question.limits)) if pairs else of_pairs
-        at, broken = worst_at(best.variables)
+        of_limits = np.array(pairs, int).reshape(-1, 2)[:, 1]
+        multipliers = np.bincount(of_limits, best.multipliers[len(choices) - 1 :], len(each))
+        at = evaluator.evaluate(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
-        new = [pair for pair in broken if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
+        broken = zip(at.scenario[0], each, at.values[0, 1:], strict=True)
+        new = [(one, limit) for one, limit, excess in broken if excess > closed and (one, limit) not in pairs]
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
             all_known = worse = False  # a search has not ended where its limits are kept
@@ -553,7 +520,6 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         choices += [at.weights[0]] if worse else []
     else:
         all_known = False
-    assert best is not None
     return dataclasses.replace(
         best,
         value=at.values[0, 0],
@@ -562,23 +528,3 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
         certified=best.certified & all_known,
         scan_found_nothing_better=best.scan_found_nothing_better & all_known & (len(choices) == 1),
     )
-
-
-def _relaxed(
-    question: Question, choices: list[np.ndarray], pairs: list[tuple[int, int]], which: int, known: Known
-) -> Minimum:
-    """The best design where one choice of the weights is the worst of those that are known, within some limits."""
-    count = len(choices) - 1 + len(pairs)
-    room = next(size for size in (0, 1, 2, 4, 8, 16, 32, 64, count) if size >= count)  # for few programs
-    scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
-
-    def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-        amounts, excess = _of_scenarios(question, values, slopes)
-        means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
-        goal = means[:, [which]]
-        rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
-        rows = np.pad(rows, ((0, 0), (0, room - count), (0, 0)))
-        rows[:, 1 + count :, 0] = FAR_OFF
-        return rows[..., 0], rows[..., 1:]
-
-    return search(question, changed, known, limits=room)

@@ -27,9 +27,12 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.material import tangential_ratio
+from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
-from plgwear_jax.optimise.search_plan import plan_of
+from plgwear_jax.special.elementary import clamp_keep_slope
+from plgwear_jax.special.root import first_at
 
 
 @record
@@ -144,25 +147,21 @@ def _noise(digits: int | None) -> float | None:
 def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | None) -> OptimalExponent:
     phi, lower, upper = jnp.broadcast_arrays(phi, lower, upper)
 
-    def wear(k: Array, lower: Array, upper: Array, phi: Array) -> Array:
-        return fretting.wear_volume(k, phi, digits=digits)
-
+    wear = functools.partial(fretting.wear_volume, digits=digits)
     return _least(wear, _noise(digits), AMPLITUDE.contains(phi), lower, upper, phi)
 
 
 def _least(
-    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, more: Array
+    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, *more: Array
 ) -> OptimalExponent:
-    """The exponents between bounds at which the wear, of k, the bounds and what more it depends on, is least."""
+    """The exponents between bounds at which the wear, of k and what more it depends on, is least."""
 
-    def best(lower: Array, upper: Array, more: Array) -> Minimum:
-        def objective(variables: dict[str, Array]) -> Array:
-            return wear(variables["k"], lower, upper, more)
-
-        return minimise(objective, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+    def best(lower: Array, upper: Array, *more: Array) -> Minimum:
+        space = {"k": Interval(lower, upper)}
+        return minimise(lambda variables: wear(variables["k"], *more), space, noise=noise, axis_name=BATCH)
 
     valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
-    return _exponent_of(in_chunks(best, lower.shape, lower, upper, more), valid)
+    return _exponent_of(in_chunks(best, lower.shape, lower, upper, *more), valid)
 
 
 def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
@@ -183,27 +182,22 @@ def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
 
 @functools.partial(jax.jit, static_argnums=5)
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax.optimise.along_exponent import (  # seldom needed, and take time
-        NODES,
-        exponents_of_runs,
-        shares_of_nodes,
-        with_room,
-    )
+    from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
     from plgwear_jax.wear.closed_ring import wear_volume
-
-    def wear(k: Array, lower: Array, upper: Array, heights: Array) -> Array:
-        return jnp.exp(shares_of_nodes(jnp.stack(with_room(upper, lower)), k, NODES) @ heights)
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
     worn = jnp.broadcast_to(phi > 0.0, shape)
     # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
-    k = exponents_of_runs(jnp.stack(jnp.broadcast_arrays(*with_room(upper, lower))), NODES)
+    k = nodes_between(*with_room(upper, lower), NODES)
     phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
     volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
-    heights = jnp.broadcast_to(jnp.log(volume), (*shape, NODES))
+    nodes, heights = (jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume)))
     lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _least(wear, _noise(4 if digits is None else digits), valid, lower, upper, heights)
+    noise = _noise(4 if digits is None else digits)
+    found = _least(
+        lambda k, *runs: jnp.exp(shares_of_nodes(runs[0], k) @ runs[1]), noise, valid, lower, upper, nodes, heights
+    )
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
     )
@@ -294,47 +288,33 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 
 
-# For any k, dV/dk is positive at the first amplitudes, negative at the second, and phi_1, phi_1 and phi_2 between.
-_BRACKETS = (0.05, 0.05, 0.998), (0.4, 0.4, 0.97)
+# For any k, phi_1, phi_1 and phi_2 lie between these amplitudes and those so much larger; dV/dk has these signs there.
+_BRACKETS = (0.05, 0.05, 0.97), (0.35, 0.35, 0.028), (-1.0, -1.0, 1.0)
 # Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 @jax.jit
 def _critical(lower: Array, upper: Array) -> Array:
+    """The three amplitudes for each pair of bounds, shape (3, ...)."""
     lower, upper = jnp.broadcast_arrays(lower, upper)
     # As a factor NaN makes derivatives NaN too.
     allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
-    return _roots(*(_in_between(bound * allowed).ravel() for bound in (lower, upper))).reshape(3, *lower.shape)
-
-
-def _in_between(k: Array) -> Array:
-    """The exponent, or the number next to it where it is -1 or 1, where the formulas cannot be evaluated."""
-    most = 1.0 - jnp.finfo(k.dtype).epsneg
-    return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
-
-
-def _roots(lower: Array, upper: Array) -> Array:
-    """The three amplitudes for each pair of bounds, shape (3, n)."""
+    # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
+    least = float(jnp.finfo(lower.dtype).epsneg) - 1.0
+    lower, upper = clamp_keep_slope(least, allowed * lower), -clamp_keep_slope(least, -allowed * upper)
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
     # difference of the two volumes loses no digits between near bounds.
     first, last = jnp.stack([lower, upper, lower]), jnp.stack([lower, upper, upper])
     nodes, weights = (jnp.asarray(values, lower.dtype) for values in (_NODES, _WEIGHTS))
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
+    begins, widths, signs = jnp.asarray(_BRACKETS, k.dtype).reshape(3, 3, *lower.ndim * (1,))
 
-    def mean_slope(phi: Array) -> Array:
+    def rising(k: Array, beyond: Array) -> Array:
+        phi = begins + beyond
         at = jnp.broadcast_to(phi[..., None], k.shape)
         by_k = jax.jvp(lambda k: fretting.wear_volume(k, at), (k,), (jnp.ones_like(k),))[1]
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
-        return by_k @ weights * (1.0 - phi) / (phi * phi)
+        return signs * (by_k @ weights) * (1.0 - phi) / (phi * phi)
 
-    def halved(f: Callable[[Array], Array], above: Array) -> Array:
-        def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
-            middle = 0.5 * (ends[0] + ends[1])
-            positive = f(middle) > 0.0
-            return jnp.where(positive, middle, ends[0]), jnp.where(positive, ends[1], middle)
-
-        return jax.lax.fori_loop(0, jnp.finfo(above.dtype).nmant + 4, halve, (above, below))[0]
-
-    above, below = (jnp.asarray(ends, k.dtype)[:, None] + 0.0 * first for ends in _BRACKETS)
-    return jax.lax.custom_root(mean_slope, above, halved, lambda along, value: value / along(jnp.ones_like(value)))
+    return begins + first_at(rising, k, jnp.zeros_like(first), widths)

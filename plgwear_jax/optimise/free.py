@@ -214,7 +214,7 @@ class _FreeModuli:
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
         self.known: Known = {}
-        self.evaluator, self.held = Evaluator(question, self.known, lanes=1), held
+        self.evaluator, self.held = Evaluator(question, self.known), held
         self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
         self.width = np.log(profile.upper) - self.low
         # What the steepness wants to be >= 0: a constant and its slopes.
@@ -230,7 +230,7 @@ class _FreeModuli:
 
     def rows(self, x: np.ndarray) -> Rows:
         """The logarithm of the objective, what has to be 0, what has to be >= 0, and their slopes."""
-        (values,), (slopes,) = self.evaluator.rows(self.moduli(x)[None])
+        (values,), (slopes,) = self.evaluator.told(self.moduli(x)[None])[:2]
         rows, by = (
             np.concatenate([part[:1], part[-1:][: self.held], -part[1:-1], more])
             for part, more in ((values, self.room + self.by_room @ x), (slopes * self.width, self.by_room))
@@ -239,7 +239,7 @@ class _FreeModuli:
 
     def end(self, x: np.ndarray, starts: int = 1) -> _End:
         """A point as the end of so many descents."""
-        (rows, _), (values, _) = self.rows(x), self.evaluator.rows(self.moduli(x)[None])
+        (rows, _), (values, *_) = self.rows(x), self.evaluator.told(self.moduli(x)[None])
         broken = np.append(rows[1 : 1 + self.held], np.minimum(rows[1 + self.held :], 0.0))
         kept = np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT)
         return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(values[0, -1])), starts)

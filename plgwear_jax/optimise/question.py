@@ -25,7 +25,8 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.scenarios import ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
+from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
 from plgwear_jax.rules import (
     BY_THEN,
     HOLDS,
@@ -37,6 +38,7 @@ from plgwear_jax.rules import (
     complaint,
     domain_of,
     is_after_cycles,
+    is_linear,
     limited_quantity,
     one_of,
     placed_quantity,
@@ -88,8 +90,7 @@ _ROUNDING = 1e-6  # of log(value/limit)
 
 def keeps(excess: Any) -> Any:
     """Whether limits are kept, up to rounding, along the last axis of log(value/limit), negative where the lowest."""
-    kept = np.max(excess, axis=-1, initial=-1.0) < _ROUNDING if np.ndim(excess) else excess < _ROUNDING
-    return bool(kept) if np.ndim(kept) == 0 else kept
+    return np.max(np.atleast_1d(excess), axis=-1, initial=-1.0) < _ROUNDING
 
 
 @record
@@ -201,11 +202,11 @@ class Question:
     """
 
     contact: Any
-    load: WeightedLoad | None
+    load: Any  # a `WeightedLoad`
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
     limits: tuple[Limit, ...]
     places: dict[str, ArrayLike]
-    horizon: WearHorizon | None = None
+    horizon: Any = None  # a `WearHorizon`
     scenarios: ScenarioBatch | None = None
     objective: str = static(default="")
     hold: bool = static(default=False)
@@ -213,7 +214,6 @@ class Question:
     @property
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
-        assert self.load is not None
         force = self.load.amplitudes
         if self.scenarios is None:
             return force / (self.contact.friction * self.contact.normal_force)
@@ -229,11 +229,6 @@ class Question:
     def smooth(self) -> bool:
         """Whether wear and its slopes agree to many digits: a march of any test has about two."""
         return self.horizon is None or (self.by_force and isinstance(self.horizon.law, Archard))
-
-    @property
-    def distance(self) -> ArrayLike | None:
-        """The distance from the stick-slip boundary at which the pressure is limited; None without this limit."""
-        return next((one.places["distance"] for one in self.limits if one.quantity == "edge_pressure"), None)
 
 
 def solved_one_by_one(question: Question) -> bool:
@@ -283,6 +278,11 @@ def with_variables(contact: Any, values: Mapping[str, Any]) -> Any:
     return contact
 
 
+def moved(name: str, value: Any, step: Any) -> Any:
+    """A number of this name, moved by a step on the scale on which it is searched: k, nu and exponents are linear."""
+    return value + step if is_linear(name) else value * namespace(step).exp(step)
+
+
 # --- from the arguments of `design` -----------------------------------------------------------------------------------
 
 
@@ -295,13 +295,12 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     doubt(*of_contact(contact))
     level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
     if scenarios is not None:
-        refuse_traced("scenarios", scenarios, "a design for each of them works there")
         law = None if question.horizon is None else question.horizon.law
         question = dataclasses.replace(question, scenarios=scenario_batch(scenarios, contact, law, level))
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
     if load is None:
         return question
-    weighted = weighted_load(contact, load, weight, level, question.horizon is None)
+    weighted = weighted_load(contact, load, weight, level)
     question = dataclasses.replace(question, load=weighted)
     own = None if question.scenarios is None else question.scenarios.tangential_force
     if own is not None and (not load.holds_force or np.size(weighted.weight) > 1):

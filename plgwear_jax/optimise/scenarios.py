@@ -1,6 +1,6 @@
 """Uncertain contacts: what a contact may turn out to be, and how probable each of these scenarios is."""
 
-import math
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -39,27 +39,8 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     Raises:
         ValueError: A concrete argument is outside its range.
     """
-    tangential_force, weight = as_array(tangential_force), as_array(weight)
-    check("weight", weight, WEIGHT)
-    check("level", level, LEVEL)
-    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
-    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
-    # Concrete numbers are handled by NumPy, which compiles nothing.
-    xp = np if concrete else jnp
-    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
-    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
-        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
-    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
-        raise ValueError("weight: all weights are zero")
-    order = xp.argsort(-force)
-    share = shares(weight)[order]
-    above = xp.cumsum(share) - share
-    tail = 1.0 - xp.asarray(level, dtype)
-    in_tail = xp.clip(tail - above, 0.0, share)
-    # The worst case is the largest amplitude that has any weight.
-    worst = (share > 0.0) & (above == 0.0)
-    in_tail = xp.where(xp.sum(in_tail) > 0.0, in_tail, worst.astype(dtype))
-    return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
+    _, counting, order = falling(tangential_force, weight, level)
+    return counting[namespace(order).argsort(order)]
 
 
 def shares(weight: Any) -> Any:
@@ -95,10 +76,8 @@ class WeightedLoad:
         return WeightedLoad(self.load.with_amplitude(lambda x: factor * np.asarray(x)), self.weight)
 
 
-def weighted_load(
-    contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float, steady: bool
-) -> WeightedLoad:
-    """The amplitudes that count, the largest first, or a ValueError; of the steady state padded to a few sizes."""
+def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float) -> WeightedLoad:
+    """The amplitudes that count, the largest first, or a ValueError."""
     if load.amplitude is None:
         if weight is not None:
             raise ValueError("weight: belongs to several amplitudes, not to blocks")
@@ -109,34 +88,39 @@ def weighted_load(
         check_real("load", amplitudes)
         phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
         check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    amplitudes, counting = (np.asarray(x) for x in falling(amplitudes, weight, level))
+    amplitudes, counting, _ = falling(amplitudes, weight, level)
     if amplitudes[0] == 0.0:
         name = "tangential_force" if load.holds_force else "displacement_amplitude"
         raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
-    both = amplitudes[counting > 0.0], counting[counting > 0.0]
-    both = padded(*both) if steady else both  # padding would be worn over cycles as well
-    return WeightedLoad(load, None).with_amplitudes(*both)
+    return WeightedLoad(load, None).with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
 
 
-def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
-    """Amplitudes and the weights with which they count, of `tail_weights`, the largest one that counts first.
+def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Any, Any, Any]:
+    """(Amplitudes, the weights of `tail_weights` with which they count, their order), the largest that counts first.
 
-    The limits of a design are checked at that one: it counts at every level. What has no weight becomes 0.
+    The limits of a design are checked at that one: it counts at every level. It stands also for what has no weight.
     """
-    counting = tail_weights(tangential_force, weight, level)
-    xp = namespace(counting)
-    force = xp.where(counting > 0.0, xp.asarray(tangential_force), 0.0)
+    tangential_force, weight = as_array(tangential_force), as_array(weight)
+    check("weight", weight, WEIGHT)
+    check("level", level, LEVEL)
+    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
+    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
+    # Concrete numbers are handled by NumPy, which compiles nothing.
+    xp = np if concrete else jnp
+    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
+    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
+        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
+    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
+        raise ValueError("weight: all weights are zero")
     order = xp.argsort(-force)
-    return force[order], counting[order]
-
-
-def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
-    bits = (force.size - 1).bit_length()
-    # Above 1024 by a quarter at most, since the time grows with the size.
-    step = 4 ** math.ceil(0.5 * bits) if bits <= 10 else 2 ** (bits - 3)
-    more = (0, -force.size % step)
-    return np.pad(force, more), np.pad(weight, more)
+    force, share = force[order], shares(weight)[order]
+    above = xp.cumsum(share) - share
+    # The worst case is the largest amplitude that has any weight.
+    tail = xp.maximum(1.0 - xp.asarray(level, dtype), np.finfo(dtype).tiny)
+    in_tail = xp.clip(tail - above, 0.0, share)
+    counting = in_tail / xp.sum(in_tail)
+    largest = xp.where(counting > 0.0, force, 0.0).max()
+    return xp.where(counting > 0.0, force, largest), counting, order
 
 
 # --- where contacts without closed forms are solved -------------------------------------------------------------------
@@ -144,26 +128,27 @@ def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarra
 _NODES = 16  # a table of more amplitudes is solved at so many
 
 
-def without_padding(amplitudes: Any, weight: ArrayLike) -> Array:
-    """The amplitudes, with the largest one in place of padding, which has no weight."""
-    amplitudes = jnp.atleast_1d(amplitudes)
-    return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])
-
-
 def solved_at(phi: Array) -> tuple[Array, Array | None]:
     """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
     if phi.size <= _NODES:
         return phi, None
-    # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
-    x = jnp.log(phi / (1.0 - phi))
-    first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
-    nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
-    at = first + 0.5 * (last - first) * (1.0 - nodes)
-    signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
-    distance = x[:, None] - at
-    same = abs(distance) < 1e-6 * (first - last)
-    shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
-    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
+    x = jnp.log(phi / (1.0 - phi))  # along which the logarithm of the wear is smooth also towards 0 and 1
+    at = nodes_between(x[0], jnp.minimum(jnp.min(x), x[0] - 0.1), _NODES)
+    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares_of_nodes(at, x)
+
+
+def nodes_between(first: Any, last: Any, count: int) -> Array:
+    """Chebyshev's nodes between two ends, of any shape, along a last axis."""
+    first, last = jnp.asarray(first)[..., None], jnp.asarray(last)[..., None]
+    at = 0.5 * np.cos(np.pi * np.arange(count) / max(count - 1, 1))
+    return 0.5 * (first + last) + (first - last) * jnp.asarray(at, first.dtype)
+
+
+def shares_of_nodes(nodes: Array, x: Array) -> Array:
+    """The share of each node in the polynomial through all of them, along a last axis."""
+    own = np.eye(nodes.shape[-1], dtype=bool)
+    apart = jnp.where(own, 1.0, nodes[..., :, None] - nodes[..., None, :])
+    return jnp.prod(jnp.where(own, 1.0, (x[..., None] - nodes)[..., None, :] / apart), axis=-1)
 
 
 # --- uncertain contacts -----------------------------------------------------------------------------------------------
@@ -239,26 +224,26 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     own_law = None if given.law is None else law_of(given.law)
     if own_law is not None and jax.tree.structure(own_law) != jax.tree.structure(law):
         raise ValueError("scenarios: law takes the kind of law of the design, for a number of cycles")
-    force, weight = given.tangential_force, 1.0 if given.weight is None else given.weight
-    check("scenarios: weight", weight, WEIGHT)
-    if force is not None:
-        check("scenarios: tangential_force", force, FORCE)
-    names = [*paths_of(given.contact), *(f"law {name}" for name in paths_of(own_law))]
-    names += ["weight"] if force is None else ["tangential_force", "weight"]
-    leaves, rebuild = jax.tree.flatten((given.contact, own_law, force, weight))
-    leaves = [np.asarray(leaf, float) for leaf in leaves]
+    given = Scenarios(given.contact, 1.0 if given.weight is None else given.weight, own_law, given.tangential_force)
+    check("scenarios: weight", given.weight, WEIGHT)
+    if given.tangential_force is not None:
+        check("scenarios: tangential_force", given.tangential_force, FORCE)
+    leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
     own = own_axes(contact, len(leaves))
-    shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
-    try:
-        (count,) = np.broadcast_shapes((1,), *shapes.values())
-        alike = all(shape in ((), (count,)) for shape in shapes.values())
-    except ValueError:
-        count, alike = 0, False
-    if not alike:
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+    shapes = {name: leaf.shape[: leaf.ndim - n] for (name, leaf), n in zip(leaves.items(), own, strict=True)}
+    axes = {(), *shapes.values()} - {()}
+    if not (len(axes) <= 1 and all(len(shape) == 1 for shape in axes)):
+        told = ", ".join(f"{name.removeprefix('contact.')} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")
-    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
-    batch, laws, force, weight = jax.tree.unflatten(rebuild, each)
-    if not np.any(weight > 0.0):
+    _, each = spread([*leaves.values(), np.ones(1)], [*own, 0], np)
+    found: Scenarios = jax.tree.unflatten(jax.tree.structure(given), each[:-1])
+    if not np.any(found.weight > 0.0):
         raise ValueError("scenarios: weight: all weights are zero")
-    return ScenarioBatch(batch, laws, shares(weight), force, level)
+    return ScenarioBatch(found.contact, found.law, shares(found.weight), found.tangential_force, level)
+
+
+def spread(leaves: Sequence[Any], own: Sequence[int], xp: Any) -> tuple[tuple[int, ...], list[Any]]:
+    """The shape of a batch, and its numbers with the axes of the batch before so many of their own."""
+    shape = np.broadcast_shapes(*(leaf.shape[: leaf.ndim - n] for leaf, n in zip(leaves, own, strict=True)))
+    pairs = zip(leaves, own, strict=True)
+    return shape, [xp.broadcast_to(leaf, (*shape, *leaf.shape[leaf.ndim - n :])) for leaf, n in pairs]

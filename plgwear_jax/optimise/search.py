@@ -6,7 +6,7 @@ The search itself is `ask_and_tell`. Its variables lie in [-1, 1]; here they hav
 import functools
 from collections.abc import Callable, Iterable, Mapping
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -17,14 +17,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
-from plgwear_jax.optimise.ask_and_tell import DONE, SearchResult, begin, conclude, tell
+from plgwear_jax.optimise.ask_and_tell import DONE, SearchPlan, SearchResult, begin, conclude, plan_of, tell
 from plgwear_jax.optimise.conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
-from plgwear_jax.optimise.search_plan import SearchPlan, plan_of
 from plgwear_jax.special.xla import materialised
-
-if TYPE_CHECKING:
-    import optax
-
 
 Variables = dict[str, Array]
 
@@ -106,7 +101,6 @@ def minimise(
     starts: int | None = None,
     max_steps: int = 200,
     noise: float | None = None,
-    solver: "optax.GradientTransformation | None" = None,
     axis_name: str | None = None,
 ) -> Minimum:
     """Minimise a smooth function of a few variables over a box, from every valley of a scan.
@@ -125,8 +119,6 @@ def minimise(
         starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
         max_steps: Evaluations of the objective and its gradient allowed in each descent.
         noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
-        solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
-            to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
         axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
             then go from the scan to the descents and on together.
 
@@ -171,19 +163,14 @@ def minimise(
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
-    plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(solver=solver, axis=axis_name)
+    plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
-    fixed = jax.lax.stop_gradient(params)
-
-    def there(u: Array) -> Array:
-        return function(u, fixed)
-
-    evaluate = jax.vmap(values_and_jacobian(there))
+    evaluate = functools.partial(slopes_at, function, params=jax.lax.stop_gradient(params))
     found = conclude(
         plan,
         jax.lax.while_loop(  # whose program contains the objective once
             lambda state: state.phase != DONE,
-            lambda state: tell(plan, state, *evaluate(state.points), objective=there),
+            lambda state: tell(plan, state, *evaluate(state.points)),
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
@@ -280,25 +267,20 @@ def found_by(
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def values_and_jacobian(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
-    """Values and Jacobian, and what the function tells besides its values if it does."""
+def values_and_jacobian(function: Callable[[Array], tuple[Array, Any]], u: Array) -> tuple[Array, Array, Any]:
+    """Values and Jacobian, and what the function tells besides its values."""
 
-    def first(u: Array) -> Any:
-        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
+    def twice(u: Array) -> Any:
+        values, more = function(u)
+        return values, (values, more)
 
-        def twice(u: Array) -> Any:
-            found = function(u)
-            return (found[0], found) if has_more else (found, (found,))
-
-        slopes, (values, *more) = jacobian(twice, has_aux=True)(u)
-        return materialised(values, u[0]), materialised(slopes, u[0]), *more
-
-    return first
+    slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
+    return materialised(values, u[0]), materialised(slopes, u[0]), more
 
 
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
     """Values and Jacobians at several points."""
-    return jax.vmap(values_and_jacobian(lambda u: function(u, params)))(u)
+    return jax.vmap(functools.partial(values_and_jacobian, lambda u: (function(u, params), ())))(u)[:2]
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))

@@ -13,7 +13,7 @@ from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.best import ACTIVE, Design, stem_and_side
-from plgwear_jax.optimise.evaluation import FAR_OFF, Known, Rows, evaluate, reference_variables, search
+from plgwear_jax.optimise.evaluation import Known, Rows, evaluate, reference_variables, search
 from plgwear_jax.optimise.question import (
     Bounds,
     Keywords,
@@ -200,6 +200,7 @@ def front(
     )
 
 
+_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _TIE = 1e-6  # weight of the other quantity at the ends of a front, which chooses among designs with the best one
 
 
@@ -212,7 +213,7 @@ def _least_within(question: Question, known: Known, goal: Mapping[int, float], a
     kept, most = [*allowed], [*allowed.values()]
 
     def asked(*rows: np.ndarray) -> Rows:
-        values, slopes = np.full_like(rows[0], FAR_OFF), np.zeros_like(rows[1])
+        values, slopes = np.full_like(rows[0], _FAR_OFF), np.zeros_like(rows[1])
         for new, old in zip((values, slopes), rows, strict=True):
             new[:, 0] = sum(weight * old[:, row] for row, weight in goal.items())
             new[:, kept] = old[:, kept]

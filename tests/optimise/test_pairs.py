@@ -136,12 +136,13 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     assert load is not None and isinstance(contact, FrettingContact)
     # By the methods of the contact, which are another program.
     force, weight = (x[load.weight > 0.0] for x in (load.amplitudes, load.weight))
-    steady, compared = contact.steady(force), optimise.compared(found).quantities
+    steady, comparison = contact.steady(force), optimise.compared(found)
+    compared = comparison.quantities
     assert_allclose(found.value, np.sum(weight * getattr(steady, found.objective)), rtol=1e-9)
     of_limits = {
         "contact_radius": steady.contact_radius,
         "penetration": steady.penetration[0],
-        "edge_pressure": steady.edge_pressure(found.question.distance)[0],
+        "edge_pressure": steady.edge_pressure(comparison.distance)[0],
     }
     for state in found.limits.values():
         if state.quantity in of_limits:

@@ -12,9 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
 from plgwear_jax import optimise
-from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, tell
-from plgwear_jax.optimise.scenarios import padded
-from plgwear_jax.optimise.search_plan import plan_of
+from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, tell
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
@@ -106,28 +104,17 @@ def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     assert np.any(few.at_bound) and not np.all(few.at_bound) and np.all(few.scan_found_nothing_better)
 
 
-# --- loads of a few sizes ---------------------------------------------------------------------------------------------
-
-
-def test_loads_are_filled_up_to_a_few_sizes():
-    sizes = {
-        1: 1, 2: 4, 4: 4, 5: 16, 16: 16, 17: 64, 64: 64, 65: 256, 1024: 1024, 1025: 1280, 2048: 2048, 2049: 2560,
-        10_000: 10_240,
-    }  # fmt: skip
-    for count, size in sizes.items():
-        given = np.linspace(0.9, 0.1, count), np.full(count, 1.0 / count)
-        for whole, part in zip(padded(*given), given, strict=True):
-            assert_array_equal(whole, np.append(part, np.zeros(size - count)))
+# --- loads without weight ---------------------------------------------------------------------------------------------
 
 
 @compiled
-def test_what_fills_a_load_up_neither_counts_nor_limits():
-    """A load of three amplitudes is filled up to four."""
+def test_what_has_no_weight_neither_counts_nor_limits():
     limits = {"edge_pressure": {"below": 6.2e8, "distance": 1e-6}, "penetration": {"below": 9e-7}}
     asked = {"hold": "contact_radius", "minimise": "deepest_wear", "limits": limits}
     vary, force, weight = {"k": (-0.9, 0.9)}, np.array([0.2, 0.6, 1.0]), np.array([3.0, 2.0, 1.0])
-    three = optimise.design(CONTACT, force, vary, weight=weight, **asked)
-    assert three.load.weight.tolist()[3:] == [0.0]
+    three = optimise.design(CONTACT, np.append(force, 3.0), vary, weight=np.append(weight, 0.0), **asked)
+    many = optimise.designs(CONTACT, np.append(force, 3.0), vary, weight=np.append(weight, 0.0), **asked)
+    assert_allclose(many.value, three.value, rtol=1e-12)
     steady = three.contact.steady(force)
     assert_allclose(three.value, np.average(steady.deepest_wear, weights=weight), rtol=1e-13)
     limited = steady.edge_pressure(1e-6)[-1], steady.penetration[-1]

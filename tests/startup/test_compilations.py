@@ -21,7 +21,6 @@ from test_kernels import PINNED, Size
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
 from plgwear_jax.optimise import evaluation, exponent
 from plgwear_jax.optimise.question import question_of
-from plgwear_jax.optimise.search_plan import plan_of
 from plgwear_jax.scene import solving
 
 pytestmark = [
@@ -51,7 +50,7 @@ def questions():
 
     def other_numbers():
         vary, limits = {"k": (-0.5, 0.6)}, {"edge_pressure": {"below": 9e8, "distance": 2e-6}}
-        force, weight = [0.3, 0.4, 1.5, 2.0], [0.1, 0.2, 0.3, 0.4]
+        force, weight = [0.3, 0.4, 1.5], [0.1, 0.2, 0.3]
         more = {"hold": HELD["hold"], "weight": weight, "level": 0.3, "limits": limits}
         found.append(optimise.design(OTHER, force, vary, **more))
 
@@ -135,7 +134,7 @@ def size_of(lowered) -> Size:
 @parametrize("limits, most", [({}, Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"])
 def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], **HELD, limits=limits)
-    evaluator = evaluation.Evaluator(question, lanes=plan_of(1, len(question.limits)).lanes)
+    evaluator = evaluation.Evaluator(question)
     points = np.linspace(-0.5, 0.5, evaluator.lanes)[:, None]
     found = size_of(evaluation._at_once.jitted.lower(("k",), evaluator.question, evaluator.shared, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
@@ -143,7 +142,7 @@ def test_an_evaluation_grows_no_further(limits, most):
 
 def test_an_evaluation_of_a_life_grows_no_further():
     question = question_of(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, **LIFE)
-    evaluator = evaluation.Evaluator(question, lanes=plan_of(2, 0).lanes)
+    evaluator = evaluation.Evaluator(question)
     points = np.ones((evaluator.lanes, 1)) * [0.1, 9e10]
     found = size_of(evaluation._at_once.jitted.lower(("k", "E0"), evaluator.question, evaluator.shared, points))
     assert found.kernels <= 90 and found.instructions <= 5600, found

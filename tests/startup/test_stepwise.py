@@ -25,6 +25,7 @@ def shaped(x, y):
     return (
         (x[:, None] + jnp.arange(3.0), jnp.stack([x, y], -1).T, jnp.append(x, y[2:5]), jnp.flip(x), jnp.squeeze(x[:1])),
         (jax.lax.slice(x.reshape(3, -1), (1, 0), (3, 4), (1, 2)), jax.lax.split(x.reshape(2, 6), (1, 2, 3), axis=1)),
+        jax.lax.reshape(x.reshape(3, 4), (2, 6), (1, 0)),  # as in the derivatives of `jnp.prod`
     )
 
 
