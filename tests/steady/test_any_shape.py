@@ -209,6 +209,12 @@ def test_the_energy_of_a_kink_in_the_ring_is_the_area_of_its_loop():
     assert_allclose(state.energy_per_cycle, 2.38003e-07, rtol=5e-5)
 
 
+def test_the_deepest_wear_of_a_wide_ring_is_in_closed_form():
+    amplitudes = np.array([0.5, 0.98, 0.9999]) * FRICTION * FORCE
+    found, known = (contact_with(shape, 0.8).steady(amplitudes).deepest_wear for shape in (PowerShape(2.0), None))
+    assert_allclose(found, known, rtol=1e-8)
+
+
 NARROW = np.array([1e-3, 1e-6, 1e-9])
 
 
@@ -234,6 +240,12 @@ def test_narrow_rings_beside_a_tip_keep_their_digits():
     contact = contact_with(Cone(0.01), 0.3, STEEL)
     coarse, fine = (contact.steady([0.01 * FRICTION * FORCE], digits=digits).wear_volume for digits in (4, 5))
     assert_allclose(coarse, fine, rtol=1e-4)
+
+
+def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
+    """The volume is that of 160 pressures, which resolve the layer."""
+    contact = FrettingContact(Layered([1e-7, 1e-5], [4e11, 1.1e11, 1.1e11], 0.3), R, FORCE, FRICTION, None, Cone(0.01))
+    assert_allclose(contact.steady(1e-3 * FRICTION * FORCE).wear_volume, 5.75526e-23, rtol=1e-3)
 
 
 @compiled
