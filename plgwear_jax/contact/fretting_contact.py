@@ -12,7 +12,7 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.steady.arguments import check_bodies, check_fields
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 if TYPE_CHECKING:
@@ -96,10 +96,10 @@ class FrettingContact:
             digits: Correct digits wanted; by default all that the solver has.
         """
         if is_closed(self):
-            from plgwear_jax.steady.closed import ClosedSteady as Engine
-        else:
-            from plgwear_jax.steady.numeric import NumericSteady as Engine
-        return Engine(self, load_of(load), digits)
+            return Steady(self, load_of(load), digits)
+        from plgwear_jax.steady.numeric import NumericSteady
+
+        return NumericSteady(self, load_of(load), digits)
 
     def over_cycles(
         self, load: "ArrayLike | Load | Sequence[Block]", law: ArrayLike | WearLaw, *, digits: int | None = None

@@ -73,7 +73,6 @@ class SteadyPunch(Solution):
 
     def __init__(self, contact: GrossSlipContact, digits: int | None = None) -> None:
         super().__init__(contact=contact, digits=digits)
-        self._check_question()
 
     @property
     @compiled

@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry
 from plgwear_jax.plots.style import BLUE, DOT, GREEN, GUIDE, Style, page, picture, show_units
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 
 _PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
