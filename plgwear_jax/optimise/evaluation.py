@@ -91,7 +91,7 @@ class Candidate:
         assert self.question.load is not None
         force = Force(force, self.question.load.load.rig_stiffness)
         if self.shared.radius is not None and is_closed(self.free):
-            return self.free.steady(force).with_contact_radius(self.shared.radius)
+            return self.free.steady(force)._with_contact_radius(self.shared.radius)
         return self.contact.steady(force)
 
     @functools.cached_property

@@ -17,7 +17,6 @@ from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import (
     DISTANCE,
     EXPONENT,
-    POSITIVE,
     RADIUS,
     ArrayLike,
     Domain,
@@ -28,6 +27,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
+from plgwear_jax._core.record import guarded_field
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
@@ -124,7 +124,7 @@ class Steady(Solution):
         """The exponent of the half-space."""
         return self._material.k
 
-    def with_contact_radius(self, contact_radius: Array) -> Self:
+    def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
         return self._unflatten((self.digits,), (self.contact, self.load, contact_radius))
 
@@ -136,7 +136,7 @@ class Steady(Solution):
     @property
     def _height(self) -> Array:
         """a_0^2/R, the unit of heights."""
-        return self._radius * self._radius / guarded("radius", self.contact.radius, POSITIVE)
+        return self._radius * self._radius / guarded_field(self.contact, "radius")
 
     @property
     def _mean_pressure(self) -> Array:
@@ -151,7 +151,7 @@ class Steady(Solution):
     @property
     def _tangential_height(self) -> Array:
         """mu theta a_0^2/R, the unit of tangential displacements."""
-        friction = guarded("friction", self.contact.friction, POSITIVE)
+        friction = guarded_field(self.contact, "friction")
         return friction * self._tangential_ratio * self._height
 
     def _relative(self, r: ArrayLike) -> Array:
@@ -170,7 +170,7 @@ class Steady(Solution):
         contact, material = self.contact, self._material
         log_stiffness = material.log_stiffness(digits=self.digits)
         k = jnp.asarray(material.k, log_stiffness.dtype)
-        load = (guarded(name, getattr(contact, name), POSITIVE) for name in ("normal_force", "radius"))
+        load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
         log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
         # Materialised, or XLA would compute it again for every result that it scales.
         return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)

@@ -149,7 +149,7 @@ def _upwards(step: Array, spread: Array, phi: Array) -> tuple[Array, tuple[Array
     return jax.lax.scan(through, jnp.zeros_like(spread[0]), (step, spread, phi), reverse=True)
 
 
-def _downwards(tractions: Array, down: Array) -> Array:
+def _tractions_below(tractions: Array, down: Array) -> Array:
     """The tractions at the bottom of each layer, from those at the surface."""
 
     def lower(tractions: Array, down: Array) -> tuple[Array, Array]:
@@ -173,7 +173,7 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
     """
     top, (inside, down) = _upwards(*layers)
     begin = jnp.stack([jnp.zeros_like(top[:1, 0]), jnp.ones_like(top[:1, 0])])
-    below = _downwards(begin, down)
+    below = _tractions_below(begin, down)
     above = jnp.concatenate([begin[None], below[:-1]])
     x = jnp.sum(inside * below.swapaxes(1, 2), 2, keepdims=True)
     step, spread, phi = along
@@ -226,7 +226,7 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     _, (inside, down) = _upwards(*layers)
     one, own, own_by_nu, *_ = _parts_of_matrices(q.dtype, 2)
     shape = down.shape[1:]
-    tractions = _downwards(jnp.broadcast_to(one, shape), down)
+    tractions = _tractions_below(jnp.broadcast_to(one, shape), down)
     last = (shares.shape[0] - 1) * place - 1  # the part above each depth
     last = jnp.broadcast_to(last[:, None, None, None, None], (z.size, 1, 1, 1, *shape[3:]))
     compliance, tractions = (

@@ -70,7 +70,7 @@ class Run(Solution, abc.ABC):
 
     def _check(self, **given: Any) -> None:
         super()._check(**given)
-        getattr(self.law, "__post_init__", bool)()
+        self.law.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
 
     @property
     def steady(self) -> Steady | None:
