@@ -24,7 +24,7 @@ from plgwear_jax._core.domains import (
     real_dtype,
 )
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import guarded_field, record
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
@@ -60,6 +60,7 @@ class Load:
     Attributes:
         holds_force: Whether the force amplitude stays constant, so that the steady state of this force is the end.
         lasts: Whether the load has no last cycle.
+        ranges: What fields may be, by their names.
 
     Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded
@@ -91,7 +92,7 @@ class Load:
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges: JAX rebuilds records without asking `__post_init__`."""
         del friction, normal_force, shares
-        getattr(self, "__post_init__", bool)()
+        self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
 
     def check_at_rest(self, at_rest: Any) -> None:
         """Refuse concrete values of gross slip; `at_rest` is the `Steady` in this rig under no force."""
@@ -146,17 +147,14 @@ class Force(Load):
     """
 
     holds_force: ClassVar[bool] = True
+    ranges: ClassVar = {"tangential_force": AMPLITUDE_OF_FORCE, "rig_stiffness": POSITIVE}
 
     tangential_force: Numbers
     rig_stiffness: Any = None
 
-    def __post_init__(self) -> None:
-        check("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
-        check_rig(self.rig_stiffness)
-
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges, among them amplitudes of gross slip."""
-        self.__post_init__()
+        super().check(friction, normal_force, shares)
         values = tuple(map(as_array, (self.tangential_force, friction, normal_force)))
         if any(isinstance(value, Tracer) for value in values):
             return
@@ -172,7 +170,7 @@ class Force(Load):
 
     def control(self, limit: Any) -> Control:
         """F_x is constant."""
-        amplitude = guarded("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
+        amplitude = guarded_field(self, "tangential_force")
         return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
 
     @property
@@ -208,12 +206,10 @@ class Displacement(Load):
         `docs/explanation/numerics.md`, "Wear over cycles".
     """
 
+    ranges: ClassVar = {"displacement_amplitude": AMPLITUDE_OF_DISPLACEMENT, "rig_stiffness": POSITIVE}
+
     displacement_amplitude: Numbers
     rig_stiffness: Any = None
-
-    def __post_init__(self) -> None:
-        check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        check_rig(self.rig_stiffness)
 
     def check_at_rest(self, at_rest: Any) -> None:
         """Refuse concrete amplitudes under which the unworn contact slips as a whole."""
@@ -232,7 +228,7 @@ class Displacement(Load):
     def control(self, limit: Any) -> Control:
         """The displacement of the contact and of the rig together is constant."""
         del limit
-        amplitude = guarded("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        amplitude = guarded_field(self, "displacement_amplitude")
         return Control(1.0, self.rig_compliance, amplitude)
 
     @property
@@ -267,6 +263,8 @@ class Block:
         `docs/explanation/numerics.md`, "Any test".
     """
 
+    ranges: ClassVar = {"cycles": CYCLES, "normal_force": POSITIVE, "friction": POSITIVE}
+
     load: Any
     cycles: Numbers
     normal_force: ArrayLike | None = None
@@ -276,10 +274,6 @@ class Block:
         object.__setattr__(self, "load", load_of(self.load))
         if not self.load.lasts:
             raise TypeError("a Block takes one load; give the blocks of several as one list")
-        check("cycles", self.cycles, CYCLES)
-        for name in ("normal_force", "friction"):
-            if getattr(self, name) is not None:
-                check(name, getattr(self, name), POSITIVE)
 
 
 class Blocks(Load):
@@ -341,9 +335,3 @@ def load_of(given: Any) -> Load:
     numbers = as_array(given)
     of_blocks = isinstance(numbers, list | tuple) or (numbers is not given and not np.size(numbers))
     return Blocks(given) if of_blocks else Force(numbers)
-
-
-def check_rig(stiffness: ArrayLike | None) -> None:
-    """Refuse a concrete stiffness of a rig that is not positive."""
-    if stiffness is not None:
-        check("rig_stiffness", stiffness, POSITIVE)

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable
-from typing import Literal
+from typing import ClassVar, Literal
 
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import number_or, record
+from plgwear_jax._core.record import guarded_field, number_or, record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
@@ -202,15 +202,14 @@ class PowerLawGraded:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (1).
     """
 
+    ranges: ClassVar = {"E0": POSITIVE, "z0": POSITIVE, "k": EXPONENT}
+
     E0: Numbers
     z0: Numbers
     k: Numbers
     nu: ArrayLike | Literal["holl"] = number_or("holl")
 
     def __post_init__(self) -> None:
-        check("E0", self.E0, POSITIVE)
-        check("z0", self.z0, POSITIVE)
-        check("k", self.k, EXPONENT)
         if not _is_holl(self.nu):
             check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
 
@@ -234,7 +233,7 @@ class PowerLawGraded:
 
     def _guarded(self) -> tuple[Array, Array, Array]:
         """(E0, z0, k), NaN where they are traced and outside their ranges."""
-        return guarded("E0", self.E0, POSITIVE), guarded("z0", self.z0, POSITIVE), guarded("k", self.k, EXPONENT)
+        return guarded_field(self, "E0"), guarded_field(self, "z0"), guarded_field(self, "k")
 
     @compiled
     def plane_compliance(self) -> Array:
@@ -247,7 +246,7 @@ class PowerLawGraded:
     @compiled
     def tangential_ratio(self, *, digits: int | None = None) -> Array:
         """Tangential over normal compliance, dimensionless: the function `tangential_ratio` of this k and nu."""
-        return tangential_ratio(guarded("k", self.k, EXPONENT), self.nu, digits=digits)
+        return tangential_ratio(guarded_field(self, "k"), self.nu, digits=digits)
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:

@@ -6,8 +6,8 @@ from typing import Any, ClassVar, dataclass_transform
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, Numbers, check, guarded
-from plgwear_jax._core.record import number_or, record, static
+from plgwear_jax._core.domains import POSITIVE, Numbers
+from plgwear_jax._core.record import guarded_field, number_or, record, static
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
 
@@ -21,6 +21,7 @@ class WearLaw:
 
     Attributes:
         linear: Whether the depth is proportional to the pressure, so that a step need not be repeated.
+        ranges: What fields may be, by their names.
 
     Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw
@@ -75,15 +76,13 @@ class Archard(WearLaw):
     """
 
     linear: ClassVar[bool] = True
+    ranges: ClassVar = {"wear_coefficient": POSITIVE}
 
     wear_coefficient: Numbers
 
-    def __post_init__(self) -> None:
-        check("wear_coefficient", self.wear_coefficient, POSITIVE)
-
     def rate(self, pressure: Array, slip: Array) -> Array:
         """K p s in m."""
-        return guarded("wear_coefficient", self.wear_coefficient, POSITIVE) * pressure * slip
+        return guarded_field(self, "wear_coefficient") * pressure * slip
 
 
 class PressurePower(WearLaw):
@@ -107,19 +106,17 @@ class PressurePower(WearLaw):
         `docs/explanation/numerics.md`, "Any test".
     """
 
+    ranges: ClassVar = {"coefficient": POSITIVE, "exponent": POSITIVE}
+
     coefficient: Numbers
     exponent: Numbers
 
-    def __post_init__(self) -> None:
-        check("coefficient", self.coefficient, POSITIVE)
-        check("exponent", self.exponent, POSITIVE)
-
     def rate(self, pressure: Array, slip: Array) -> Array:
         """The coefficient times p^exponent s in m."""
-        exponent = guarded("exponent", self.exponent, POSITIVE)
+        exponent = guarded_field(self, "exponent")
         some = jnp.where(pressure > 0.0, pressure, 1.0)
         power = jnp.where(pressure > 0.0, jnp.exp(exponent * jnp.log(some)), 0.0)
-        return guarded("coefficient", self.coefficient, POSITIVE) * power * slip
+        return guarded_field(self, "coefficient") * power * slip
 
 
 def law_of(given: Any, exponent: float | None = None) -> WearLaw:

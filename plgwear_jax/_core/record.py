@@ -5,8 +5,9 @@ from types import UnionType
 from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 import jax
+from jax import Array
 
-from plgwear_jax._core.domains import as_array
+from plgwear_jax._core.domains import as_array, check, guarded
 
 T = TypeVar("T")
 
@@ -32,16 +33,20 @@ def _takes_numbers(kind: Any) -> bool:
 def record(cls: type[T]) -> type[T]:
     """A frozen dataclass that is a pytree of its fields, except for those declared by `static` or `number_or`.
 
-    `__post_init__` checks what a caller passes in, where lists and tuples in fields of numbers are arrays already. JAX
-    rebuilds records without calling it, with traced values.
+    `__post_init__` makes arrays of lists and tuples in fields of numbers and checks the fields that have a `Domain` in
+    the class variable `ranges`, if there is one. JAX rebuilds records without calling it, with traced values.
     """
-    checked = getattr(cls, "__post_init__", None)
+    checked, ranges = getattr(cls, "__post_init__", None), getattr(cls, "ranges", {})
 
     def post_init(self: Any) -> None:
         for name in numbers:
             value = getattr(self, name)
             if isinstance(value, list | tuple):
                 object.__setattr__(self, name, as_array(value))
+        for field in fields:
+            value = getattr(self, field.name)
+            if field.name in ranges and not (value is None is field.default):
+                check(field.name, value, ranges[field.name])
         if checked is not None:
             checked(self)
 
@@ -70,3 +75,8 @@ def record(cls: type[T]) -> type[T]:
 
     jax.tree_util.register_pytree_with_keys(cls, flatten, unflatten)
     return cls
+
+
+def guarded_field(of: Any, name: str) -> Array:
+    """A field of a record as an array, NaN where it is traced and outside its range."""
+    return guarded(name, getattr(of, name), of.ranges[name])

@@ -3,16 +3,16 @@
 The types of the bodies decide alone. What solves a contact is imported by the first one that needs it.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from plgwear_jax._core.domains import ArrayLike, Numbers
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
 from plgwear_jax._core.record import record
 from plgwear_jax.loads import load_of
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.powers import Parabola
-from plgwear_jax.steady.arguments import check_bodies, check_fields
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.arguments import check_bodies
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 if TYPE_CHECKING:
@@ -74,6 +74,8 @@ class FrettingContact:
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
+    ranges: ClassVar = dict.fromkeys(("radius", "normal_force", "friction"), POSITIVE)
+
     material: Any
     radius: Numbers
     normal_force: Numbers
@@ -83,7 +85,6 @@ class FrettingContact:
 
     def __post_init__(self) -> None:
         check_bodies(self)
-        check_fields(self, "radius", "normal_force", "friction")
 
     def steady(self, load: "ArrayLike | Load", *, digits: int | None = None) -> Steady:
         """The contact under a load, unworn and worn to its steady state: see `Steady`.
@@ -96,10 +97,10 @@ class FrettingContact:
             digits: Correct digits wanted; by default all that the solver has.
         """
         if is_closed(self):
-            from plgwear_jax.steady.closed import ClosedSteady as Engine
-        else:
-            from plgwear_jax.steady.numeric import NumericSteady as Engine
-        return Engine(self, load_of(load), digits)
+            return Steady(self, load_of(load), digits)
+        from plgwear_jax.steady.numeric import NumericSteady
+
+        return NumericSteady(self, load_of(load), digits)
 
     def over_cycles(
         self, load: "ArrayLike | Load | Sequence[Block]", law: ArrayLike | WearLaw, *, digits: int | None = None

@@ -9,9 +9,9 @@ from jax import Array
 from plgwear_jax import gross_slip
 from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, guarded
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.steady.arguments import check_fields, check_power_law
+from plgwear_jax.steady.arguments import check_power_law
 from plgwear_jax.steady.solution import Solution
 
 
@@ -38,13 +38,14 @@ class GrossSlipContact:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (2) to (10).
     """
 
+    ranges: ClassVar = {"radius": POSITIVE, "depth": POSITIVE}
+
     material: PowerLawGraded
     radius: Numbers
     depth: Numbers
 
     def __post_init__(self) -> None:
         check_power_law(self.material)
-        check_fields(self, "radius", "depth")
 
     def steady(self, *, digits: int | None = None) -> "SteadyPunch":
         """The contact before any wear and in its steady state; `digits` are the correct digits wanted."""
@@ -73,7 +74,6 @@ class SteadyPunch(Solution):
 
     def __init__(self, contact: GrossSlipContact, digits: int | None = None) -> None:
         super().__init__(contact=contact, digits=digits)
-        self._check_question()
 
     @property
     @compiled
@@ -141,11 +141,11 @@ class SteadyPunch(Solution):
 
     @property
     def _radius(self) -> Array:
-        return guarded("radius", self.contact.radius, POSITIVE)
+        return guarded_field(self.contact, "radius")
 
     @property
     def _depth(self) -> Array:
-        return guarded("depth", self.contact.depth, POSITIVE)
+        return guarded_field(self.contact, "depth")
 
     def _of(self, function: Callable[..., Array], *r: ArrayLike) -> Array:
         """A dimensionless function of the exponent, and of radii in m if given."""

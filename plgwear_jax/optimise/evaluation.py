@@ -86,7 +86,7 @@ class Candidate:
     def _steady(self, force: Any) -> Any:
         force = Force(force, self.question.load.load.rig_stiffness)
         if self.shared.radius is not None and is_closed(self.free):  # a smaller program
-            return self.free.steady(force).with_contact_radius(self.shared.radius)
+            return self.free.steady(force)._with_contact_radius(self.shared.radius)
         return self.contact.steady(force)
 
     @functools.cached_property

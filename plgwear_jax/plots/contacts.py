@@ -34,7 +34,7 @@ from plgwear_jax.plots.style import (
     show_units,
 )
 from plgwear_jax.shapes.of_contact import unworn_of
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.wear.run import Run
 
 # --- before any wear --------------------------------------------------------------------------------------------------

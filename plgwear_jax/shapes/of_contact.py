@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.record import guarded_field
 from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.shapes.shape import Outline, Shape
 
@@ -19,7 +19,7 @@ def shape_of(contact: Any) -> Shape:
 
 def outline_of(contact: Any) -> Outline:
     """The shape of a contact's indenter with its R."""
-    radius = guarded("radius", contact.radius, POSITIVE)
+    radius = guarded_field(contact, "radius")
     shape = jax.tree.map(lambda x: jnp.asarray(x, radius.dtype), shape_of(contact))
     return Outline(shape.guarded(), radius)
 

@@ -1,14 +1,13 @@
 """Indenters that are a power of the radius, in closed form."""
 
-import dataclasses
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, Domain, Numbers, check, guarded
+from plgwear_jax._core.domains import POSITIVE, Domain, Numbers
 from plgwear_jax.shapes.shape import Shape
 
 EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
@@ -141,13 +140,7 @@ class PowerShape(_OnePower):
 
     exponent: Numbers
 
-    def __post_init__(self) -> None:
-        """Check the exponent."""
-        check("exponent", self.exponent, EXPONENT)
-
-    def guarded(self) -> "PowerShape":
-        """The shape, with NaN for a traced exponent outside its range."""
-        return dataclasses.replace(self, exponent=guarded("exponent", self.exponent, EXPONENT))
+    ranges: ClassVar = {"exponent": EXPONENT}
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m; by NumPy of numbers of NumPy."""
@@ -182,13 +175,7 @@ class Cone(_OnePower):
 
     slope: Numbers
 
-    def __post_init__(self) -> None:
-        """Check the slope."""
-        check("slope", self.slope, POSITIVE)
-
-    def guarded(self) -> "Cone":
-        """The shape, with NaN for a traced slope outside its range."""
-        return dataclasses.replace(self, slope=guarded("slope", self.slope, POSITIVE))
+    ranges: ClassVar = {"slope": POSITIVE}
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m."""

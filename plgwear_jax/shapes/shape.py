@@ -10,14 +10,15 @@ Radii where f' jumps are ends of the quadrature's pieces.
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Protocol, cast, dataclass_transform
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.record import number_or, record, static
+from plgwear_jax._core.domains import Domain
+from plgwear_jax._core.record import guarded_field, number_or, record, static
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -63,6 +64,7 @@ class Shape:
     Attributes:
         tables: Names of the fields that hold one array each with a last axis of its own, such as the radii of a table.
             All other fields hold numbers; arrays of these are several indenters.
+        ranges: What fields may be, by their names.
 
     Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, Shape
@@ -81,18 +83,16 @@ class Shape:
     """
 
     tables: ClassVar[tuple[str, ...]] = ()
+    ranges: ClassVar[dict[str, Domain]] = {}
     steepens: ClassVar[bool] = False  # whether r f'(r) nowhere falls, so that nothing pulls on a power law
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         record(cls)
 
-    def __post_init__(self) -> None:
-        """Check the fields, as far as they are concrete."""
-
     def guarded(self) -> "Shape":
         """The shape, with NaN for traced fields outside their range."""
-        return self
+        return dataclasses.replace(cast(Any, self), **{name: guarded_field(self, name) for name in self.ranges})
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m at radii in m, elementwise and by functions of `jax.numpy`, f(0) = 0.

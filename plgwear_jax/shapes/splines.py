@@ -8,9 +8,8 @@ and Abel's integral with the exponent a takes (r - b)^m to r^(m+1) Phi_m(b/r),
              = (1-x)^(m+a) 2^(a-1) m!/(a (a+1) ... (a+m)) 2F1(1-a, a; a+m+1; (1-x)/2).
 """
 
-import dataclasses
 import math
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +17,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import Domain, Numbers, check, guarded, on_host, one_or_nan
+from plgwear_jax._core.domains import Numbers, on_host, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at, stacked
 from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
@@ -156,13 +155,7 @@ class _Flat(_Splined):
     flat_radius: Numbers
     steepens = True
 
-    def __post_init__(self) -> None:
-        """Check the radius."""
-        check("flat_radius", self.flat_radius, NUMBER)
-
-    def guarded(self) -> Self:
-        """The shape, with NaN for a traced radius outside its range."""
-        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
+    ranges: ClassVar = {"flat_radius": NUMBER}
 
     @property
     def kinks(self) -> Any:
@@ -267,11 +260,10 @@ class Profile(_Splined):
     r: Any  # an array or a list of numbers
     heights: Any
     tables = ("r", "heights")
+    ranges: ClassVar = dict.fromkeys(tables, NUMBER)
 
     def __post_init__(self) -> None:
         """Check the table."""
-        for name in self.tables:
-            check(name, getattr(self, name), Domain(">= 0 and finite", NUMBER.contains))
         shapes = np.shape(self.r), np.shape(self.heights)
         if not (shapes[0] and shapes[1] and shapes[0][-1] == shapes[1][-1] and shapes[0][-1] > 1):
             raise ValueError(f"r and heights take two points or more, not shapes {shapes[0]} and {shapes[1]}")

@@ -7,9 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, ArrayLike, Domain, check, guarded
+from plgwear_jax._core.domains import CYCLES, DISTANCE, RADIUS, SHARE, ArrayLike, Domain, check, guarded
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.ranges import FINITE
+from plgwear_jax._core.record import guarded_field
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, PARTIAL_SLIP
 from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
@@ -35,7 +36,7 @@ def check_again(contact: Any) -> None:
     """Check the fields again, since JAX rebuilds records without checks."""
     contact.__post_init__()
     contact.material.__post_init__()
-    shape_of(contact).__post_init__()
+    shape_of(contact).__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
     if getattr(contact, "indenter", None) is not None:
         contact.indenter.__post_init__()
 
@@ -59,12 +60,6 @@ def check_power_law(material: Any) -> None:
     """Check that a material is a power law."""
     if not isinstance(material, PowerLawGraded):
         raise TypeError(f"material takes a PowerLawGraded, not {material!r}")
-
-
-def check_fields(contact: Any, *names: str) -> None:
-    """Check that the named fields are positive."""
-    for name in names:
-        check(name, getattr(contact, name), POSITIVE)
 
 
 def check_arguments(contact: Any, **given: Any) -> None:
@@ -94,6 +89,6 @@ def refuse_array(contact: Any) -> None:
 
 def amplitude_of(contact: Any, tangential_force: ArrayLike) -> Array:
     """phi = F_x/(mu F_N), dimensionless; NaN from 1 on, where the whole contact slips."""
-    limit = guarded("friction", contact.friction, POSITIVE) * guarded("normal_force", contact.normal_force, POSITIVE)
+    limit = guarded_field(contact, "friction") * guarded_field(contact, "normal_force")
     phi = jnp.asarray(tangential_force) / limit
     return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)

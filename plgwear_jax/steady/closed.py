@@ -1,34 +1,112 @@
-"""The steady state in closed form: the dimensionless functions of `fretting` and `partial_slip` in SI units."""
+"""The steady state of a contact: the dimensionless functions of `fretting` and `partial_slip` in SI units.
+
+They hold for a rigid parabola on a power law, and for two homogeneous bodies, which are a power law with k = 0 and both
+moduli. All other contacts have the same quantities, computed in `steady.numeric`.
+"""
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Self
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, ArrayLike, guarded
-from plgwear_jax._core.doubts import own_numbers
+from plgwear_jax._core.domains import (
+    DISTANCE,
+    EXPONENT,
+    RADIUS,
+    ArrayLike,
+    Domain,
+    check,
+    guarded,
+    one_or_nan,
+    real_dtype,
+)
+from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
+from plgwear_jax._core.record import guarded_field
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.xla import materialised
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
+from plgwear_jax.steady.batch import as_numbers
+from plgwear_jax.steady.solution import Solution
 
 if TYPE_CHECKING:
-    from plgwear_jax.stresses.field import Pressed
+    from plgwear_jax.stresses.field import Pressed, Stress
+    from plgwear_jax.stresses.peaks import Peak
+
+_THICKNESS = Domain("> 0", lambda h: h > 0.0)
 
 
-class ClosedSteady(Steady):
-    """A rigid parabola on a power law, or two homogeneous bodies, which are a power law with k = 0 and both moduli."""
+class Steady(Solution):
+    """A contact under a load, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
+
+    What nobody reads is neither computed nor traced. A contact without closed forms is solved once, when the first
+    result is read.
+
+    Args:
+        contact: The contact.
+        load: A force amplitude F_x, 0 <= F_x < mu F_N, broadcast against the fields of the contact, or a displacement
+            amplitude. The steady state is that under the force amplitude which the load has before any wear.
+        digits: Correct digits wanted; by default all that the solver has, see `FrettingContact`.
+
+    Radii r and distances are in m, >= 0. A distance from the stick-slip boundary beyond the stick radius gives the
+    value at the centre. Where the load has a rig stiffness, displacement amplitudes are those at the actuator of the
+    rig, and energy ratios and sliding ratios are those of the loop that is measured there.
+
+    Raises:
+        ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
+            any wear would be negative there is no result, where that in the steady state would be, none of what is
+            worn. Under `jit`, and for members of batches, the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> steady = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4).steady(0.32)
+        >>> print(f"{steady.stick_radius:.3e} m, {steady.wear_volume:.3e} m^3")
+        6.584e-05 m, 2.961e-18 m^3
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
+        `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
+    """
 
     def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
-        super().__init__(contact, load, digits)
-        if not load.holds_force:  # later only programs read the force, where numbers are traced
+        super().__init__(contact=contact, load=load, digits=digits)
+        self._check_ahead()
+
+    def _check_ahead(self) -> None:
+        """Refuse what is read later by programs alone, where numbers are traced."""
+        if not self.load.holds_force:
             with own_numbers():  # whoever reads the force hears the doubt
-                load.check_at_rest(self._at_rest)
+                self.load.check_at_rest(self._at_rest)
+
+    # --- the load ---------------------------------------------------------------------------------------------------
+
+    @property
+    def tangential_force(self) -> Any:
+        """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
+        return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
+
+    @property
+    def _at_rest(self) -> Self:
+        return type(self)(self.contact, Force(0.0, self.load.rig_stiffness), self.digits)
+
+    @property
+    @compiled
+    def amplitude(self) -> Array:
+        """phi = F_x/(mu F_N), dimensionless."""
+        return amplitude_of(self.contact, self.tangential_force)
+
+    @property
+    def _limiting_friction(self) -> Array:
+        """mu F_N."""
+        return jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
 
     # --- units ------------------------------------------------------------------------------------------------------
 
@@ -42,16 +120,13 @@ class ClosedSteady(Steady):
         return in_series(material, self.contact.indenter)
 
     @property
-    def k(self) -> ArrayLike:
+    def _k(self) -> ArrayLike:
         """The exponent of the half-space."""
         return self._material.k
 
-    def with_contact_radius(self, contact_radius: Array) -> "ClosedSteady":
+    def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
-        names = self.numbers, self.words
-        given = (tuple(getattr(self, name) for name in these) for these in names)
-        numbers, words = given
-        return self._unflatten(words, (*numbers, contact_radius))
+        return self._unflatten((self.digits,), (self.contact, self.load, contact_radius))
 
     @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
     def _radius(self) -> Array:
@@ -59,140 +134,366 @@ class ClosedSteady(Steady):
         return self.contact_radius if known is None else known
 
     @property
-    def height(self) -> Array:
+    def _height(self) -> Array:
         """a_0^2/R, the unit of heights."""
-        return self._radius * self._radius / guarded("radius", self.contact.radius, POSITIVE)
+        return self._radius * self._radius / guarded_field(self.contact, "radius")
 
     @property
-    def mean_pressure(self) -> Array:
+    def _mean_pressure(self) -> Array:
         """F_N/(pi a_0^2), the unit of stresses."""
         return jnp.asarray(self.contact.normal_force) / (jnp.pi * self._radius * self._radius)
 
     @property
-    def tangential_ratio(self) -> Array:
+    def _tangential_ratio(self) -> Array:
         """theta, the tangential compliance over the normal one."""
         return self._material.tangential_ratio(digits=self.digits)
 
     @property
     def _tangential_height(self) -> Array:
         """mu theta a_0^2/R, the unit of tangential displacements."""
-        friction = guarded("friction", self.contact.friction, POSITIVE)
-        return friction * self.tangential_ratio * self.height
+        friction = guarded_field(self.contact, "friction")
+        return friction * self._tangential_ratio * self._height
 
     def _relative(self, r: ArrayLike) -> Array:
         return guarded("r", r, RADIUS) / self._radius
+
+    def _scaled(self, unit: Array, function: Callable[..., Array], *r: ArrayLike) -> Array:
+        """A dimensionless function, of radii or distances in units of a_0 if given, in this unit."""
+        return unit * function(*r, self._k, self.amplitude, digits=self.digits)
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
     @compiled
     def contact_radius(self) -> Array:
+        """Contact radius a_0 before any wear in m, Eq. (12)."""
         contact, material = self.contact, self._material
         log_stiffness = material.log_stiffness(digits=self.digits)
         k = jnp.asarray(material.k, log_stiffness.dtype)
-        force, radius = (
-            guarded("normal_force", contact.normal_force, POSITIVE),
-            guarded("radius", contact.radius, POSITIVE),
-        )
-        log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
+        load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
+        log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
         # Materialised, or XLA would compute it again for every result that it scales.
         return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @property
     @compiled
     def stick_radius(self) -> Array:
-        return self._radius * fretting.stick_radius(self.k, self.amplitude, digits=self.digits)
+        """Stick radius c in m, Eqs. (16) and (23)."""
+        return self._scaled(self._radius, fretting.stick_radius)
 
     @property
     @compiled
     def worn_radius(self) -> Array:
-        return self._radius * fretting.worn_radius(self.k, self.amplitude, digits=self.digits)
+        """Outer radius a_inf of the worn ring in m, Eq. (26)."""
+        return self._scaled(self._radius, fretting.worn_radius)
 
     @property
     @compiled
     def penetration(self) -> Array:
-        return self.height * fretting.penetration(self.k, self.amplitude, digits=self.digits)
+        """Indentation depth d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
+        return self._scaled(self._height, fretting.penetration)
 
     @property
     @compiled
     def wear_volume(self) -> Array:
-        volume = fretting.wear_volume(self.k, self.amplitude, digits=self.digits)
-        return self._radius * self._radius * self.height * volume
+        """Volume worn off the indenter in m^3, Eq. (28)."""
+        return self._scaled(self._radius * self._radius * self._height, fretting.wear_volume)
 
     @property
     @compiled
     def deepest_wear(self) -> Array:
-        return self.height * fretting.deepest_wear(self.k, self.amplitude, digits=self.digits)
+        """Largest depth worn off the indenter in m, from Eqs. (24) and (25)."""
+        return self._scaled(self._height, fretting.deepest_wear)
 
     @property
     @compiled
     def edge_intensity(self) -> Array:
-        return self.mean_pressure * fretting.edge_intensity(self.k, self.amplitude, digits=self.digits)
+        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20).
+
+        Of a power law under an elastic indenter the body that gives way most at the edge decides: for k < 0 the
+        exponent is that of k = 0. At k = 0 both bodies count and the factor jumps, so that its slope by k means nothing
+        there; `edge_pressure` does not jump.
+        """
+        return self._scaled(self._mean_pressure, fretting.edge_intensity)
 
     @property
     @compiled
     def peak_initial_pressure(self) -> Array:
+        """Largest pressure before any wear in Pa, Eq. (13)."""
         # For every k the largest pressure is at the centre.
-        return self.mean_pressure * fretting.initial_pressure(0.0, self.k, digits=self.digits)
+        return self._mean_pressure * fretting.initial_pressure(0.0, self._k, digits=self.digits)
+
+    # --- displacements, with those of a rig ---------------------------------------------------------------------------
+
+    @property
+    def gross_slip_displacement(self) -> Array:
+        """Displacement amplitude in m at which the unworn contact begins to slip as a whole."""
+        alone = self._onset
+        doubt(of_onset(alone))
+        return self._with_rig(alone, self._limiting_friction)
+
+    @property
+    def displacement_amplitude(self) -> Array:
+        """Displacement amplitude in m of the unworn contact, measured far from it."""
+        return self._with_rig(self._moved, self.tangential_force)
+
+    @property
+    def worn_displacement_amplitude(self) -> Array:
+        """Displacement amplitude in m of the worn contact."""
+        return self._with_rig(self._worn_moved, self.tangential_force)
+
+    @property
+    def energy_ratio(self) -> Array:
+        """Energy of a cycle of the unworn contact over 4 F_x u_x, dimensionless; 0 at F_x = 0."""
+        return self._energy_ratio * self._share
+
+    @property
+    def loop_aperture(self) -> Array:
+        """Displacement of the unworn contact at no force over its displacement amplitude; 0 at F_x = 0."""
+        return self._aperture * self._share
+
+    @property
+    def gross_slip_energy_ratio(self) -> Array:
+        """The energy ratio at which the unworn contact begins to slip as a whole, (1+k)/(5+k) for a parabola."""
+        return self._onset_energy_ratio * self._share_at_onset
+
+    @property
+    def gross_slip_aperture(self) -> Array:
+        """The sliding ratio at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
+        return self._onset_aperture * self._share_at_onset
+
+    @property
+    def _share(self) -> Array | float:
+        """The share of the unworn contact in the displacement amplitude."""
+        return 1.0 if self.load.rig_stiffness is None else self._share_of_contact
+
+    @property
+    def _share_at_onset(self) -> Array | float:
+        if self.load.rig_stiffness is None:
+            return 1.0
+        alone = self._onset
+        return alone / self._with_rig(alone, self._limiting_friction)
+
+    def _with_rig(self, alone: Array, force: ArrayLike) -> Array:
+        """The displacement in m at the actuator of the rig under a force."""
+        return alone if self.load.rig_stiffness is None else alone + jnp.asarray(force) * self.load.rig_compliance
+
+    # --- the same without a rig ---------------------------------------------------------------------------------------
 
     @property
     @compiled
     def _onset(self) -> Array:
-        return self._tangential_height / (1.0 + jnp.asarray(self.k))
+        return self._tangential_height / (1.0 + jnp.asarray(self._k))
 
     @property
     @compiled
     def _moved(self) -> Array:
-        share = partial_slip.displacement_amplitude(self.k, self.amplitude, digits=self.digits)
-        return self._onset * share
+        return self._scaled(self._onset, partial_slip.displacement_amplitude)
 
     @property
     @compiled
     def _worn_moved(self) -> Array:
         # mu theta times c^2 Lambda/2, the depth of the steady-state punch beyond a parabola of the same contact radius
-        k, phi = self.k, self.amplitude
+        k, phi = self._k, self.amplitude
         sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
         return self._onset * phi * sunk
 
     @property
     @compiled
     def energy_per_cycle(self) -> Array:
-        energy = partial_slip.energy_per_cycle(self.k, self.amplitude, digits=self.digits)
-        return self._limiting_friction * self._tangential_height * energy
+        """Energy in J that friction dissipates in a cycle of the unworn contact."""
+        return self._scaled(self._limiting_friction * self._tangential_height, partial_slip.energy_per_cycle)
 
     @property
     @compiled
     def _energy_ratio(self) -> Array:
-        return self._of_each_contact(partial_slip.energy_ratio(self.k, self.amplitude, digits=self.digits))
+        return self._of_each_contact(partial_slip.energy_ratio(self._k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
     def _aperture(self) -> Array:
-        return self._of_each_contact(partial_slip.loop_aperture(self.k, self.amplitude, digits=self.digits))
+        return self._of_each_contact(partial_slip.loop_aperture(self._k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
     def _onset_energy_ratio(self) -> Array:
-        k = guarded("k", self.k, EXPONENT)
+        k = guarded("k", self._k, EXPONENT)
         return self._of_each_contact((1.0 + k) / (5.0 + k))
 
     @property
     @compiled
     def _onset_aperture(self) -> Array:
-        k = guarded("k", self.k, EXPONENT)
+        k = guarded("k", self._k, EXPONENT)
         return self._of_each_contact(jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k)))
 
     def _of_each_contact(self, value: Array) -> Array:
         """A value by k and phi alone, in the shape of all contacts and NaN where one is outside its ranges."""
         return value + 0.0 * self._radius
 
+    @compiled
+    def force_at(self, displacement_amplitude: ArrayLike) -> Array:
+        """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m."""
+        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        share = moved / (self._onset * (1.0 + self._rig))
+        return self._limiting_friction * partial_slip.amplitude(self._k, share, self._rig, digits=self.digits)
+
+    @property
+    @compiled
+    def _share_of_contact(self) -> Array:
+        return partial_slip.contact_share(self._k, self.amplitude, self._rig, digits=self.digits)
+
+    @property
+    def _rig(self) -> Array:
+        """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
+        return self._limiting_friction * self.load.rig_compliance / self._onset
+
+    # --- functions of the radius ------------------------------------------------------------------------------------
+
+    @compiled
+    def edge_pressure(self, distance: ArrayLike) -> Array:
+        """Worn pressure in Pa at a distance inside the stick-slip boundary, r = c - distance, Eq. (17)."""
+        relative = guarded("distance", distance, DISTANCE) / self._radius
+        return self._scaled(self._mean_pressure, fretting.edge_pressure, relative)
+
+    @compiled
+    def initial_displacement(self, r: ArrayLike) -> Array:
+        """Normal displacement w_0 of the surface in m before any wear, Eq. (14)."""
+        return self._height * fretting.initial_displacement(self._relative(r), self._k, digits=self.digits)
+
+    @compiled
+    def steady_displacement(self, r: ArrayLike) -> Array:
+        """Normal displacement w_inf of the surface in m, Eq. (24)."""
+        return self._scaled(self._height, fretting.steady_displacement, self._relative(r))
+
+    @compiled
+    def profile(self, r: ArrayLike) -> Array:
+        """Shape f_inf of the worn indenter in m above its apex, Eq. (25)."""
+        return self._scaled(self._height, fretting.profile, self._relative(r))
+
+    @compiled
+    def wear_depth(self, r: ArrayLike) -> Array:
+        """Depth f_inf - f_0 in m worn off, from Eqs. (24) and (25)."""
+        return self._scaled(self._height, fretting.wear_depth, self._relative(r))
+
+    @compiled
+    def initial_pressure(self, r: ArrayLike) -> Array:
+        """Pressure p_0 in Pa before any wear, Eq. (13)."""
+        return self._mean_pressure * fretting.initial_pressure(self._relative(r), self._k, digits=self.digits)
+
+    @compiled
+    def pressure(self, r: ArrayLike) -> Array:
+        """Pressure p_inf in Pa, Eq. (17); infinite at r = c."""
+        return self._scaled(self._mean_pressure, fretting.steady_pressure, self._relative(r))
+
+    @compiled
+    def traction(self, r: ArrayLike) -> Array:
+        """Tangential traction tau_inf in Pa, Eq. (19); infinite at r = c."""
+        unit = jnp.asarray(self.contact.friction) * self._mean_pressure
+        return self._scaled(unit, fretting.steady_traction, self._relative(r))
+
+    @compiled
+    def slip_amplitude(self, r: ArrayLike) -> Array:
+        """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
+        return self._scaled(self._tangential_height, partial_slip.slip_amplitude, self._relative(r))
+
+    def modulus_at(self, z: ArrayLike) -> Array:
+        """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1)."""
+        return self.contact.material.modulus_at(z)
+
+    # --- stresses -----------------------------------------------------------------------------------------------------
+
+    def stress(self, x: ArrayLike, z: ArrayLike, *, worn: bool = False) -> "Stress":
+        """Stresses in Pa in the plane of the motion, under the largest tangential force.
+
+        Args:
+            x: Along the motion in m, from the axis of the contact, negative behind it.
+            z: Depth in m, z >= 0; broadcasts against x.
+            worn: In the steady state, infinite at the surface at the stick-slip boundary, not before any wear.
+
+        A grid is fast as x of shape (n,) and z of shape (m, 1).
+        """
+        from plgwear_jax.steady.stressed import stresses_of  # imported by the first contact that needs it
+
+        if worn:
+            self._check_worn()
+        return stresses_of(self, *self._places(x, z), worn)
+
+    def tension(self, x: ArrayLike, z: ArrayLike) -> Array:
+        """Largest principal stress in Pa before any wear at x and z, see `stress`."""
+        return self.stress(x, z).principal
+
+    def mises(self, x: ArrayLike, z: ArrayLike) -> Array:
+        """Von Mises' stress in Pa before any wear at x and z, see `stress`."""
+        return self.stress(x, z).mises
+
+    @property
+    def peak_tension(self) -> Array:
+        """Largest principal stress anywhere before any wear in Pa; infinite where the surface modulus is (k < 0)."""
+        return self._peak("principal").value
+
+    @property
+    def peak_mises(self) -> Array:
+        """Largest von Mises stress anywhere before any wear in Pa; infinite like `peak_tension`."""
+        return self._peak("mises").value
+
+    @property
+    def peak_tension_at(self) -> tuple[Array, Array]:
+        """Where the largest principal stress is, (x, z) in m."""
+        return self._peak("principal")[1:]
+
+    @property
+    def peak_mises_at(self) -> tuple[Array, Array]:
+        """Where von Mises' stress is largest, (x, z) in m."""
+        return self._peak("mises")[1:]
+
+    def peak_mises_between(self, least: ArrayLike, most: ArrayLike) -> Array:
+        """Von Mises' stress in Pa before any wear where it is largest between two depths in m, least < most.
+
+        At an interface `least` is just below it and `most` just above, so that the depths of a layer are those of its
+        stresses alone. Scalars, or one pair for each contact of a batch.
+        """
+        self._check(least=least, most=most)
+        low, high = (guarded(name, z, ARGUMENTS[name]) for name, z in (("least", least), ("most", most)))
+        check("most - least", high - low, _THICKNESS)
+        from plgwear_jax.steady.stressed import peak_stress_of
+
+        inside = 16.0 * jnp.finfo(real_dtype("least", tuple(jax.tree.leaves(self.contact)))).eps
+        high = high * (1.0 - inside) * one_or_nan(high > low)
+        return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
+
+    def _peak(self, name: str) -> "Peak":
+        from plgwear_jax.steady.stressed import peak_stress_of
+
+        return self._once(f"peak {name}", lambda: peak_stress_of(self, name))  # for its value and its place
+
+    def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
+        self._check(x=x, z=z)
+        return guarded("x", x, ARGUMENTS["x"]), guarded("z", z, ARGUMENTS["z"])
+
+    def _given(self) -> Any:
+        """The numbers of the question, as arrays of one dtype."""
+        return as_numbers((self.contact, self.load, self._solution))
+
+    def _solved(self, given: Any) -> Self:
+        """What programs of stresses take, of such numbers and by programs alone."""
+        return self._unflatten((self.digits,), given)
+
+    @property
+    def _known(self) -> Self:
+        """The same of the solution that is known."""
+        return self._solved(self._given())
+
+    def _check_worn(self) -> None:
+        """Refuse a contact that would have to pull."""
+
     @property
     def _pressed(self) -> "Pressed":
+        """What the stresses follow from."""
         from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 
         shape = jnp.shape(self._of_each_contact(self.amplitude))
         k, phi, mean = (
-            jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self.k), self.amplitude, self.mean_pressure)
+            jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self._k), self.amplitude, self._mean_pressure)
         )
         stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
         inside = samples(self.digits, k.dtype, alone=True)
@@ -204,62 +505,3 @@ class ClosedSteady(Steady):
         given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)
         return Pressed(force, radius, stick, friction, own, share * own, flat, s[..., 0], nu, (k[..., 0],))
-
-    # --- functions of the radius ------------------------------------------------------------------------------------
-
-    @compiled
-    def edge_pressure(self, distance: ArrayLike) -> Array:
-        relative = guarded("distance", distance, DISTANCE) / self._radius
-        return self.mean_pressure * fretting.edge_pressure(relative, self.k, self.amplitude, digits=self.digits)
-
-    @compiled
-    def initial_displacement(self, r: ArrayLike) -> Array:
-        return self.height * fretting.initial_displacement(self._relative(r), self.k, digits=self.digits)
-
-    @compiled
-    def steady_displacement(self, r: ArrayLike) -> Array:
-        at = self._relative(r), self.k, self.amplitude
-        return self.height * fretting.steady_displacement(*at, digits=self.digits)
-
-    @compiled
-    def profile(self, r: ArrayLike) -> Array:
-        return self.height * fretting.profile(self._relative(r), self.k, self.amplitude, digits=self.digits)
-
-    @compiled
-    def wear_depth(self, r: ArrayLike) -> Array:
-        return self.height * fretting.wear_depth(self._relative(r), self.k, self.amplitude, digits=self.digits)
-
-    @compiled
-    def initial_pressure(self, r: ArrayLike) -> Array:
-        return self.mean_pressure * fretting.initial_pressure(self._relative(r), self.k, digits=self.digits)
-
-    @compiled
-    def pressure(self, r: ArrayLike) -> Array:
-        at = self._relative(r), self.k, self.amplitude
-        return self.mean_pressure * fretting.steady_pressure(*at, digits=self.digits)
-
-    @compiled
-    def traction(self, r: ArrayLike) -> Array:
-        traction = fretting.steady_traction(self._relative(r), self.k, self.amplitude, digits=self.digits)
-        return jnp.asarray(self.contact.friction) * self.mean_pressure * traction
-
-    @compiled
-    def slip_amplitude(self, r: ArrayLike) -> Array:
-        slip = partial_slip.slip_amplitude(self._relative(r), self.k, self.amplitude, digits=self.digits)
-        return self._tangential_height * slip
-
-    @compiled
-    def force_at(self, displacement_amplitude: ArrayLike) -> Array:
-        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        share = moved / (self._onset * (1.0 + self._rig))
-        return self._limiting_friction * partial_slip.amplitude(self.k, share, self._rig, digits=self.digits)
-
-    @property
-    @compiled
-    def _share_of_contact(self) -> Array:
-        return partial_slip.contact_share(self.k, self.amplitude, self._rig, digits=self.digits)
-
-    @property
-    def _rig(self) -> Array:
-        """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
-        return self._limiting_friction * self.load.rig_compliance / self._onset

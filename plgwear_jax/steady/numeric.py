@@ -1,5 +1,8 @@
 """The steady state of contacts without closed forms, from one program that all their quantities share."""
 
+# Properties that a function returns are none for Pyright.
+# pyright: reportIncompatibleMethodOverride=false
+
 import functools
 import math
 from typing import Any, Self
@@ -11,7 +14,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
@@ -19,7 +22,7 @@ from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import as_numbers, each_state, over_radii
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
 from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -319,12 +322,21 @@ def _field(name: str, worn: bool = False) -> Any:
     return at
 
 
+def _number(name: str, worn: bool = False) -> Any:
+    """A property that is the function of this name of each state."""
+    return property(lambda self: _each_state((name, self._effort), self._worn if worn else self._solution))
+
+
+def _result(name: str, worn: bool = False) -> Any:
+    """A property that is this scalar result."""
+    return property(lambda self: getattr(self._worn_results if worn else self._results, name))
+
+
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
-    def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
-        super().__init__(contact, load, digits)
-        effort_of(digits)  # which refuses more digits than there are
+    def _check_ahead(self) -> None:
+        effort_of(self.digits)  # which refuses more digits than there are
 
     @property
     def _effort(self) -> Effort:
@@ -361,65 +373,21 @@ class NumericSteady(Steady):
             self._check_worn()
         return results
 
-    def _of_each(self, name: str, *more: Any) -> Array:
-        return _each_state((name, self._effort), self._solution, *more)
-
-    def _of_worn(self, name: str) -> Array:
-        return _each_state((name, self._effort), self._worn)
-
     # --- scalars ----------------------------------------------------------------------------------------------------
 
-    @property
-    def contact_radius(self) -> Array:
-        return self._results.contact_radius
-
-    @property
-    def stick_radius(self) -> Array:
-        return self._results.stick_radius
-
-    @property
-    def worn_radius(self) -> Array:
-        return self._worn_results.worn_radius
-
-    @property
-    def penetration(self) -> Array:
-        return self._worn_results.penetration
-
-    @property
-    def wear_volume(self) -> Array:
-        return self._worn_results.wear_volume
-
-    @property
-    def deepest_wear(self) -> Array:
-        return self._of_worn("deepest_of")
-
-    @property
-    def edge_intensity(self) -> Array:
-        return self._of_worn("intensity_of")
-
-    @property
-    def peak_initial_pressure(self) -> Array:
-        return self._of_each("peak_of")
-
-    @property
-    def energy_per_cycle(self) -> Array:
-        return self._of_each("energy_of")
-
-    @property
-    def _energy_ratio(self) -> Array:
-        return self._of_each("energy_ratio_of")
-
-    @property
-    def _aperture(self) -> Array:
-        return self._of_each("aperture_of")
-
-    @property
-    def _onset_energy_ratio(self) -> Array:
-        return self._of_each("gross_slip_energy_ratio_of")
-
-    @property
-    def _onset_aperture(self) -> Array:
-        return self._of_each("gross_slip_aperture_of")
+    contact_radius = _result("contact_radius")
+    stick_radius = _result("stick_radius")
+    worn_radius = _result("worn_radius", worn=True)
+    penetration = _result("penetration", worn=True)
+    wear_volume = _result("wear_volume", worn=True)
+    deepest_wear = _number("deepest_of", worn=True)
+    edge_intensity = _number("intensity_of", worn=True)
+    peak_initial_pressure = _number("peak_of")
+    energy_per_cycle = _number("energy_of")
+    _energy_ratio = _number("energy_ratio_of")
+    _aperture = _number("aperture_of")
+    _onset_energy_ratio = _number("gross_slip_energy_ratio_of")
+    _onset_aperture = _number("gross_slip_aperture_of")
 
     @property
     def _onset(self) -> Array:
@@ -436,11 +404,11 @@ class NumericSteady(Steady):
 
     @property
     def _share_of_contact(self) -> Array:
-        return self._of_each("share_of", self.load.rig_compliance)
+        return _each_state(("share_of", self._effort), self._solution, self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        return self._of_each("_force", moved, self.load.rig_compliance)
+        return _each_state(("_force", self._effort), self._solution, moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)

@@ -11,7 +11,8 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, RefusedError, guarded, one_or_nan
+from plgwear_jax._core.domains import RefusedError, one_or_nan
+from plgwear_jax._core.record import guarded_field
 from plgwear_jax._startup.programs import Program, program, traced, value_of, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
@@ -123,7 +124,7 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     if isinstance(material, Elastic):
         material = in_series(material, None)
     names = "normal_force", "radius", "friction"
-    loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
+    loads = [guarded_field(contact, name) for name in names]
     any_modulus = isinstance(material, AnyModulus)
     if any_modulus:
         given = [*material.arrays(), jnp.asarray(material.nu), mindlin_ratio(material.nu)]

@@ -11,7 +11,7 @@ from jax.core import Tracer
 from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded, on_host
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
@@ -50,12 +50,10 @@ class Elastic:
         Hertz (1882); Johnson, Contact Mechanics (1985).
     """
 
+    ranges: ClassVar = {"E": POSITIVE, "nu": POISSON_RATIO}
+
     E: Numbers
     nu: Numbers
-
-    def __post_init__(self) -> None:
-        check("E", self.E, POSITIVE)
-        check("nu", self.nu, POISSON_RATIO)
 
     @property
     def plane_modulus(self) -> Array:
@@ -65,28 +63,24 @@ class Elastic:
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = guarded("z", z, DEPTH)
-        return guarded("E", self.E, POSITIVE) + jnp.where(jnp.isnan(z), jnp.nan, 0.0)
+        return guarded_field(self, "E") + jnp.where(jnp.isnan(z), jnp.nan, 0.0)
 
 
 class AnyModulus:
     """A half-space of any E(z), which two arrays give, and of one Poisson's ratio."""
 
-    tables: ClassVar[Mapping[str, Domain]]  # the arrays, whose last axis is along the depth, and what they may hold
+    tables: ClassVar[tuple[str, str]]  # the arrays, whose last axis is along the depth
+    ranges: ClassVar[Mapping[str, Domain]]
     nu: Numbers
 
-    def __post_init__(self) -> None:
-        for name, domain in self.tables.items():
-            check(name, getattr(self, name), domain)
-        check("nu", self.nu, POISSON_RATIO)
-
     def _check(self, **given: ArrayLike) -> None:
-        self.__post_init__()
+        self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
         for name, value in given.items():
             check(name, value, DEPTH)
 
     def arrays(self) -> list[Array]:
         """The two arrays, NaN where a traced number is outside its range."""
-        return [guarded(name, getattr(self, name), domain) for name, domain in self.tables.items()]
+        return [guarded_field(self, name) for name in self.tables]
 
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
@@ -130,14 +124,14 @@ class DepthGraded(AnyModulus):
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
-    tables: ClassVar = {"depth": Domain(">= 0 and finite", NUMBER.contains), "modulus": POSITIVE}
+    tables = "depth", "modulus"
+    ranges: ClassVar = {"depth": NUMBER, "modulus": POSITIVE, "nu": POISSON_RATIO}
 
     depth: Any  # an array or a list of numbers
     modulus: Any
     nu: Numbers
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         depth, modulus = np.shape(self.depth), np.shape(self.modulus)
         if not (depth and modulus and depth[-1] == modulus[-1] and depth[-1] > 1):
             raise ValueError(f"depth and modulus take two points or more, not shapes {depth} and {modulus}")
@@ -190,14 +184,14 @@ class Layered(AnyModulus):
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
-    tables: ClassVar = {"thickness": POSITIVE, "modulus": POSITIVE}
+    tables = "thickness", "modulus"
+    ranges: ClassVar = {"thickness": POSITIVE, "modulus": POSITIVE, "nu": POISSON_RATIO}
 
     thickness: Any  # an array or a list of numbers
     modulus: Any
     nu: Numbers
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         thickness, modulus = np.shape(self.thickness), np.shape(self.modulus)
         if not (thickness and modulus and modulus[-1] == thickness[-1] + 1):
             text = f"thickness of shape {thickness} and modulus of shape {modulus}"

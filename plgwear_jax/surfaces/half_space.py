@@ -93,75 +93,76 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
         return jnp.zeros_like(q)
     surface = modulus.coefficients[0, 0]  # no depth is above z = 0
     thick, moduli, below = _divided(modulus, q, digits)
-    h = jnp.minimum(thick * q, _THICK)
-    s = jnp.broadcast_to(surface / moduli, h.shape)  # mu(0)/mu
-    start = jnp.broadcast_to(surface / below, (1, *h.shape[1:]))
-    total = s[0] - _raised(*_all_layers(s, start, nu, h)) / (1.0 - nu)
+    h = jnp.minimum(thick * q, _THICK)[:, None, None, None]
+    s = jnp.broadcast_to(surface / moduli[:, None, None, None], h.shape)  # mu(0)/mu
+    total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, surface / below, nu, h))[0] / (1.0 - nu)
     return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
-
-
-def _all_layers(s: Array, start: Array, nu: Array, h: Array) -> tuple[Array, ...]:
-    """Of all layers at once what does not depend on those below: the arguments of `_raised`."""
-    a, b = 1.0 - nu, 0.5 - nu
-    step = s - jnp.concatenate([s[1:], start])
-    once, lost, factor = jnp.exp(-h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
-    e = once * once
-    p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
-    p12 = -factor * (2.0 * h * h * e)
-    return a * step, b * step, p11, p12, p22, (1.0 - h) * once, h * once, (1.0 + h) * once
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------
 
+# Matrices are on two axes after that of the layers. On a third one are those of plane waves, and where they are wanted
+# those of waves across, which are numbers: the first of each matrix.
 
-def _through(y: tuple[Array, ...], layer: tuple[Array, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """(Y above a layer, Y inside at its bottom), from Y below."""
-    along, across, p11, p12, p22, det_p, u, h, v = layer
-    # S of a half-space is -s [[a, -b], [-b, a]].
-    y11, y12, y22 = y[0] + along, y[1] - across, y[2] + along
-    det_y = y11 * y22 - y12 * y12
-    over = 1.0 / (1.0 - (p11 * y11 + 2.0 * p12 * y12 + p22 * y22) + det_p * det_y)
-    x11, x12, x22 = (y11 - det_y * p22) * over, (y12 + det_y * p12) * over, (y22 - det_y * p11) * over
-    above11 = u * u * x11 - 2.0 * u * h * x12 + h * h * x22
-    above22 = h * h * x11 + 2.0 * h * v * x12 + v * v * x22
-    above12 = u * h * x11 + (u * v - h * h) * x12 - h * v * x22
-    return (above11, above12, above22), (y11, y12, y22)
+
+def _parts_of_matrices(dtype: Any, planes: int) -> list[Array]:
+    """1, and parts of matrices.
+
+    These are of the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
+    """
+    own, own_by_nu, lost, left, squared, turn = np.zeros((6, 2, 2, 2))
+    own[..., 0], own[0, 0, 1], own_by_nu[..., 0] = [[1.0, -0.5], [-0.5, 1.0]], 1.0, [[-1.0, 1.0], [1.0, -1.0]]
+    lost[..., 0], lost[0, 0, 1], left[..., 0] = 0.5 * np.eye(2), 0.5, [[1.0, 0.0], [0.0, -1.0]]
+    squared[..., 0], turn[..., 0] = -1.0, [[-1.0, -1.0], [1.0, 1.0]]
+    every = np.stack([np.eye(2)] * 2, -1), own, own_by_nu, lost, left, squared, turn
+    return [jnp.asarray(each[..., :planes, None, None], dtype) for each in every]
+
+
+def _layer_matrices(s: Array, below: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Array, Array, Array]:
+    """Of all layers at once (what each adds to Y, P, Phi), from one over their moduli and that below."""
+    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _parts_of_matrices(h.dtype, planes)
+    once = jnp.exp(-h)
+    left = once * once * h
+    spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
+    spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:planes, None, None]
+    below = jnp.broadcast_to(below, (1, *h.shape[1:]))
+    return (own + nu * own_by_nu) * (s - jnp.append(s[1:], below, 0)), spread, once * (one + h * turn)
+
+
+def _matrix_product(a: Array, b: Array) -> Array:
+    """The product of matrices on the first two axes; XLA has none for many small ones."""
+    return jnp.sum(a[:, :, None] * b[None], 1)
+
+
+def _upwards(step: Array, spread: Array, phi: Array) -> tuple[Array, tuple[Array, Array]]:
+    """(Y at the surface, (Y inside each layer at its bottom, what takes tractions from its top to there))."""
+    one, *_ = _parts_of_matrices(step.dtype, step.shape[3])
+
+    def through(y: Array, layer: tuple[Array, ...]) -> tuple[Array, tuple[Array, Array]]:
+        step, spread, phi = layer
+        y = y + step
+        rest = one - _matrix_product(spread, y)
+        swapped = (2.0 * one - 1.0) * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
+        down = _matrix_product(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
+        return _matrix_product(phi, _matrix_product(y, down)), (y, down)
+
+    return jax.lax.scan(through, jnp.zeros_like(spread[0]), (step, spread, phi), reverse=True)
+
+
+def _tractions_below(tractions: Array, down: Array) -> Array:
+    """The tractions at the bottom of each layer, from those at the surface."""
+
+    def lower(tractions: Array, down: Array) -> tuple[Array, Array]:
+        below = _matrix_product(down, tractions)
+        return below, below
+
+    return jax.lax.scan(lower, tractions, down)[1]
 
 
 @jax.custom_jvp
-def _raised(*layers: Array) -> Array:
-    """Y_22 at the surface, from what each layer adds to Y, from P and from Phi, all of shape (layers, ...)."""
-    return _all_raised(*layers)[0]
-
-
-def _all_raised(*layers: Array) -> tuple[Array, tuple[Array, ...]]:
-    """(Y_22 at the surface, Y inside each layer at its bottom)."""
-    along, across, p11, p12, p22, *phi = layers
-    given = along, across, p11, p12, p22, p11 * p22 - p12 * p12, *phi
-    none = jnp.zeros_like(along[0])
-    # As tuples, not as one array, which each step would take apart and put together again.
-    found, inside = jax.lax.scan(_through, (none, none, none), given, reverse=True)
-    return found[2], inside
-
-
-def _lowering(layers: tuple[Array, ...], inside: tuple[Array, ...]) -> tuple[Array, ...]:
-    """(1 - P Y)^-1 Phi', which takes tractions from the top of each layer to its bottom."""
-    _, _, p11, p12, p22, u, h, v = layers
-    y11, y12, y22 = inside
-    py11, py12 = p11 * y11 + p12 * y12, p11 * y12 + p12 * y22
-    py21, py22 = p12 * y11 + p22 * y12, p12 * y12 + p22 * y22
-    over = 1.0 / ((1.0 - py11) * (1.0 - py22) - py12 * py21)
-    return (
-        ((1.0 - py22) * u - py12 * h) * over,
-        ((1.0 - py22) * h + py12 * v) * over,
-        (py21 * u - (1.0 - py11) * h) * over,
-        (py21 * h + (1.0 - py11) * v) * over,
-    )
-
-
-def _down(w: tuple[Array, Array], matrix: tuple[Array, ...]) -> tuple[tuple[Array, Array], tuple[Array, ...]]:
-    below = matrix[0] * w[0] + matrix[1] * w[1], matrix[2] * w[0] + matrix[3] * w[1]
-    return below, (*w, *below)
+def _raised(step: Array, spread: Array, phi: Array) -> Array:
+    """Y_22 at the surface."""
+    return _upwards(step, spread, phi)[0][1, 1]
 
 
 @_raised.defjvp
@@ -170,24 +171,14 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
 
     w = (0, 1) at the surface goes down through each layer as w_b = (1 - P Y)^-1 Phi' w, and x = Y w_b.
     """
-    found, inside = _all_raised(*layers)
-    y11, y12, y22 = inside
-    matrix = _lowering(layers, inside)
-
-    begin = jnp.zeros_like(found), jnp.ones_like(found)
-    w1, w2, b1, b2 = jax.lax.scan(_down, begin, matrix)[1]
-    x1, x2 = y11 * b1 + y12 * b2, y12 * b1 + y22 * b2
-    factors = (
-        b1 * b1 + b2 * b2,
-        -2.0 * b1 * b2,
-        x1 * x1,
-        2.0 * x1 * x2,
-        x2 * x2,
-        2.0 * w1 * x1,
-        2.0 * (w2 * x1 - w1 * x2),
-        2.0 * w2 * x2,
-    )
-    return found, sum((jnp.sum(factor * by, 0) for factor, by in zip(factors, along, strict=True)), 0.0 * found)
+    top, (inside, down) = _upwards(*layers)
+    begin = jnp.stack([jnp.zeros_like(top[:1, 0]), jnp.ones_like(top[:1, 0])])
+    below = _tractions_below(begin, down)
+    above = jnp.concatenate([begin[None], below[:-1]])
+    x = jnp.sum(inside * below.swapaxes(1, 2), 2, keepdims=True)
+    step, spread, phi = along
+    moved = below * below.swapaxes(1, 2) * step + x * x.swapaxes(1, 2) * spread + 2.0 * above * x.swapaxes(1, 2) * phi
+    return top[1, 1], jnp.sum(moved, (0, 1, 2))
 
 
 # --- the way down -----------------------------------------------------------------------------------------------------
@@ -206,24 +197,6 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     if len(modulus.coefficients) == 1:
         return modulus.start[:, None], True
     return _edges(modulus, q, digits)[0], False
-
-
-def _layer_matrices(dtype: Any) -> list[Array]:
-    """Of plane waves, and of those across the wave as the first of two numbers on a third axis: 1, parts of matrices.
-
-    These are of Y less the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
-    """
-    own, own_by_nu, lost, left, squared, turn = np.zeros((6, 2, 2, 2))
-    own[..., 0], own[0, 0, 1], own_by_nu[..., 0] = [[1.0, -0.5], [-0.5, 1.0]], 1.0, [[-1.0, 1.0], [1.0, -1.0]]
-    lost[..., 0], lost[0, 0, 1], left[..., 0] = 0.5 * np.eye(2), 0.5, [[1.0, 0.0], [0.0, -1.0]]
-    squared[..., 0], turn[..., 0] = -1.0, [[-1.0, -1.0], [1.0, 1.0]]
-    one = np.stack([np.eye(2)] * 2, -1)
-    return [jnp.asarray(each[..., None, None], dtype) for each in (one, own, own_by_nu, lost, left, squared, turn)]
-
-
-def _matrix_product(a: Array, b: Array) -> Array:
-    """The product of matrices on the first two axes; XLA has none for many small ones."""
-    return jnp.sum(a[:, :, None] * b[None], 1)
 
 
 def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu: Array) -> Array:
@@ -249,34 +222,16 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
     h = jnp.minimum((high - low) * q, _THICK)
     s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
-    below = jnp.broadcast_to(1.0 / modulus.between(every[-1], every[-1]), (1, *h.shape[1:]))
-
-    one, own, own_by_nu, of_lost, of_left, of_squared, turn = _layer_matrices(q.dtype)
-    once, own = jnp.exp(-h), own + nu * own_by_nu
-    left = once * once * h
-    spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
-    spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:, None, None]
-    layers = own * (s - jnp.append(s[1:], below, 0)), spread, once * (one + h * turn)
-
-    def through(y: Array, layer: tuple[Array, ...]) -> tuple[Array, tuple[Array, Array]]:
-        """(Y above a layer, (Y at its bottom, what takes tractions from its top to there)), from Y below it."""
-        step, spread, phi = layer
-        y = y + step
-        rest = one - _matrix_product(spread, y)
-        swapped = sign * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
-        down = _matrix_product(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
-        return _matrix_product(phi, _matrix_product(y, down)), (y, down)
-
-    def lower(tractions: Array, down: Array) -> tuple[Array, Array]:
-        below = _matrix_product(down, tractions)
-        return below, below
-
-    shape, sign = layers[1].shape[1:], 2.0 * one - 1.0
-    _, (inside, down) = jax.lax.scan(through, jnp.zeros(shape, h.dtype), layers, reverse=True)
-    _, tractions = jax.lax.scan(lower, jnp.broadcast_to(one, shape), down)
+    layers = _layer_matrices(s, 1.0 / modulus.between(every[-1], every[-1]), nu, h, planes=2)
+    _, (inside, down) = _upwards(*layers)
+    one, own, own_by_nu, *_ = _parts_of_matrices(q.dtype, 2)
+    shape = down.shape[1:]
+    tractions = _tractions_below(jnp.broadcast_to(one, shape), down)
     last = (shares.shape[0] - 1) * place - 1  # the part above each depth
     last = jnp.broadcast_to(last[:, None, None, None, None], (z.size, 1, 1, 1, *shape[3:]))
-    compliance, tractions = (jnp.take_along_axis(each, last, 0) for each in (inside - own * s, tractions))
+    compliance, tractions = (
+        jnp.take_along_axis(each, last, 0) for each in (inside - (own + nu * own_by_nu) * s, tractions)
+    )
     moved = jnp.sum(compliance[:, 0, :, None] * tractions, 1)
     # By the component, the traction that causes it, and the plane.
     found = jnp.stack([moved, tractions[:, 1], tractions[:, 0]]).transpose(0, 2, 3, 1, 4, 5)

@@ -18,7 +18,7 @@ from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.batch import each
-from plgwear_jax.steady.closed import ClosedSteady
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
 from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each, volume_of
@@ -147,11 +147,11 @@ def _pressures(ring: ClosedRing, curves: RunCurves, c: Array, r: Array) -> Press
 @program(static=1)
 def _ring_of(digits: int | None, contact: Any, load: Any) -> tuple[ClosedRing, Array, Array]:
     """(The ring, the stick radius, the time of a cycle of a unit wear coefficient)."""
-    steady = ClosedSteady(contact, load, digits)
-    mean = steady.mean_pressure
-    found = steady.k, steady.amplitude, steady.contact_radius, steady.height, mean, steady.stick_radius
+    steady = Steady(contact, load, digits)
+    mean = steady._mean_pressure
+    found = steady._k, steady.amplitude, steady.contact_radius, steady._height, mean, steady.stick_radius
     *ring, stick = jnp.broadcast_arrays(*(jnp.asarray(x, mean.dtype) for x in found))
-    return ClosedRing(*ring), stick, 4.0 * jnp.asarray(contact.friction) * steady.tangential_ratio + 0.0 * mean
+    return ClosedRing(*ring), stick, 4.0 * jnp.asarray(contact.friction) * steady._tangential_ratio + 0.0 * mean
 
 
 @program()

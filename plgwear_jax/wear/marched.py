@@ -25,7 +25,7 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import first_at
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import Bodies, opens, solver_of
 from plgwear_jax.surfaces.cells import mean_over, nodes_of
 from plgwear_jax.surfaces.compliance import Compliance

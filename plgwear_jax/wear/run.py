@@ -16,7 +16,8 @@ from plgwear_jax.loads import Load
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.arguments import ARGUMENTS
 from plgwear_jax.steady.batch import dtype_of
-from plgwear_jax.steady.solution import Solution, Steady
+from plgwear_jax.steady.closed import Steady
+from plgwear_jax.steady.solution import Solution
 from plgwear_jax.wear_laws import WearLaw
 
 NEARLY = 0.99  # share of the final volume by which a scar is worn
@@ -66,11 +67,10 @@ class Run(Solution, abc.ABC):
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         super().__init__(contact=contact, load=load, law=law, digits=digits)
-        self._check_question()
 
     def _check(self, **given: Any) -> None:
         super()._check(**given)
-        getattr(self.law, "__post_init__", bool)()
+        self.law.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
 
     @property
     def steady(self) -> Steady | None:

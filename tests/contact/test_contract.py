@@ -18,9 +18,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax.catalogue import FRETTING, STRESSES
+from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of
-from plgwear_jax.steady.closed import ClosedSteady
 
 
 def marked(mark, *cases):
@@ -81,7 +81,7 @@ def everything(steady, r, distance, but=()):
 
 
 def values(function, steady):
-    return by_numpy(function)() if isinstance(steady, ClosedSteady) else function()
+    return by_numpy(function)() if is_closed(steady.contact) else function()
 
 
 def compared(pair, name):

@@ -4,7 +4,7 @@ import inspect
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 from plgwear_jax.contact.gross_slip_contact import SteadyPunch
-from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.closed import Steady
 
 MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
 FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
