@@ -514,7 +514,7 @@ def matrix(report: Report, quick: bool) -> None:
 
 # --- what the parts of the start buy --------------------------------------------------------------------------------
 
-PARTS_OF_START = ("kept", "steps", "derivatives", "levels")
+PARTS_OF_START = ("kept", "derivatives", "levels")
 VARIANTS: dict[str, dict[str, str]] = {
     "all": {},
     **{f"no {x}": {"PLGWEAR_STARTUP": ",".join(p for p in PARTS_OF_START if p != x)} for x in PARTS_OF_START},

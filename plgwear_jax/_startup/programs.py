@@ -1,8 +1,8 @@
 """Programs for concrete numbers: `jax.jit`, but for what makes the first answer of a process come late.
 
-Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken half as
-long as the compiler. The command line has programs kept in files: a later process loads one, and need not trace, lower
-and compile; JAX's own cache saves the last of these alone. `benchmarks/waits.py` measures what each of these buys.
+They are compiled with less optimisation, and their derivatives at known numbers are programs of their own. The command
+line has programs kept in files: a later process loads one, and need not trace, lower and compile; JAX's own cache saves
+the last of these alone. `benchmarks/waits.py` measures what each of these buys.
 """
 
 import contextlib
@@ -27,8 +27,6 @@ from jax.experimental import serialize_executable
 
 from plgwear_jax import _files
 from plgwear_jax._startup import on
-from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
@@ -115,31 +113,24 @@ class Program:
             )
         if traced(arguments):
             return self.part(*arguments)
-        if _store is not None:
-            numbers = jax.tree.map(np.asarray, numbers)
-        elif any(map(_committed, leaves)):
-            return self.jitted(*arguments)  # on the device where the results of committed numbers belong
-        with contextlib.suppress(UnknownError):
-            return self.by(static, numbers)(*numbers)
-        return self.jitted(*static, *numbers)
+        if _store is None:
+            return self.jitted(*arguments)
+        numbers = jax.tree.map(np.asarray, numbers)
+        return self._kept(static, numbers)(*numbers)
 
-    def by(self, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Callable[..., Any]:
-        """What runs the program for numbers of this kind: steps, what is kept, or else `jax.jit`."""
+    def _kept(self, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Callable[..., Any]:
+        """The program for numbers of this kind, from the folder where programs are kept."""
+        assert _store is not None
         leaves, tree = jax.tree.flatten(numbers)
-        shapes = [(np.shape(x), getattr(x, "dtype", type(x)), getattr(x, "weak_type", False)) for x in leaves]
-        kind = _store, static, tree, *shapes, jnp.result_type(0.0)
+        kind = _store, static, tree, *((x.shape, x.dtype) for x in leaves), jnp.result_type(0.0)
         if kind not in self.known:
-            key = hashlib.sha256(repr((self.name, *kind[1:])).encode() + _house()).hexdigest() if _store else ""
-            made = _store.read(key) if _store else None
+            key = hashlib.sha256(repr((self.name, *kind[1:])).encode() + _house()).hexdigest()
+            made = _store.read(key)
             if made is None:
-                traced = self.jitted.trace(*static, *numbers)
-                made = stepwise(traced) if on("steps") else None
-                if _store:
-                    made = made or traced.lower().compile()
-                    _store.write(key, made)
-            self.known[kind] = made or functools.partial(self.jitted, *static)
-        run = self.known[kind]
-        return run if getattr(run, "worthwhile", True) else functools.partial(self.jitted, *static)
+                made = self.jitted.lower(*static, *numbers).compile()
+                _store.write(key, made)
+            self.known[kind] = made
+        return self.known[kind]
 
 
 def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Callable[..., Any]], Program]:
@@ -335,8 +326,6 @@ class _Store:
             known = pickle.loads(zlib.decompress(file.read_bytes()))  # which checks a sum
             with contextlib.suppress(OSError):  # a disk that is read only
                 os.utime(file)
-            if isinstance(known, SteppedProgram):
-                return known
             # JAX looks for LAPACK when it lowers a decomposition; a program that is loaded would crash.
             jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
             return serialize_executable.deserialize_and_load(*known)
@@ -344,8 +333,7 @@ class _Store:
     def write(self, key: str, made: Any) -> None:
         """Keep a program."""
         with contextlib.suppress(Exception):  # a full disk, a device whose programs cannot be kept
-            kept = made if isinstance(made, SteppedProgram) else serialize_executable.serialize(made)
-            content = zlib.compress(pickle.dumps(kept), level=1)
+            content = zlib.compress(pickle.dumps(serialize_executable.serialize(made)), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             left = self.most - len(content)
             for file in sorted(self.folder.iterdir(), key=lambda file: file.stat().st_mtime, reverse=True):

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from functions import by_numpy
+from functions import soon_compiled
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -81,7 +81,7 @@ def everything(steady, r, distance, but=()):
 
 
 def values(function, steady):
-    return by_numpy(function)() if is_closed(steady.contact) else function()
+    return soon_compiled(function)() if is_closed(steady.contact) else function()
 
 
 def compared(pair, name):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import ring_contacts
 from balance import sums
-from functions import by_numpy
+from functions import soon_compiled
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
@@ -121,7 +121,7 @@ def test_derivatives_are_those_of_differences(kind, seed):
         return {name: jnp.log(x) for name, x in found.items()}
 
     # NumPy computes what is traced: XLA would need seconds to compile it.
-    _, slopes = by_numpy(lambda step: jax.jvp(logs, (step,), (jnp.ones_like(step),)))(jnp.asarray(0.0))
+    _, slopes = soon_compiled(lambda step: jax.jvp(logs, (step,), (jnp.ones_like(step),)))(jnp.asarray(0.0))
     ahead, behind = logs(1e-3), logs(-1e-3)
     for name, slope in slopes.items():
         assert_allclose(slope, (ahead[name] - behind[name]) / 2e-3, rtol=1e-3, atol=1e-3, err_msg=name)

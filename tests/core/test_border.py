@@ -181,7 +181,7 @@ def assert_nan(name, rows, result):
 @each_function
 def test_traced_values_outside_give_nan(name):
     rows = bad_rows(name)
-    program = jax.jit if name in functions.COMPILED else functions.by_numpy
+    program = jax.jit if name in functions.COMPILED else functions.soon_compiled
     assert_nan(name, rows, program(FUNCTIONS[name])(*rows))
 
 
@@ -332,7 +332,7 @@ def traced_results(cls, names):
         given = {key: at[key] for key in INSIDE[cls]}
         return {name: jnp.ravel(jnp.asarray(ask(contact, name, **given)))[0] for name in names}
 
-    results = functions.by_numpy(jax.vmap(everything))(table)
+    results = functions.soon_compiled(jax.vmap(everything))(table)
     return rows, {name: np.asarray(result) for name, result in results.items()}
 
 

@@ -27,7 +27,7 @@ def values(quantity, dtype, digits):
     points = sample(quantity, dtype, 4000)
     if digits is None or quantity.name == "fretting.wear_volume":
         return functions.at_one_length(quantity.function)(*points, digits=digits).astype(float)
-    program = functions.by_numpy(functools.partial(quantity.function, digits=digits))
+    program = functions.soon_compiled(functools.partial(quantity.function, digits=digits))
     return functions.in_rounds(program, *points).astype(float)
 
 
@@ -37,7 +37,7 @@ def slopes(quantity, dtype, digits):
     if digits is None:
         return functions.derivatives(quantity.name, *points)[2].astype(float)
     gradient = jax.grad(functools.partial(quantity.function, digits=digits), tuple(range(len(points))))
-    return np.stack(functions.by_numpy(jax.vmap(gradient))(*points), -1).astype(float)
+    return np.stack(functions.soon_compiled(jax.vmap(gradient))(*points), -1).astype(float)
 
 
 def in_series(quantity):

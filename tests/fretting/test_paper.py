@@ -2,7 +2,7 @@
 
 import numpy as np
 import oracle
-from functions import by_numpy
+from functions import soon_compiled
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -73,7 +73,7 @@ def contact_and_dimensionless(k):
 
 @parametrize("k", [-0.5, 0.3])
 def test_quantities_of_a_contact_are_dimensionless_ones_in_si_units(k):
-    for name, both in by_numpy(contact_and_dimensionless)(np.asarray(k)).items():
+    for name, both in soon_compiled(contact_and_dimensionless)(np.asarray(k)).items():
         assert_allclose(*both, rtol=1e-12, atol=1e-30, err_msg=name)
 
 

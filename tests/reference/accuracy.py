@@ -349,7 +349,7 @@ def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
         value, slopes = functions.with_gradient(quantity.function, *at)
         return value[:, None], jnp.stack(slopes, -1)
 
-    return functions.by_numpy(point)
+    return functions.soon_compiled(point)
 
 
 def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:

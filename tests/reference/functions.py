@@ -4,8 +4,8 @@ Each shape of the arguments is traced and compiled anew, which takes a thousand 
 `fretting`, `gross_slip`, `partial_slip` and `material` of this module are those of the library, called with LENGTH
 numbers whatever the shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
 
-To compile derivatives takes longest. In the default run XLA does so for DIFFERENTIATED in float64; for all others NumPy
-runs the traced program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
+To compile derivatives takes longest. In the default run those of DIFFERENTIATED in float64 are compiled as users have
+them, all others with less optimisation. In the long run, where `XLA_FLAGS` is empty, all are compiled as users have it.
 """
 
 import functools
@@ -20,8 +20,6 @@ import pytest
 from marks import compiled, long, parametrize
 
 import plgwear_jax
-from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import stepwise
 
 # The options of XLA that `conftest` changes, as users have them.
 AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}
@@ -35,7 +33,7 @@ COMPILED = {
     "material.h_N",
 }
 
-# Of these XLA compiles the derivatives in float64 too; displacements take longest, and the long run has them.
+# Of these the derivatives in float64 too; displacements take longest, and the long run has them.
 DIFFERENTIATED = {"fretting.wear_volume", "fretting.stick_radius", "material.h_N"}
 
 LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
@@ -49,25 +47,9 @@ def in_rounds(function, *at):
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[:count], *rounds)
 
 
-def by_numpy(function):
-    """As `jax.jit`, for arrays; in the default run NumPy computes what is traced, if its loops end soon."""
-    jitted = jax.jit(function, compiler_options=AS_USERS)
-    if not os.environ.get("XLA_FLAGS"):
-        return jitted
-    known = {}
-
-    def called(*at):
-        leaves, tree = jax.tree.flatten(at)
-        kind = tree, tuple((x.shape, x.dtype) for x in leaves)
-        if kind not in known:
-            known[kind] = stepwise(jitted.trace(*at), patience=10**9) or jitted
-        try:
-            return known[kind](*at)
-        except UnknownError:  # a loop that does not end soon
-            known[kind] = jitted
-            return jitted(*at)
-
-    return called
+def soon_compiled(function):
+    """As `jax.jit`; in the default run with less optimisation than users have."""
+    return jax.jit(lambda *at: function(*at), compiler_options={} if os.environ.get("XLA_FLAGS") else AS_USERS)
 
 
 def at_one_length(function):
@@ -130,12 +112,12 @@ def values(name: str, *at):
     """The function at concrete arguments of any shape, by the program for LENGTH of them."""
     if name in COMPILED or np.result_type(*at) == np.float64:
         return at_one_length(FUNCTIONS[name])(*at)
-    return in_rounds(_by_numpy(name), *at)
+    return in_rounds(_soon_compiled(name), *at)
 
 
 @functools.cache
-def _by_numpy(name):
-    return by_numpy(lambda *at: FUNCTIONS[name](*at))
+def _soon_compiled(name):
+    return soon_compiled(lambda *at: FUNCTIONS[name](*at))
 
 
 def derivatives(name: str, *at):
@@ -156,9 +138,9 @@ def _derivatives(name):
         (beside, reverse), (_, along) = with_gradient(function, *at), jax.linearize(function, *at)
         return function(*at), beside, jnp.stack(reverse, -1), jnp.stack(_by_each(along, at), -1)
 
-    compiled, by_steps = jax.jit(point, compiler_options=AS_USERS), by_numpy(point)
+    compiled, soon = jax.jit(point, compiler_options=AS_USERS), soon_compiled(point)
     # XLA compiles those of one dtype.
-    return lambda *at: (compiled if name in DIFFERENTIATED and at[0].dtype == np.float64 else by_steps)(*at)
+    return lambda *at: (compiled if name in DIFFERENTIATED and at[0].dtype == np.float64 else soon)(*at)
 
 
 @functools.cache
@@ -169,7 +151,7 @@ def _hessians(name):
         _, along = jax.linearize(lambda *at: jnp.stack(with_gradient(function, *at)[1], -1), *at)
         return jnp.stack(_by_each(along, at), -1)
 
-    return by_numpy(point)
+    return soon_compiled(point)
 
 
 # All arguments are arrays of one shape, which `jax.vmap` of a derivative at numbers takes twice as long to trace.

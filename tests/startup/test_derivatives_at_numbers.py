@@ -1,4 +1,4 @@
-"""First derivatives at single known numbers, which NumPy computes: they are those of the compiled programs."""
+"""First derivatives at known numbers, which are programs of their own: they are those of `jax.jit` of the gradient."""
 
 import jax
 import jax.numpy as jnp
@@ -17,16 +17,15 @@ AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displaceme
 
 @pytest.fixture
 def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Of each derivative at known numbers whether NumPy was to compute it."""
+    """Of each derivative at known numbers that a program of its own has computed True."""
     found: list[bool] = []
-    plain = programs.Program.by
+    plain = programs._along_steps
 
-    def by(itself, static, numbers):
-        made = plain(itself, static, numbers)
-        found.append(isinstance(made, programs.SteppedProgram))
-        return made
+    def along(*given):
+        found.append(True)
+        return plain(*given)
 
-    monkeypatch.setattr(programs.Program, "by", by)
+    monkeypatch.setattr(programs, "_along_steps", along)
     return found
 
 
@@ -106,15 +105,6 @@ def test_many_numbers_and_those_on_a_device_of_their_own_are_left_to_xla(ran):
     slope = jax.grad(total)(there)
     assert ran == [] and slope.committed
     assert_allclose(slope, jax.grad(total)(0.3), rtol=64 * EPS)
-
-
-def test_who_asks_often_gets_a_compiled_program(ran, monkeypatch):
-    ask = jax.grad(fretting.stick_radius, 1)
-    first = ask(0.3, 0.4, digits=5)
-    monkeypatch.setattr(programs.SteppedProgram, "worthwhile", False)
-    again = ask(0.3, 0.4, digits=5)
-    assert ran == [True, False]
-    assert_allclose(first, again, rtol=64 * EPS)
 
 
 @compiled

@@ -15,8 +15,7 @@ from plgwear_jax._startup import programs
 
 
 @pytest.fixture(autouse=True)
-def afterwards(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("PLGWEAR_STARTUP", "kept,levels,derivatives")  # or NumPy would run these small programs
+def afterwards():
     least = jax.config.jax_persistent_cache_min_compile_time_secs
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1e9)  # what JAX's cache has read cannot be kept
     yield

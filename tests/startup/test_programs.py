@@ -5,7 +5,6 @@ a scene must solve while all that it does not ask for is a trap.
 """
 
 import functools
-import logging
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -260,12 +259,3 @@ def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, contact, na
     # The worn radius bounds the radii, so whatever runs along them feels the slip.
     feels = "wear_volume" if contact is DOME and along_radius else name
     assert made.arguments == enters(contact, feels) - {"r"}
-
-
-@parametrize("contact, name", [(DOME, "wear_volume"), (PUNCH, "force_ratio")])
-def test_solving_compiles_nothing(caplog, contact, name):
-    given = asking_for(contact, name)
-    with jax.log_compiles(), caplog.at_level(logging.WARNING):
-        given.solve(digits=13)
-    compiled = re.findall(r"Finished XLA compilation of (?:jit\()?(\w+)", caplog.text)
-    assert not compiled

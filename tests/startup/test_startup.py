@@ -64,7 +64,7 @@ def test_results_are_the_same_without_it(tmp_path):
     again = told(tmp_path)
     assert {file.name for file in tmp_path.iterdir()} == kept
     assert again.keys() == first.keys()
-    for name, values in again.items():  # on layers NumPy rounds by where its matrices lie in memory
+    for name, values in again.items():  # on layers LAPACK rounds by where its matrices lie in memory
         assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
     assert first.keys() == plain.keys()
     for name, values in first.items():
