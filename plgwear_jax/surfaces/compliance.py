@@ -256,7 +256,9 @@ class Graded(NamedTuple):
         front = self.front * self.strength
         return front * (springs @ factors[0]), front * change
 
-    def beside_edge(self, c: Array, y: Array, both: Array, law: OnTheLaw, effort: Effort) -> tuple[Array, Array]:
+    def beside_edge(
+        self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int, effort: Effort
+    ) -> tuple[Array, Array]:
         """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
 
         A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure
@@ -282,7 +284,8 @@ class Graded(NamedTuple):
             found, own = found.at[:, :, 1].add(exact - own), exact
         alone = jnp.stack([jnp.stack([jnp.ones_like(h), jnp.zeros_like(h)]), own], -1)
         edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(jnp.maximum(excess, -0.999))
-        last = int(np.sum(constants.x < 0.5 * effort.modes**2))
+        # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
+        last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * effort.modes**2))
         real, imaginary = (jnp.exp(-edge[0]) * jnp.stack([jnp.cos(edge[1]), -jnp.sin(edge[1])]))[:, :, None]
         near = jnp.stack([real * alone[0] - imaginary * alone[1], real * alone[1] + imaginary * alone[0]])
         squares = jnp.sum(near[:, last] ** 2, 0)

@@ -112,7 +112,7 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), on_the_law(compliance, punch, effort, outline)
     both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(compliance, Graded):
-        first, v = compliance.beside_edge(c, y, both, law, effort)
+        first, v = compliance.beside_edge(c, y, both, law, len(image.bends), effort)
         return Beside(a, first[0] + v[:, 0], v[:, 1], image, depth)
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.

@@ -236,6 +236,12 @@ def test_narrow_rings_beside_a_tip_keep_their_digits():
     assert_allclose(coarse, fine, rtol=1e-4)
 
 
+def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
+    """The volume is that of 160 pressures, which resolve the layer."""
+    contact = FrettingContact(Layered([1e-7, 1e-5], [4e11, 1.1e11, 1.1e11], 0.3), R, FORCE, FRICTION, None, Cone(0.01))
+    assert_allclose(contact.steady(1e-3 * FRICTION * FORCE).wear_volume, 5.75526e-23, rtol=1e-3)
+
+
 @compiled
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
