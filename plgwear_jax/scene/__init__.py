@@ -359,9 +359,12 @@ class Scene:
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
         shape = self.contact.fields.get("shape")
         heights = None if shape is None else shape.file
-        if heights is not None and any(np.any(np.isnan(value)) for value in values.values()):
+        lacking = any(np.any(np.isnan(value)) for value in values.values())
+        if heights is not None and lacking:
             end = f"ends at r = {heights['r'][-1]:g} m, inside the worn radius"
             raise OtherFileError(f"{heights.name}: row {heights.row[-1]}: {end}; give heights further out")
+        if lacking and load is not None and not is_closed(contact):
+            _ = contact.steady(load.hardest, digits=digits).worn_radius  # says where it would have to pull
         found = {}
         for name in names:
             law, value = laws[name], values[name]

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
@@ -69,6 +70,13 @@ def test_a_table_of_one_modulus_is_a_half_space_of_it():
     asked = '[output]\nquantities = ["contact_radius", "worn_radius", "wear_volume"]\n'
     found, closed = loaded(asked, material=TABLE).solve(digits=2), loaded(asked).solve()
     assert_allclose([x.value for x in found.values()], [x.value for x in closed.values()], rtol=2e-2)
+
+
+@compiled
+def test_a_skin_that_would_be_pulled_is_told():
+    skin = loaded('[output]\nquantities = ["wear_volume"]\n', material="thickness = [2e-6]\nmodulus = [400e9, 2e9]")
+    with pytest.raises(ValueError, match="the pressure in the steady state would be negative"):
+        skin.solve(digits=2)
 
 
 @cases(Path(__file__).with_name("refused.toml"), "bodies")
