@@ -223,14 +223,16 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
-_PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are compared
+_PLACES = np.linspace(0.0, 1.0, 26)[1:-1]  # of the depths that are compared, see `deepest`
 
 
 def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     """The largest depth in a ring that ends at y = end."""
 
     def depths_at(places: Array) -> Array:
-        return jax.vmap(lambda share: depth_beside(lack, a, share * end, effort))(places)
+        # In a wide ring it is at a power of the radius of the end, and towards either end for |k| -> 1.
+        y = jnp.expm1(places * places * (3.0 - 2.0 * places) * jnp.log1p(end))
+        return jax.vmap(lambda y: depth_beside(lack, a, y, effort))(y)
 
     places = jnp.asarray(_PLACES, a.dtype)
     depths = depths_at(places)
@@ -238,7 +240,7 @@ def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
     # Once more, nearer to the top, where the depth has to have no slope for its derivatives to be right.
     near = _top_of(x, h) + 0.1 * (x[2] - x[0]) * jnp.asarray([-0.5, 0.0, 0.5], a.dtype)
-    return depth_beside(lack, a, jax.lax.stop_gradient(_top_of(near, depths_at(near))) * end, effort)
+    return depths_at(jax.lax.stop_gradient(_top_of(near, depths_at(near)))[None])[0]
 
 
 def _top_of(x: Array, h: Array) -> Array:

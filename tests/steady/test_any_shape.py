@@ -209,6 +209,12 @@ def test_the_energy_of_a_kink_in_the_ring_is_the_area_of_its_loop():
     assert_allclose(state.energy_per_cycle, 2.38003e-07, rtol=5e-5)
 
 
+def test_the_deepest_wear_of_a_wide_ring_is_in_closed_form():
+    amplitudes = np.array([0.5, 0.98, 0.9999]) * FRICTION * FORCE
+    found, known = (contact_with(shape, 0.8).steady(amplitudes).deepest_wear for shape in (PowerShape(2.0), None))
+    assert_allclose(found, known, rtol=1e-8)
+
+
 NARROW = np.array([1e-3, 1e-6, 1e-9])
 
 
