@@ -111,7 +111,7 @@ def amplitude(
         residual = goal - jnp.where(small, log(jnp.where(small, here, 0.5), digits), near_one)
         x = x + residual * here / (far * one[0] + power * near * other[0])
         x = jax.lax.stop_gradient(x) if step < 4 else x
-    return -exponentials(power * x, digits)[1]
+    return 0.0 - exponentials(power * x, digits)[1]  # not -0
 
 
 @formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)

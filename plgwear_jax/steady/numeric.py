@@ -198,7 +198,8 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
         force, alone = at(log_c)
         return (moved - alone - rig * force) / most
 
-    return clamp_keep_slope(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
+    found = clamp_keep_slope(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
+    return found - jax.lax.stop_gradient(jnp.where(moved > 0.0, 0.0, found))  # a rounding of the root
 
 
 def _slip(effort: Effort, state: State, r: Array) -> Array:

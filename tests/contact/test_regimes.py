@@ -12,7 +12,7 @@ from refusals import cases, refusal
 
 from plgwear_jax import Elastic, PowerLawGraded
 from plgwear_jax.contact import CRITERIA, slip_regimes
-from plgwear_jax.loads import Force
+from plgwear_jax.loads import Displacement, Force
 
 FORCES = np.array([1.0, 10.0, 60.0])
 LIMIT = FRICTION * FORCES[:, None]
@@ -60,6 +60,12 @@ def test_nothing_jumps_at_the_onset(rig):
         assert_allclose(np.diff(getattr(found, name)[0]), 0.0, atol=1e-5)
     assert_allclose(found.energy_ratio[0, 5], found.gross_slip_energy_ratio[0], rtol=1e-8)
     assert np.all(np.isfinite(found.energy_ratio)) and found.gross_slip[0, -1] and not found.gross_slip[0, 0]
+
+
+@parametrize("indenter", [None, pytest.param(Elastic(210e9, 0.3), marks=compiled)])
+def test_no_displacement_needs_no_force(indenter):
+    force = contact_of(law(np.array([0.2, 0.3])), indenter).steady(Displacement(0.0)).tangential_force
+    assert str(np.asarray(force)) == "[0. 0.]"  # neither a rounding nor -0
 
 
 @compiled
