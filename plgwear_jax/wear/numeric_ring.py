@@ -89,7 +89,6 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
 # --- what is read -----------------------------------------------------------------------------------------------------
 
 
-@program(static=1, level=1)
 def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[Array, Array, Array]:
     """(Places inside c, pressures there per pressure of each cell, the radius in m nearest to c)."""
 
@@ -101,7 +100,6 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
     return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
 
 
-@program()
 def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
     """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
     under = jnp.where(r < c, r, 0.5 * c)
