@@ -7,6 +7,7 @@ each up to its own radius b, which is a quadratic spline of t^2, and on a power 
 import functools
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
@@ -64,8 +65,7 @@ def transforms(tractions: Tractions, zeta: Array, x: Array, count: int) -> tuple
     if beside is not None:
         turn, values = beside
         found.append(_of_values(count, (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1]), zeta, x))
-    value, rate = (sum(each[1:], each[0]) for each in zip(*found, strict=True))
-    return value, rate
+    return jax.tree.map(lambda *parts: sum(parts[1:], parts[0]), *found)
 
 
 @functools.cache

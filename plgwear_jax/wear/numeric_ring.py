@@ -126,11 +126,11 @@ class NumericRing:
 
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
-        *places, near = _inward(self.effort, self.states, run.curves, self.from_1)
+        places, caused, near = _inward(self.effort, self.states, run.curves, self.from_1)
 
         def pressures_at(at: Array) -> Pressures:
             unworn, worn = self._fields(("unworn_pressure_at", "worn_pressure_at"), at)
-            return Pressures(unworn, worn, _caused(run.stick_radius, *places, at))
+            return Pressures(unworn, worn, _caused(run.stick_radius, places, caused, at))
 
         return pressures_at(r), (near, pressures_at(near))
 
