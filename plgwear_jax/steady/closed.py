@@ -126,7 +126,7 @@ class Steady(Solution):
 
     def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
-        return self._unflatten((self.digits,), (self.contact, self.load, contact_radius))
+        return self._unflatten(self.digits, (self.contact, self.load, contact_radius))
 
     @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
     def _radius(self) -> Array:
@@ -476,7 +476,7 @@ class Steady(Solution):
 
     def _solved(self, given: Any) -> Self:
         """What programs of stresses take, of such numbers and by programs alone."""
-        return self._unflatten((self.digits,), given)
+        return self._unflatten(self.digits, given)
 
     @property
     def _known(self) -> Self:

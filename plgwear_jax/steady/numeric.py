@@ -406,7 +406,7 @@ class NumericSteady(Steady):
         return self._of(contact, solved_states(self._effort, contact, force))
 
     def _of(self, contact: Any, solution: State) -> Self:
-        return self._unflatten((self.digits,), (contact, None, solution))
+        return self._unflatten(self.digits, (contact, None, solution))
 
     @property
     def _known(self) -> Self:

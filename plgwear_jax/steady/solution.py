@@ -20,7 +20,6 @@ class Solution:
     """
 
     numbers: ClassVar[tuple[str, ...]] = ("contact", "load")
-    words: ClassVar[tuple[str, ...]] = ("digits",)
     shares: ClassVar[Domain] = PARTIAL_SLIP  # of F_x/(mu F_N) that it takes
 
     contact: Any
@@ -39,7 +38,7 @@ class Solution:
         raise AttributeError(f"{type(self).__name__} cannot be changed")
 
     def __repr__(self) -> str:
-        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in (*self.numbers, *self.words))
+        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in (*self.numbers, "digits"))
         return f"{type(self).__name__}({arguments})"
 
     def _solve(self) -> Any:
@@ -58,16 +57,15 @@ class Solution:
             vars(self)[name] = found  # kept only if it belongs to no other trace, which would end before the object
         return found
 
-    def _flatten(self) -> tuple[list[tuple[Any, Any]], tuple[Any, ...]]:
+    def _flatten(self) -> tuple[list[tuple[Any, Any]], int | None]:
         children = [(jax.tree_util.GetAttrKey(name), getattr(self, name)) for name in self.numbers]
         solved = jax.tree_util.GetAttrKey("solution"), self._solution
-        return [*children, solved], tuple(getattr(self, name) for name in self.words)
+        return [*children, solved], self.digits
 
     @classmethod
-    def _unflatten(cls, words: tuple[Any, ...], children: Any) -> Self:
+    def _unflatten(cls, digits: int | None, children: Any) -> Self:
         instance = object.__new__(cls)
-        names = *cls.words, *cls.numbers, "solved"
-        vars(instance).update(zip(names, (*words, *children), strict=True))
+        vars(instance).update(zip((*cls.numbers, "solved"), children, strict=True), digits=digits)
         return instance
 
     def _check_question(self) -> None:

@@ -93,11 +93,13 @@ def refuse_unsolved(contact: Any, found: State) -> None:
 
 def refuse_tension(state: State, worn: bool) -> None:
     """Refuse a known contact that would have to pull: worn to the end, or before any wear. Of a batch it stays NaN."""
-    share, r, pulled = (value_of(x) for x in state.least)
-    if state.shape or isinstance(pulled, Tracer) or not pulled[int(worn)]:
+    least = [value_of(x) for x in state.least]
+    if state.shape or isinstance(least[0], Tracer):
         return
+    share, r, pulled = np.stack(least)[:, int(worn)]
     when, more = ("in the steady state", ", and Eq. (28) does not hold") if worn else ("before any wear", "")
-    raise RefusedError(opens(when, share[int(worn)], r[int(worn)]) + more)
+    if pulled:
+        raise RefusedError(opens(when, share, r) + more)
 
 
 def opens(when: str, share: Any, r: Any) -> str:

@@ -11,7 +11,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
-from jax.custom_derivatives import SymbolicZero
 
 # --- tractions --------------------------------------------------------------------------------------------------------
 
@@ -62,11 +61,11 @@ def transforms(tractions: Tractions, zeta: Array, x: Array, count: int) -> tuple
         found.append(_of_bowls(near, count, b, weight, zeta, x))
     if flat is not None:
         wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
-        found.append((-wave.imag[:4] @ flat, rate.imag[:4, :count] @ flat))
+        found.append((-wave.imag @ flat, rate.imag[:, :count] @ flat))
     if beside is not None:
         turn, values = beside
         found.append(_of_values(count, (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1]), zeta, x))
-    return functools.reduce(_plus, found)
+    return jax.tree.map(lambda *parts: sum(parts[1:], parts[0]), *found)
 
 
 @functools.cache
@@ -91,8 +90,8 @@ def on_path(step: float, power: Array) -> Array:
     return jnp.exp(power[:, None] * jnp.log(square)) * weight
 
 
-def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-    """(G_i = e^i/D for i < 5, its three slopes by Z, Re e^i, T_i), shapes (5, places, n).
+def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """(G_i = e^i/D for i < 4, its two slopes by Z, Re e^i, T_i), shapes (4, places, n).
 
     There Z = zeta + i b, D = (Z^2 + x^2)^(1/2), e = x/(D + Z). G_i is the integral of exp(-q Z) J_i(q x) dq, and T_i
     that of its real part over b from 0.
@@ -106,23 +105,22 @@ def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array,
     depth = lax.complex(*jnp.broadcast_arrays(zeta, b))
     total, inverse = distance + depth, jnp.conj(distance) / size
     e = jnp.conj(total) * (x / (total.real**2 + total.imag**2))
-    powers = jnp.stack([jnp.ones_like(e), e, e * e, e * e * e, (e * e) * (e * e)])
+    powers = jnp.stack([jnp.ones_like(e), e, e * e, e * e * e])
     over = jnp.append(jnp.arctan2(total.imag, total.real)[None], powers[1:].imag / -_ORDER[1:], 0)
     wave, turn = powers * inverse, depth * inverse
     rate = -wave * (turn + _ORDER) * inverse
     more = -(rate * (3.0 * turn + _ORDER) + wave * (1.0 + _ORDER * turn) * inverse) * inverse
-    most = -(more * (5.0 * turn + _ORDER) + 2.0 * rate * (2.0 + _ORDER * turn) * inverse) * inverse
-    return wave, rate, more, most - _ORDER * wave * (x * inverse) ** 2 * inverse**3, powers.real, over
+    return wave, rate, more, powers.real, over
 
 
-_ORDER: Any = np.arange(5)[:, None, None]
+_ORDER: Any = np.arange(4)[:, None, None]
 _SIGN = 1 - 2 * (_ORDER > 0)
 
 
-def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
-    """The integrals for n = 0, 1 and 2, and those with one and, but for n = 0, with two factors q more, for i < 5."""
+def _bowls(b: Array, zeta: Array, x: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """The integrals for n = 1 and 2, and those with another factor q, for i < 4."""
     zeta, x, square = zeta[:, None], x[:, None], 4.0 * b * b
-    wave, rate, _, _, real, over = _waves(b, zeta, x)
+    wave, _, _, real, over = _waves(b, zeta, x)
 
     def turned(more: Array) -> Array:
         return x * jnp.concatenate([-more[1:2], more[:-1]]) - zeta * more
@@ -131,12 +129,7 @@ def _bowls(b: Array, zeta: Array, x: Array) -> list[list[Array]]:
     first = 2.0 * (turned(over) + _SIGN * b * real) / (1 + _ORDER)
     more = (2 * (1 - _ORDER) * square * over + 12.0 * turned(first)) / (2 + _ORDER)
     second = (square * first + turned(more)) / (3 + _ORDER)
-    flat, most = -wave.imag, 12.0 * first + 2.0 * square * wave.imag
-    return [
-        [flat, first, second],
-        [rate.imag, 2.0 * (over - b * wave.real), more],
-        [2.0 * (flat + b * rate.real), most],
-    ]
+    return (first, second), (2.0 * (over - b * wave.real), more)
 
 
 def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
@@ -147,81 +140,14 @@ def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
     return each.reshape(*shape[:2], -1) @ weight.reshape(-1, weight.shape[-1])
 
 
-Pair = tuple[Array, Array]
-"""What `transforms` returns."""
+def _of_bowls(near: int, count: int, b: Array, weight: Array, zeta: Array, x: Array) -> tuple[Array, Array]:
+    (first, second), (steep, steeper) = _bowls(b.ravel(), zeta, x)
+    return _total(near, first, second, weight), _total(near, steep[:, :count], steeper[:, :count], weight)
 
 
-def _of_moved_places(count: int, steeper: Pair, by_zeta: Any, by_x: Any) -> Pair:
-    """Integrals along tangents of the places, from those with another factor q for i < 5."""
-
-    def along(steeper: Array, size: int) -> Array:
-        found = jnp.zeros_like(steeper[:4])
-        if not isinstance(by_zeta, SymbolicZero):
-            found -= steeper[:4] * by_zeta[:size, None]
-        if not isinstance(by_x, SymbolicZero):
-            lower = jnp.concatenate([-steeper[1:2], steeper[:3]])
-            found += 0.5 * (lower - steeper[1:]) * by_x[:size, None]
-        return found
-
-    return along(steeper[0], steeper[0].shape[1]), along(steeper[1], count)
-
-
-def _plus(one: Pair, other: Pair) -> Pair:
-    return one[0] + other[0], one[1] + other[1]
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _of_bowls(near: int, count: int, b: Array, weight: Array, zeta: Array, x: Array) -> Pair:
-    (_, *value), (_, *more), _ = _bowls(b.ravel(), zeta, x)
-    return _of_strips(near, count, 4, value, more, weight)
-
-
-def _of_strips(near: int, count: int, orders: int, value: list[Array], more: list[Array], weight: Array) -> Pair:
-    (first, second), (steep, steeper) = value, more
-    both = _total(near, first[:orders], second[:orders], weight)
-    return both, _total(near, steep[:orders, :count], steeper[:orders, :count], weight)
-
-
-def _of_bowls_jvp(near: int, count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
-    b, weight, zeta, x = primals
-    value, more, most = _bowls(b.ravel(), zeta, x)
-    sums, (by_b, by_weight, by_zeta, by_x) = functools.partial(_of_strips, near, count), tangents
-    along = _of_moved_places(count, sums(5, more[1:], most, weight), by_zeta, by_x)
-    if not isinstance(by_b, SymbolicZero):
-        # The slope of (b^2 - t^2)^n is that with n - 1, times 2 n b.
-        power = jnp.where(np.arange(b.shape[1]) < b.shape[1] - near, 4, 2)
-        along = _plus(along, sums(4, value[:2], more[:2], (power * b * by_b)[..., None] * weight))
-    if not isinstance(by_weight, SymbolicZero):
-        along = _plus(along, sums(4, value[1:], more[1:], by_weight))
-    return sums(4, value[1:], more[1:], weight), along
-
-
-_of_bowls.defjvp(_of_bowls_jvp, symbolic_zeros=True)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _of_values(count: int, places: Array, values: Array, zeta: Array, x: Array) -> Pair:
+def _of_values(count: int, places: Array, values: Array, zeta: Array, x: Array) -> tuple[Array, Array]:
     _, rate, more, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
-    return _of_path(count, rate[:4], more[:4], values)
-
-
-def _of_path(count: int, value: Array, more: Array, values: Array) -> Pair:
-    return -(value @ values).real, (more[:, :count] @ values).real
-
-
-def _of_values_jvp(count: int, primals: tuple[Array, ...], tangents: tuple[Any, ...]) -> tuple[Pair, Pair]:
-    places, values, zeta, x = primals
-    sums, (by_places, by_values, by_zeta, by_x) = functools.partial(_of_path, count), tangents
-    _, rate, more, most, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
-    along = _of_moved_places(count, sums(-more, -most, values), by_zeta, by_x)
-    if not isinstance(by_places, SymbolicZero):
-        along = _plus(along, sums(more[:4], most[:4], 1j * by_places[:, None] * values))
-    if not isinstance(by_values, SymbolicZero):
-        along = _plus(along, sums(rate[:4], more[:4], by_values))
-    return sums(rate[:4], more[:4], values), along
-
-
-_of_values.defjvp(_of_values_jvp, symbolic_zeros=True)
+    return -(rate @ values).real, (more[:, :count] @ values).real
 
 
 # --- responses --------------------------------------------------------------------------------------------------------

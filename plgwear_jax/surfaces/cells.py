@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -39,18 +38,9 @@ class RingCells(NamedTuple):
     edges: Array  # T/C - 1 at the edges of the cells
 
 
-@jax.custom_jvp
 def products_of(share: Array, weight: Array) -> Array:
     """The integrals over the products of the transforms of each two cells, (cells, cells)."""
     return (share * weight) @ share.T
-
-
-@products_of.defjvp
-def _products_jvp(primals: tuple[Array, Array], tangents: tuple[Array, Array]) -> tuple[Array, Array]:
-    # The change is a matrix plus its transpose: one product of matrices is enough.
-    (share, weight), (dshare, dweight) = primals, tangents
-    half = (dshare * weight + 0.5 * share * dweight) @ share.T
-    return products_of(share, weight), half + half.T
 
 
 def sizes_of(from_c: Array, from_1: Array, unworn: Array) -> Array:

@@ -107,9 +107,8 @@ class PowerLaw(NamedTuple):
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        del effort
-        power = jnp.exp(self.log_g - self.k * jnp.log(c)) * self.power_terms
-        return self.homogeneous * self.homogeneous_terms + power, -self.k * power
+        power, homogeneous = self.shares(c, effort)
+        return homogeneous + power, -self.k * power
 
     def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M of the half-space, M of the indenter)."""

@@ -185,15 +185,14 @@ class _Places(NamedTuple):
 
     before: Array  # the number of the cubic
     part: Array  # of a step, from its beginning
-    by: Array  # the slope of `part` by the distance
 
 
 def _places_of(u: Array) -> _Places:
-    place, cubics = (jnp.log(u) - _LEAST) / _TABLE, round((_MOST - _LEAST) / _TABLE) - 2
+    cubics = round((_MOST - _LEAST) / _TABLE) - 2
     # Materialised, or each direction of a derivative would compute it again.
-    at = materialised(jnp.clip(place - 1.0, 0.0, cubics - 1.0), u)
+    at = materialised(jnp.clip((jnp.log(u) - _LEAST) / _TABLE - 1.0, 0.0, cubics - 1.0), u)
     before = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
-    return _Places(before, at - before, jnp.where(at == place - 1.0, 1.0 / (_TABLE * u), 0.0))
+    return _Places(before, at - before)
 
 
 _CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from values at -1, 0, 1, 2
@@ -208,11 +207,6 @@ def _lagrange_cubics(table: Array) -> tuple[Array, ...]:
 def _values_at(cubics: tuple[Array, ...], places: _Places) -> Array:
     value, slope, bend, third = (x[places.before] for x in cubics)
     return value + places.part * (slope + places.part * (bend + places.part * third))
-
-
-def _slopes_at(cubics: tuple[Array, ...], places: _Places) -> Array:
-    _, slope, bend, third = (x[places.before] for x in cubics)
-    return places.by * (slope + places.part * (2.0 * bend + 3.0 * places.part * third))
 
 
 def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
@@ -255,10 +249,12 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
     # each direction.
     (table, whole, t, share, weight), (dtable, dwhole, dt, dshare, dweight) = primals, tangents
-    near, far = map(_places_of, _distances(t, weight))
-    cubics, weighted = _lagrange_cubics(table), share * weight
-    kernel = _values_at(cubics, near) + _values_at(cubics, far)
-    by_near, by_far = _slopes_at(cubics, near), _slopes_at(cubics, far)
+    distances, cubics, weighted = _distances(t, weight), _lagrange_cubics(table), share * weight
+    near, far = map(_places_of, distances)
+    (of_near, by_near), (of_far, by_far) = (
+        jax.jvp(lambda u: _values_at(cubics, _places_of(u)), (u,), (jnp.ones_like(u),)) for u in distances
+    )
+    kernel = of_near + of_far
     by_first = by_far + by_near * jnp.sign(t[:, None] - t)
     missed = whole - kernel @ weight
     own = 0.11 * jnp.diagonal(by_near) * dweight

@@ -91,46 +91,38 @@ class ClosedRing(NamedTuple):
     def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at y in the ring."""
         del r
-        return _gap_and_depth(self, y)
+        phi = jnp.where(self.phi > 0.0, self.phi, 0.5)
+        s, q = exponents(self.k)
+        c = fretting.stick_radius(self.k, phi)
+        y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
+        at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
+        height, unit = y * at.chord, 0.5 * self.height * c * c * at.share
+        return unit * height, unit * jnp.maximum(m - height, 0.0)
 
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
         near = _NEAR * run.stick_radius
-        at_r, at_near = (_pressures(self, run.curves, run.stick_radius, at) for at in (r, near))
-        return at_r, (near, at_near)
+        return self._pressures_at(run, r), (near, self._pressures_at(run, near))
+
+    def _pressures_at(self, run: RunSolution, r: Array) -> Pressures:
+        s, q = (x[..., None] for x in exponents(self.k))
+        c, relative = run.stick_radius, r / self.contact_radius
+        inner = jnp.where(r < c, r, 0.5 * c)
+        z = (((c - inner) / c) * ((c + inner) / c))[..., None]
+        # A pressure in the ring causes one inside c by the shape that it gives the surface there, and takes its part of
+        # the load, and of what the ring gives way, from the flat punch of the radius c.
+        outer = run.curves.edges[..., 1:]
+        y, s, q = jnp.broadcast_arrays(outer / z, s, q)
+        tails, *_ = arcsine_tail(fold(y), s, q, 8 if z.dtype == jnp.float64 else None)
+        taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * run.curves.swept
+        caused = jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
+        unworn = fretting.initial_pressure(relative, self.k)
+        steady = fretting.steady_pressure(relative, self.k, self.phi)
+        return Pressures(self.mean_pressure * unworn, self.mean_pressure * steady, caused)
 
 
 _NEAR = 1.0 - 1e-4  # of c; nearer to it the pressures of cells, which end in a step there, are not read
 _DIGITS = 12  # digits of g and H, which are known in closed form
-
-
-@program()
-def _gap_and_depth(ring: ClosedRing, y: Array) -> tuple[Array, Array]:
-    phi = jnp.where(ring.phi > 0.0, ring.phi, 0.5)
-    s, q = exponents(ring.k)
-    c = fretting.stick_radius(ring.k, phi)
-    y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
-    at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
-    height, unit = y * at.chord, 0.5 * ring.height * c * c * at.share
-    return unit * height, unit * jnp.maximum(m - height, 0.0)
-
-
-@program()
-def _pressures(ring: ClosedRing, curves: RunCurves, c: Array, r: Array) -> Pressures:
-    s, q = (x[..., None] for x in exponents(ring.k))
-    relative = r / ring.contact_radius
-    at = relative, ring.k, ring.phi
-    inner = jnp.where(r < c, r, 0.5 * c)
-    z = (((c - inner) / c) * ((c + inner) / c))[..., None]
-    # A pressure in the ring causes one inside c by the shape that it gives the surface there, and takes its part of the
-    # load, and of what the ring gives way, from the flat punch of the radius c.
-    outer = curves.edges[..., 1:]
-    y, s, q = jnp.broadcast_arrays(outer / z, s, q)
-    tails, *_ = arcsine_tail(fold(y), s, q, 8 if z.dtype == jnp.float64 else None)
-    taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * curves.swept
-    caused = jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
-    first, last = fretting.initial_pressure(relative, ring.k), fretting.steady_pressure(*at)
-    return Pressures(ring.mean_pressure * first, ring.mean_pressure * last, caused)
 
 
 @program(static=1)

@@ -89,7 +89,6 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
 # --- what is read -----------------------------------------------------------------------------------------------------
 
 
-@program(static=1, level=1)
 def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[Array, Array, Array]:
     """(Places inside c, pressures there per pressure of each cell, the radius in m nearest to c)."""
 
@@ -101,7 +100,6 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
     return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
 
 
-@program()
 def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
     """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
     under = jnp.where(r < c, r, 0.5 * c)
@@ -128,11 +126,11 @@ class NumericRing:
 
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
-        *places, near = _inward(self.effort, self.states, run.curves, self.from_1)
+        places, caused, near = _inward(self.effort, self.states, run.curves, self.from_1)
 
         def pressures_at(at: Array) -> Pressures:
             unworn, worn = self._fields(("unworn_pressure_at", "worn_pressure_at"), at)
-            return Pressures(unworn, worn, _caused(run.stick_radius, *places, at))
+            return Pressures(unworn, worn, _caused(run.stick_radius, places, caused, at))
 
         return pressures_at(r), (near, pressures_at(near))
 

@@ -70,6 +70,7 @@ _AMOUNTS: dict[str, Callable[[RunSolution, Array], Array]] = {
     "rate": _volume_rate,
     "contact_radius": _contact_radius,
     "stick_radius": lambda run, cycles: run.stick_radius,
+    "deepest_wear": lambda run, cycles: _deepest((run, _over_ring(run, cycles)), cycles),
 }
 
 
@@ -97,62 +98,47 @@ def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Arr
     return jnp.where(run.phi > 0.0, steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny), 0.0)
 
 
-@program()
 def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
-    """(1 where radii lie in the ring and else 0, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
+    """(Whether radii lie in the ring, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
     c = run.stick_radius
     edge = c * jnp.sqrt(1.0 + run.curves.scales.width)
     inside = (r >= c) & (r < edge)
     near = jnp.where(inside, r, 0.5 * (c + edge))
-    return 1.0 * inside, ((near - c) / c) * ((near + c) / c), near
+    return inside, ((near - c) / c) * ((near + c) / c), near
 
 
 @program()
-def _depth_in_ring(run: RunSolution, ring: tuple[Array, ...], r: Array, cycles: Array) -> Array:
-    inside, y, gap, steady = ring
-    return _nan_outside(run, jnp.where(inside > 0.0, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
+def _depth_of_run(run: RunSolution, r: Array, cycles: Array) -> Array:
+    inside, y, near = _in_ring(run, r)
+    gap, steady = run.ring.gap_and_depth(y, near)
+    return _nan_outside(run, jnp.where(inside, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
 
 
 _PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is near c after a few cycles
 
 
-@program()
-def _places_in_ring(run: RunSolution, at: Array) -> tuple[Array, Array]:
-    """(y, radii) at places over the ring, along a first axis before those of the contacts and of other numbers."""
+def _over_ring(run: RunSolution, at: Array) -> tuple[Array, Array, Array]:
+    """(y, gap, final depth) over the ring, along a first axis before those of the contacts and of other numbers."""
     places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
     y = jnp.asarray(places, at.dtype) * run.curves.scales.width
-    return y, run.stick_radius * jnp.sqrt(1.0 + y)
+    gap, steady = run.ring.gap_and_depth(y, run.stick_radius * jnp.sqrt(1.0 + y))
+    return y, gap, steady
 
 
-def _deepest_in_ring(given: tuple[RunSolution, tuple[Array, ...]], cycles: Array) -> Array:
-    run, (y, gap, steady) = given
-    return crest(_depth_at(run, y, gap, steady, cycles))
-
-
-@program()
-def _deepest_wear(run: RunSolution, cycles: Array, ring: tuple[Array, ...]) -> Array:
-    return _nan_outside(run, _deepest_in_ring((run, ring), cycles), cycles)
-
-
-def _of_ring(read: Callable[..., Array]) -> Callable[[RunSolution, Array], Array]:
-    """What a program reads of y, gap and final depth at places over the ring."""
-
-    def of_run(run: RunSolution, at: Array) -> Array:
-        y, r = _places_in_ring(run, at)
-        return read(run, at, (y, *run.ring.gap_and_depth(y, r)))
-
-    return of_run
+def _deepest(given: tuple[RunSolution, tuple[Array, Array, Array]], cycles: Array) -> Array:
+    run, ring = given
+    return crest(_depth_at(run, *ring, cycles))
 
 
 # --- how long ---------------------------------------------------------------------------------------------------------
 
 
 @program(static=1)
-def _cycles_to(name: str, run: RunSolution, goal: Array, ring: tuple[Array, ...] = ()) -> Array:
+def _cycles_to(name: str, run: RunSolution, goal: Array) -> Array:
     curves, wears = run.curves, run.phi > 0.0
     end = end_of(curves) / run.per_cycle
     if name == "depth":
-        found = first_at(_deepest_in_ring, (run, ring), goal, end)
+        found = first_at(_deepest, (run, _over_ring(run, goal)), goal, end)
     else:
 
         def worn(given: Any, cycles: Array) -> Array:
@@ -179,9 +165,8 @@ _LONG = 1e6  # units of time after which nothing wears any more
 
 
 @program()
-def _pressure(
-    run: RunSolution, ring: tuple[Array, ...], r: Array, inside: Pressures, near: tuple[Array, Pressures], cycles: Array
-) -> Array:
+def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
+    inside, (nearest, beside) = run.ring.pressures(run, r)
     curves, c, unit = run.curves, run.stick_radius, run.curves.scales.unit
     moment = moment_at(curves.worn.time, run.per_cycle * cycles / unit)
     faded = jnp.exp(-curves.decay[..., 0] * moment.late) / unit
@@ -192,7 +177,7 @@ def _pressure(
         return moment.between(rates, cell)
 
     remains = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)  # of the pressure before any wear
-    slips, y = ring[:2]
+    slips, y, _ = _in_ring(run, r)
     cell = cells_around(curves.edges, y, 1.0 / 3.0)  # edges grow as the cube of their index
     # A sum, since subtracting the first pressures would leave rounding errors where the pressure is zero.
     around = faded * cell.across(functools.partial(grown, moment)) + remains * inside.unworn
@@ -201,7 +186,6 @@ def _pressure(
     each = Moment(moment.axes, *(x[..., None] for x in moment[1:]))
     now = faded[..., None] * grown(each, np.arange(begin.shape[-1])) + remains[..., None] * begin
     # Next to c only the steady pressure is singular; its share 1 - `share` of the pressure grows from 0 to 1.
-    nearest, beside = near
     share = jnp.clip(jnp.sum(beside.caused * now, -1) / jnp.sum(beside.caused * begin, -1), 0.0, 1.0)
     rest = jnp.sum(inside.caused * (now - share[..., None] * begin), -1)
     blend = share * inside.unworn + (1.0 - share) * jnp.where(r < c, inside.steady, 0.0) + rest
@@ -215,7 +199,7 @@ def _pressure(
     least = jnp.finfo(r.dtype).tiny
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
-    worn = jnp.where(r < c, under, jnp.where(slips > 0.0, around, 0.0))
+    worn = jnp.where(r < c, under, jnp.where(slips, around, 0.0))
     return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
 
 
@@ -258,24 +242,16 @@ class RingRun(Run):
         return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.law.wear_coefficient)
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        read = functools.partial(_cycles_to, name)
-        return self._read(_of_ring(read) if name == "depth" else read, goal)
+        return self._read(functools.partial(_cycles_to, name), goal)
 
     @property
     def lasting_cycles(self) -> Array:
         return _lasting(self._solution)
 
-    def deepest_wear(self, cycles: ArrayLike) -> Array:
-        return self._after(_of_ring(_deepest_wear), cycles)
-
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        run, r = self._solution, self._radii(r)
-        inside, y, near = _in_ring(run, r)
-        return _depth_in_ring(run, (inside, y, *run.ring.gap_and_depth(y, near)), r, self._cycles(cycles))
+        return _depth_of_run(self._solution, self._radii(r), self._cycles(cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        run, r = self._solution, self._radii(r)
-        if not run.phi.size:
-            return self.depth(r, cycles)  # as empty
-        inside, near = run.ring.pressures(run, r)
-        return _pressure(run, _in_ring(run, r), r, inside, near, self._cycles(cycles))
+        run = self._solution
+        read = _pressure if run.phi.size else _depth_of_run  # as empty
+        return read(run, self._radii(r), self._cycles(cycles))

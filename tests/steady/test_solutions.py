@@ -50,6 +50,12 @@ def test_a_numerical_contact_is_solved_by_the_first_that_reads_it_and_then_no_mo
     assert len(solved) == 1
 
 
+def test_what_is_solved_is_read_within_other_programs():
+    steady = LAYERED.steady(F_X)
+    expected = steady.pressure(RADII)
+    assert_allclose(jax.jit(steady.pressure)(RADII), expected, rtol=1e-12)
+
+
 ASKED = {
     "steady": lambda contact, force: contact.steady(force),
     "run": lambda contact, force: contact.over_cycles(force, COEFFICIENT),
