@@ -318,7 +318,7 @@ def free_picture(
     bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
-    _draw_depths(panels[2], *worn, (BEST, OTHER, REFERENCE))
+    _draw_depths(panels[2], worn[0], worn[1], (BEST, OTHER, REFERENCE))
     name = entry(found.objective).name
     told = f"{less(found.saving)} {name} than the reference, {less(found.freedom)} than the best power law"
     return _explained(figure, panels, f"best free gradient: {told}\n{_RING}")
