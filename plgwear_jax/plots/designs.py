@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from plgwear_jax.catalogue import entry, leaf, placed
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.optimise.afterwards import evaluated
 from plgwear_jax.optimise.best import less, measured
-from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
     BEST,
@@ -77,7 +77,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     words = r"worn off the face, $d - w_\infty$" if design.load is None else None
     _draw_depths(panels[2], comparison.radii, comparison.depth, (BEST, REFERENCE), end, words)
     saved = f"{best}: {less(design.saving)} {entry(design.objective).name} than the reference"
-    kept = keeps(evaluate(design.question, design.reference_variables).values[0, 1:])
+    kept = keeps(evaluated(design.question, design.reference_variables).values[0, 1:])
     breaks = "" if kept else ", which breaks a limit"
     told = [
         f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {measured(one.quantity, one.allowed)}"
@@ -318,8 +318,7 @@ def free_picture(
     bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
-    radii, wear_depths = worn
-    _draw_depths(panels[2], radii, wear_depths, (BEST, OTHER, REFERENCE))
+    _draw_depths(panels[2], worn[0], worn[1], (BEST, OTHER, REFERENCE))
     name = entry(found.objective).name
     told = f"{less(found.saving)} {name} than the reference, {less(found.freedom)} than the best power law"
     return _explained(figure, panels, f"best free gradient: {told}\n{_RING}")
