@@ -302,7 +302,7 @@ def _critical(lower: Array, upper: Array) -> Array:
     allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
     # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
     least = float(jnp.finfo(lower.dtype).epsneg) - 1.0
-    lower, upper = clamp_keep_slope(least, allowed * lower), -clamp_keep_slope(least, -allowed * upper)
+    lower, upper = clamp_keep_slope(least, lower), -clamp_keep_slope(least, -upper)
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
     # difference of the two volumes loses no digits between near bounds.
     first, last = jnp.stack([lower, upper, lower]), jnp.stack([lower, upper, upper])
@@ -317,4 +317,4 @@ def _critical(lower: Array, upper: Array) -> Array:
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
         return signs * (by_k @ weights) * (1.0 - phi) / (phi * phi)
 
-    return begins + first_at(rising, k, jnp.zeros_like(first), widths)
+    return allowed * (begins + first_at(rising, k, jnp.zeros_like(first), widths))

@@ -76,8 +76,7 @@ def questions():
 
 EXPECTED = {
     "an amplitude": ["_next_directions", "_wear"],
-    "a design": ["_next_directions"],
-    "limits that cannot be kept": ["_at_once"],  # until then it ran in steps, of which there are so many at most
+    "a front": ["_at_once"],  # until then it ran in steps, of which there are so many at most
     "a design for a life": ["_shares_at_nodes"],
 }
 
