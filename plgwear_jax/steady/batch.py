@@ -49,9 +49,9 @@ def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[in
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
-def each_state(function: Callable[..., Any], states: Any, shape: tuple[int, ...], more: tuple[Array, ...] = ()) -> Any:
-    """The function's result for each of the states, a tree of arrays, broadcast against further arguments."""
-    dtype = jax.tree.leaves(states)[0].dtype
+def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...]) -> Any:
+    """The function's result for each of the states, which have a field `shape`, broadcast against further arguments."""
+    dtype, shape = states.force.dtype, states.shape
     more = tuple(jnp.asarray(x, dtype) for x in more)
     whole = np.broadcast_shapes(shape, *(x.shape for x in more))
     if whole == ():
@@ -76,4 +76,4 @@ def over_radii(function: Callable[..., Array], states: Any, r: Array) -> Array:
     """The function of (a state, radii of shape (m,)) for each of the states, broadcast against radii."""
     if states.shape == ():
         return function(states, r.ravel()).reshape(r.shape)
-    return each_state(lambda state, r: function(state, r[None])[0], states, states.shape, (r,))
+    return each_state(lambda state, r: function(state, r[None])[0], states, (r,))

@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness
@@ -23,7 +23,7 @@ from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import as_numbers, each_state, over_radii
 from plgwear_jax.steady.closed import Steady
-from plgwear_jax.steady.state import State, refuse_tension, solved_states, states_of
+from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
 from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
@@ -35,7 +35,7 @@ from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
 @program(static=1, level=1)
 def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
     function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
-    return each_state(functools.partial(function, effort), states, states.shape, more)
+    return each_state(functools.partial(function, effort), states, more)
 
 
 @program(static=1, level=1)
@@ -329,7 +329,7 @@ def _number(name: str, worn: bool = False) -> Any:
 
 def _result(name: str, worn: bool = False) -> Any:
     """A property that is this scalar result."""
-    return property(lambda self: getattr((self._worn if worn else self._solution).results, name))
+    return property(lambda self: getattr(self._worn_results if worn else self._results, name))
 
 
 class NumericSteady(Steady):
@@ -353,10 +353,25 @@ class NumericSteady(Steady):
         return states_of(self.contact, super().tangential_force, self._effort)
 
     @property
+    def _results(self) -> Results:
+        question = self.contact, self.load
+        if "solved" in vars(self) or traced(()) or not traced(question):
+            return self._solution.results
+        # At known numbers the derivatives of the results alone do not need those of all that a state has.
+        return results_of(self.contact, super().tangential_force, self._effort)
+
+    @property
     def _worn(self) -> State:
         """The state, of which what is worn is read."""
         self._check_worn()
         return self._solution
+
+    @property
+    def _worn_results(self) -> Results:
+        results = self._results
+        if "solved" in vars(self):
+            self._check_worn()
+        return results
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import RefusedError, one_or_nan
 from plgwear_jax._core.record import guarded_field
-from plgwear_jax._startup.programs import program, traced, value_of, with_slopes
+from plgwear_jax._startup.programs import Program, program, traced, value_of, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
@@ -76,19 +76,22 @@ class State(NamedTuple):
 
 def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
     """The states of all contacts and forces, in their common shape."""
-    given = as_numbers((contact, tangential_force))
-    found = with_slopes(solved_states)(effort, *given)
-    if not traced(given):
-        refuse_unsolved(contact, found)
+    return _found(solved_states, contact, tangential_force, effort)
+
+
+def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Results:
+    """The results of these states alone, whose derivatives at known numbers are a smaller program."""
+    return _found(_results, contact, tangential_force, effort)
+
+
+def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
+    given = as_numbers((contact, force))
+    found, reach = with_slopes(program)(effort, *given), shape_of(contact).reach
+    if isinstance(found, State) and not traced(given):
+        refuse_tension(found, worn=False)
+        if reach is not None and np.any(np.isnan(found.results.worn_radius) & (found.least.pulled[..., 1] == 0.0)):
+            raise RefusedError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
     return found
-
-
-def refuse_unsolved(contact: Any, found: State) -> None:
-    """Refuse a known contact that would have to pull before any wear, and any whose table of heights is too short."""
-    refuse_tension(found, worn=False)
-    edge, pulled, reach = value_of(found.results.worn_radius), value_of(found.least.pulled), shape_of(contact).reach
-    if reach is not None and np.any(np.isnan(edge) & (pulled[..., 1] == 0.0)):
-        raise RefusedError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
 
 
 def refuse_tension(state: State, worn: bool) -> None:
@@ -228,6 +231,12 @@ def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> Stat
     """The program of `states_of`."""
     one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
     return each(sequential_vmap(one), numbers, tables)
+
+
+@program(static=1, level=1)
+def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
+    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
+    return each(sequential_vmap(lambda *numbers: one(*numbers).results), numbers, tables)
 
 
 def results_in(radius: Array, found: Worn) -> Results:

@@ -21,7 +21,7 @@ from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_from, volume_of
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each, volume_of
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
 # --- without units: radii in a_0, heights in a_0^2/R, pressures in F_N/(pi a_0^2), time as n of the theory ------------
@@ -68,6 +68,17 @@ def run(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
     """The runs of all pairs of k and phi."""
     return each(sequential_forward_mode(functools.partial(run, resolution)), (k, phi))
+
+
+@program(static=1, level=1)
+def _rings(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCells, Scales]:
+    k, phi = jnp.broadcast_arrays(k, phi)
+    return for_each(functools.partial(rings_of, resolution), k.shape, k, phi)
+
+
+def _by_parts(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
+    """The run of one pair of known numbers, whose derivatives XLA compiles sooner."""
+    return curves_by_parts(resolution, *_rings(resolution, k, phi))
 
 
 def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
@@ -154,5 +165,6 @@ class ClosedRun(RingRun):
         contact, load, wear_coefficient = given
         resolution = march_resolution_of(self.digits)
         ring, *units = with_slopes(_ring_of)(self.digits, contact, load)
-        curves = with_slopes(curves_of)(resolution, ring.k, ring.phi)
+        single = ring.phi.size == 1 and jax.default_backend() == "cpu"
+        curves = with_slopes(curves_of, _by_parts if single else None)(resolution, ring.k, ring.phi)
         return _in_units(ring, *units, curves, wear_coefficient)

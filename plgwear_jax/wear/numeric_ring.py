@@ -11,18 +11,18 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import POSITIVE, guarded, whole
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import program, value_of, with_slopes
+from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import each, each_state
+from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
-from plgwear_jax.steady.state import State, refuse_tension, refuse_unsolved, solver_of
+from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.curves import moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_from
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
 DIGITS = 4  # correct digits at most: docs/explanation/numerics.md
@@ -59,6 +59,11 @@ _Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the
 
 
 @program(static=2, level=1)
+def _rings_of_each(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
+    return for_each(functools.partial(numeric_rings_of, effort, resolution), states.shape, states)
+
+
+@program(static=2, level=1)
 def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
     """The runs as differentiable functions of the numbers of the contacts."""
     one, numbers, tables, _ = solver_of(effort, contact, force)
@@ -71,6 +76,16 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
     return each(sequential_forward_mode(run), numbers, tables)
 
 
+def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
+    """The same, by the programs of known numbers."""
+    return _worn_runs(effort, resolution, solved_states(effort, contact, force))
+
+
+def _worn_runs(effort: Effort, resolution: MarchResolution, states: State) -> _Runs:
+    rings, scales, from_1 = _rings_of_each(effort, resolution, states)
+    return states, curves_by_parts(resolution, rings, scales), from_1
+
+
 @program()
 def _not_zero(contact: Any, force: Array) -> Array:
     return jnp.where(force == 0.0, 0.5 * contact.friction * contact.normal_force, force)
@@ -79,11 +94,14 @@ def _not_zero(contact: Any, force: Array) -> Array:
 def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: Any) -> _Runs:
     if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
         force = _not_zero(contact, force)
-    runs = with_slopes(_runs)(effort, resolution, contact, force)
-    if not isinstance(value_of(runs[0].force), Tracer):
-        refuse_unsolved(contact, runs[0])
-        refuse_tension(runs[0], worn=True)
-    return runs
+    given = contact, force
+    if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):
+        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
+        single = jnp.broadcast_shapes(*shapes) == ()
+        return with_slopes(_runs, _worn_by_parts if single else None)(effort, resolution, *given)
+    states = states_of(contact, force, effort)
+    refuse_tension(states, worn=True)
+    return _worn_runs(effort, resolution, states)
 
 
 # --- what is read -----------------------------------------------------------------------------------------------------
@@ -95,8 +113,7 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
     def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    given = states, curves.swept, curves.edges, from_1
-    places, pressures = each_state(lambda given: of_run(*given), given, states.shape)
+    places, pressures = for_each(of_run, states.shape, states, curves.swept, curves.edges, from_1)
     return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
 
 
