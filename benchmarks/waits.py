@@ -11,7 +11,7 @@ within its round, and its median is told.
 
 first_answer: commands, calls after the imports, and a design beside SciPy's. waits: contacts without closed forms, runs
 over cycles and designs for a life, with all imports; "again" is the same answer once more in the same process, with
-other numbers, and "memory" the most that the process had at once. startup: what each part of `plgwear_jax._startup`
+other numbers, and "memory" the most that the process had at once. startup: what each part of `_core.startup`
 buys, as the J that an answer takes more without it; the variable PLGWEAR_STARTUP switches parts off. matrix: every
 question for contacts of every kind, so many that each pair of a body, an indenter, a shape and a load stands in one
 row; searches are asked once a load. Letters stand for the lines that an error says, below the table.

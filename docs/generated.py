@@ -29,7 +29,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from plgwear_jax import catalogue
+from plgwear_jax._core import catalogue
 from plgwear_jax.scene import keys
 
 DOCS = Path(__file__).parent

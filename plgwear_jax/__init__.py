@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         wear_laws,
     )
     from plgwear_jax._core.doubts import DoubtfulInputWarning
-    from plgwear_jax._startup.programs import compiler_options
+    from plgwear_jax._core.startup.programs import compiler_options
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.shapes import Cone, Parabola, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
@@ -93,7 +93,7 @@ _CLASSES = {
     "TruncatedSphere": "shapes",
     "WearLaw": "wear_laws",
     "DoubtfulInputWarning": "_core.doubts",
-    "compiler_options": "_startup.programs",
+    "compiler_options": "_core.startup.programs",
 }
 
 

@@ -12,7 +12,7 @@ from jax import Array
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.doubts import FELT
 from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded, Layered

@@ -26,10 +26,10 @@ from typing import Any
 import numpy as np
 
 from plgwear_jax._core import ranges
+from plgwear_jax._core.catalogue import leaf
 from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
 from plgwear_jax._core.units import scales_of, text_cells
 from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
-from plgwear_jax.catalogue import leaf
 
 __all__ = [
     "HEIGHTS",

@@ -123,8 +123,8 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 def programs_not_kept() -> Iterator[None]:
     """What a command line in this process has asked for ends with its test."""
     yield
-    if "plgwear_jax._startup.programs" in sys.modules:
-        sys.modules["plgwear_jax._startup.programs"].keep_in(None)
+    if "plgwear_jax._core.startup.programs" in sys.modules:
+        sys.modules["plgwear_jax._core.startup.programs"].keep_in(None)
 
 
 @pytest.fixture(autouse=True, scope="module")

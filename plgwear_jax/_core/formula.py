@@ -23,8 +23,8 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._startup.programs import Program, follows, with_slopes
-from plgwear_jax.special.xla import materialised, one_kernel, separate_kernels
+from plgwear_jax._core.startup.programs import Program, follows, with_slopes
+from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
 

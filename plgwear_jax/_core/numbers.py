@@ -8,7 +8,7 @@ import jax
 from jax.core import Tracer
 
 from plgwear_jax._core.doubts import one_question
-from plgwear_jax._startup.programs import traced
+from plgwear_jax._core.startup.programs import traced
 
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")

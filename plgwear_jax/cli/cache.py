@@ -1,6 +1,6 @@
 """The cache of compiled programs, which keeps them for the next command in the user's cache folder, up to a size.
 
-A command that answers one question keeps its programs (`_startup.programs`). All others let JAX's cache read, write and
+A command that answers one question keeps its programs (`startup.programs`). All others let JAX's cache read, write and
 evict. This module decides where programs are kept, how many, and when none are. A fault of the folder must neither
 change a result nor reach the user.
 """
@@ -10,7 +10,7 @@ import stat
 import warnings
 from pathlib import Path
 
-# Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, about 100
+# Bytes, for `startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, about 100
 # per MB, so a much larger cache would cost more time than it saves.
 MOST = 8 * 2**20
 
@@ -41,7 +41,7 @@ def use(one_question: bool) -> None:
     """
     import jax
 
-    from plgwear_jax._startup import on, programs
+    from plgwear_jax._core.startup import on, programs
 
     programs.keep_in(None)
     known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax import _files
+from plgwear_jax._core import files as _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure

@@ -7,12 +7,12 @@ import numpy as np
 
 from plgwear_jax import coating, optimise
 from plgwear_jax._core import doubts
-from plgwear_jax.catalogue import DESIGNED, STRESSES, entry, placed
+from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, placed
+from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.cli.question import amplitudes_told
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
 from plgwear_jax.contact import FrettingContact, is_closed
 from plgwear_jax.optimise.best import doubtful, less, measured
-from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed

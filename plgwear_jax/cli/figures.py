@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax import _files
+from plgwear_jax._core import files as _files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import computing, refuse, working

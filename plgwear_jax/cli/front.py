@@ -5,7 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.catalogue import entry, placed
+from plgwear_jax._core.catalogue import entry, placed
+from plgwear_jax._core.rules import LARGER
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,
@@ -19,7 +20,6 @@ from plgwear_jax.cli.question import (
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn
-from plgwear_jax.rules import LARGER
 
 
 def front_command(

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from plgwear_jax import _files
+from plgwear_jax._core import files as _files
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:

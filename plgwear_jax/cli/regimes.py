@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
-from plgwear_jax import _files
+from plgwear_jax._core import files as _files
+from plgwear_jax._core.catalogue import entry, unit_of
 from plgwear_jax._core.units import readable, written
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import entry, unit_of
 from plgwear_jax.cli.terminal import plots, working
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.catalogue import entry
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
 from plgwear_jax.cli.terminal import computing, message, refuse, warn

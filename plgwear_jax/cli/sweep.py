@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
+from plgwear_jax._core.catalogue import AMPLITUDES, AXES
 from plgwear_jax._core.extras import needs
+from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax.catalogue import AMPLITUDES, AXES
 from plgwear_jax.cli.question import Digits, Picture, asked, interval, option, read_scene
 from plgwear_jax.cli.terminal import computing, plots, refuse, set_up, warn
 

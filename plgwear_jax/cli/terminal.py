@@ -16,8 +16,8 @@ from typing import Any, NoReturn
 
 import typer
 
+from plgwear_jax._core.files import TargetError
 from plgwear_jax._core.words import GivenError, one_line
-from plgwear_jax._files import TargetError
 from plgwear_jax.cli import cache
 
 
@@ -112,7 +112,7 @@ def set_up(*, one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
-        one_question: Whether the command runs few programs, each of them a `_startup.programs.Program`.
+        one_question: Whether the command runs few programs, each of them a `startup.programs.Program`.
     """
     # Imports and tracing make many objects that stay: looking for garbage among them would take a tenth of the time.
     gc.set_threshold(200_000, 20, 20)

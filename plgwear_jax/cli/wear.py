@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.units import readable
-from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,

@@ -11,7 +11,7 @@ from jax import Array
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact.fretting_contact import is_closed
 from plgwear_jax.loads import Force
 

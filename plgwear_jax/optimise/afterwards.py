@@ -9,17 +9,17 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.catalogue import read
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.leaves import paths_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
-from plgwear_jax.catalogue import read
+from plgwear_jax._core.rules import BY_THEN, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states, stem_and_side
 from plgwear_jax.optimise.conditions import conditions, inclination, solved_by_elimination
 from plgwear_jax.optimise.evaluation import Known, Rows, evaluate
 from plgwear_jax.optimise.question import Question, keeps, moved
-from plgwear_jax.rules import BY_THEN, one_of
 
 
 @record

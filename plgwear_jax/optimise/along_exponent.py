@@ -13,11 +13,11 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import fretting
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.sequential import sequential_forward_mode
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at
-from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import each
 from plgwear_jax.wear.closed_ring import run
 from plgwear_jax.wear.ring_cells import march_resolution_of

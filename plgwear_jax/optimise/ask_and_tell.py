@@ -26,7 +26,7 @@ import numpy as np
 from jax import Array
 from jax.typing import DTypeLike
 
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import (
     conditions,
     inclination,

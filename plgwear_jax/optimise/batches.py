@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import traced
+from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.best import answered
 from plgwear_jax.optimise.evaluation import (

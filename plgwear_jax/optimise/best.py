@@ -13,12 +13,12 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core import doubts
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax._core.units import written
-from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.evaluation import (

@@ -16,9 +16,10 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from plgwear_jax._core.catalogue import read, read_from
 from plgwear_jax._core.domains import RefusedError
-from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import read, read_from
+from plgwear_jax._core.rules import BY_THEN, is_after_cycles, is_linear
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.ask_and_tell import SearchPlan, plan_of
@@ -35,7 +36,6 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
-from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 
 if TYPE_CHECKING:
     from plgwear_jax.optimise.along_exponent import RunsAlongExponent

@@ -25,7 +25,7 @@ from plgwear_jax._core.domains import (
     real_dtype,
 )
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import traced
+from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace

@@ -11,6 +11,7 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.domains import POSITIVE, Numbers, check
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record
+from plgwear_jax._core.rules import free_complaint
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.best import certainty, headline, measured, placed_between, printed
 from plgwear_jax.optimise.evaluation import (
@@ -28,7 +29,6 @@ from plgwear_jax.optimise.question import (
     question_of,
     unless_refused,
 )
-from plgwear_jax.rules import free_complaint
 
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
 # starts, since there are several minima: an optimum mostly lies on bounds, and what there is to choose is the order

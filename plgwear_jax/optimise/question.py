@@ -14,20 +14,14 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
+from plgwear_jax._core.catalogue import QUANTITIES, kind_of
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.ranges import FINITE
 from plgwear_jax._core.record import record, static
-from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import QUANTITIES, kind_of
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
-from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
-from plgwear_jax.rules import (
+from plgwear_jax._core.rules import (
     BY_THEN,
     HOLDS,
     OBJECTIVE,
@@ -43,6 +37,12 @@ from plgwear_jax.rules import (
     one_of,
     placed_quantity,
 )
+from plgwear_jax._core.words import near_or_all
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.conditions import namespace
+from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
 from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 

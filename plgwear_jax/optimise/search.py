@@ -17,9 +17,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.optimise.ask_and_tell import DONE, SearchPlan, SearchResult, begin, conclude, plan_of, tell
 from plgwear_jax.optimise.conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
-from plgwear_jax.special.xla import materialised
 
 Variables = dict[str, Array]
 

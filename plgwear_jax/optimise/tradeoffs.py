@@ -7,10 +7,11 @@ import jax
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
+from plgwear_jax._core.rules import LARGER
 from plgwear_jax._core.words import shown
-from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.best import ACTIVE, Design, stem_and_side
 from plgwear_jax.optimise.evaluation import Known, Rows, evaluate, reference_variables, search
@@ -27,7 +28,6 @@ from plgwear_jax.optimise.question import (
     question_of,
 )
 from plgwear_jax.optimise.search import Minimum
-from plgwear_jax.rules import LARGER
 
 
 @record

@@ -10,9 +10,9 @@ with needs("pictures", "plots"):
 
 from matplotlib.figure import Figure
 
-from plgwear_jax import _files
+from plgwear_jax._core import files as _files
+from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
-from plgwear_jax._files import TargetError as PictureError
 from plgwear_jax.plots.contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
 from plgwear_jax.plots.designs import coating_picture, design_picture, free_picture, front_picture
 from plgwear_jax.plots.style import COLOURS, STYLE, use_style

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.fitting import Fit
 from plgwear_jax.optimise.best import measured

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax.catalogue import entry, leaf, placed
+from plgwear_jax._core.catalogue import entry, leaf, placed
+from plgwear_jax._core.rules import is_linear
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.optimise.best import less, measured
 from plgwear_jax.optimise.evaluation import evaluate
@@ -31,7 +32,6 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
-from plgwear_jax.rules import is_linear
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit

@@ -14,10 +14,10 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
+from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.doubts import SMOOTH
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.units import readable, written
-from plgwear_jax.catalogue import entry
 
 Style = dict[str, Any]  # keywords of matplotlib
 

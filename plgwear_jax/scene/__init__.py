@@ -13,11 +13,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from plgwear_jax._core.catalogue import STRESSES, laws_of
 from plgwear_jax._core.ranges import FINITE, POSITIVE
+from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, Complaint, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
-from plgwear_jax.catalogue import STRESSES, laws_of
-from plgwear_jax.rules import BY_THEN, PLACES, WITHIN, Complaint, placed_quantity
 from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import NAMES, OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema

@@ -6,9 +6,8 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
-from plgwear_jax._core.words import near, near_or_all, one_line
-from plgwear_jax.catalogue import Law, laws_of
-from plgwear_jax.rules import (
+from plgwear_jax._core.catalogue import Law, laws_of
+from plgwear_jax._core.rules import (
     BY_THEN,
     OF_POWER_LAW,
     PLACES,
@@ -21,6 +20,7 @@ from plgwear_jax.rules import (
     placed_quantity,
     window_complaint,
 )
+from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.scene.complaints import Reading, WrongKeyError
 from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
 

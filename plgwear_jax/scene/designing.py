@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plgwear_jax import optimise
+from plgwear_jax._core.rules import complaint, exponents_between, limited_quantity
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
-from plgwear_jax.rules import complaint, exponents_between, limited_quantity
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 

@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from plgwear_jax._core.catalogue import QUANTITIES, entry
 from plgwear_jax._core.extras import needs
+from plgwear_jax._core.rules import limit_form
 from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import QUANTITIES, entry
-from plgwear_jax.rules import limit_form
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import PEAKS, laws_of, read, read_from
+from plgwear_jax._core.catalogue import PEAKS, laws_of, read, read_from
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.sequential import sequential_vmap
+from plgwear_jax._core.sequential import sequential_vmap
 
 _ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
 _FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this

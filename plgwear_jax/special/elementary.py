@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array, lax
 from jax.typing import DTypeLike
 
-from plgwear_jax.special.xla import kept_in_register
+from plgwear_jax._core.xla import kept_in_register
 
 
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:

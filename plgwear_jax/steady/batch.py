@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import real_dtype
-from plgwear_jax.special.sequential import TOGETHER
+from plgwear_jax._core.sequential import TOGETHER
 
 
 def dtype_of(given: Any) -> Any:

@@ -28,10 +28,10 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.solution import Solution

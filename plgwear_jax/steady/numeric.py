@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
-from plgwear_jax._startup.programs import program, traced
+from plgwear_jax._core.startup.programs import program, traced
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness

@@ -13,13 +13,13 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import RefusedError, one_or_nan
 from plgwear_jax._core.record import guarded_field
-from plgwear_jax._startup.programs import Program, program, traced, value_of, with_slopes
+from plgwear_jax._core.sequential import sequential_vmap
+from plgwear_jax._core.startup.programs import Program, program, traced, value_of, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
-from plgwear_jax.special.sequential import sequential_vmap
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series, mindlin_ratio

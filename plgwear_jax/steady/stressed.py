@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
+from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.steady.batch import as_numbers, each_state
 from plgwear_jax.stresses.field import Given, Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at

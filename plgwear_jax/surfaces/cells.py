@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.xla import materialised
+from plgwear_jax._core.xla import materialised
 
 __all__ = ["NODES", "Images", "RingCells", "images_of", "mean_over", "nodes_of", "products_of", "sizes_of"]
 

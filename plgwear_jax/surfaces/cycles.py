@@ -17,12 +17,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.sequential import sequential_vmap
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.special.sequential import sequential_vmap
-from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort

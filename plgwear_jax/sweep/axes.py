@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from plgwear_jax._core.catalogue import AXES, leaf
 from plgwear_jax._core.words import GivenError, cut, one_line, read_text
-from plgwear_jax.catalogue import AXES, leaf
 from plgwear_jax.tables import number_in, numbered_lines
 
 

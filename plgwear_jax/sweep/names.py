@@ -17,10 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
-from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
-from plgwear_jax._core.units import text_cells
-from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
-from plgwear_jax.catalogue import (
+from plgwear_jax._core.catalogue import (
     AMPLITUDES,
     AXES,
     FRETTING,
@@ -36,10 +33,13 @@ from plgwear_jax.catalogue import (
     quantity,
     read,
 )
+from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
+from plgwear_jax._core.rules import OBJECTIVE, PLACES
+from plgwear_jax._core.units import text_cells
+from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import Displacement, Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
-from plgwear_jax.rules import OBJECTIVE, PLACES
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 

@@ -22,9 +22,9 @@ from dask.array.core import normalize_chunks, slices_from_chunks
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from plgwear_jax._startup.programs import compiler_options
+from plgwear_jax._core.catalogue import BODIES, leaf
+from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
-from plgwear_jax.catalogue import BODIES, leaf
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
     SEARCHES,

@@ -15,12 +15,12 @@ import jax
 import numpy as np
 import xarray as xr
 
+from plgwear_jax._core.catalogue import AMPLITUDES, leaf
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP, load_of
 from plgwear_jax.optimise import tail_weights

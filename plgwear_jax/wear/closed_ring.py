@@ -9,14 +9,14 @@ from jax import Array
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, guarded
-from plgwear_jax._startup.programs import program, with_slopes
+from plgwear_jax._core.sequential import sequential_forward_mode
+from plgwear_jax._core.startup.programs import program, with_slopes
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 from plgwear_jax.special.exponents import exponents
-from plgwear_jax.special.sequential import sequential_forward_mode
-from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of

@@ -19,11 +19,11 @@ from plgwear_jax._core.domains import (
     whole,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
-from plgwear_jax._startup.programs import program, with_slopes
+from plgwear_jax._core.sequential import sequential_forward_mode
+from plgwear_jax._core.startup.programs import program, with_slopes
 from plgwear_jax.loads import Load
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import first_at
-from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import Bodies, opens, solver_of

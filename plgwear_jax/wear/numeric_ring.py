@@ -11,8 +11,8 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import POSITIVE, guarded, whole
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
-from plgwear_jax.special.sequential import sequential_forward_mode
+from plgwear_jax._core.sequential import sequential_forward_mode
+from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.numeric import energy_of, over_radii_of

@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import whole
-from plgwear_jax.special.xla import materialised
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.surfaces.cells import RingCells
 
 

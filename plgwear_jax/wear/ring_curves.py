@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.startup.programs import program
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.wear.curves import Curve, limited, moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights

@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike, RefusedError, on_host
 from plgwear_jax._core.doubts import SOON
-from plgwear_jax._startup.programs import program, value_of
+from plgwear_jax._core.startup.programs import program, value_of
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers

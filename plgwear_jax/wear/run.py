@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import CYCLES, RADIUS, ArrayLike, guarded
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
-from plgwear_jax._startup.programs import follows, read_with_slopes, traced
+from plgwear_jax._core.startup.programs import follows, read_with_slopes, traced
 from plgwear_jax.loads import Load
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.arguments import ARGUMENTS

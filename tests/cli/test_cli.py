@@ -23,7 +23,7 @@ from refusals import cases, is_told
 
 import plgwear_jax
 from plgwear_jax import GrossSlipContact, PowerLawGraded, cli, gross_slip, optimise, plots, scene
-from plgwear_jax.catalogue import read
+from plgwear_jax._core.catalogue import read
 from plgwear_jax.cli.report import measures
 from plgwear_jax.optimise.question import question_of
 

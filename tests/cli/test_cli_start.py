@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import cli
-from plgwear_jax._startup import programs
+from plgwear_jax._core.startup import programs
 from plgwear_jax.cli import cache, terminal
 
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}

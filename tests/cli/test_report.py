@@ -16,9 +16,9 @@ from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import cli
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, entry, unit_of
 from plgwear_jax._core.domains import RefusedError
-from plgwear_jax._files import TargetError
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry, unit_of
+from plgwear_jax._core.files import TargetError
 from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, shared
 from plgwear_jax.cli.terminal import refusing
 from plgwear_jax.scene import OtherFileError, SceneError

@@ -18,9 +18,9 @@ from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
+from plgwear_jax._core.sequential import sequential_forward_mode, sequential_vmap
 from plgwear_jax.optimise.conditions import solved_by_elimination
 from plgwear_jax.special import cholesky
-from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
 COUNT, ROUNDS = 100, 12
 

@@ -17,7 +17,7 @@ from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
-from plgwear_jax.catalogue import FRETTING, STRESSES
+from plgwear_jax._core.catalogue import FRETTING, STRESSES
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of

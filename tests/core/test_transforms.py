@@ -21,8 +21,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
+from plgwear_jax._core.catalogue import QUANTITIES
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
-from plgwear_jax.catalogue import QUANTITIES
 
 EPS = float(np.finfo(np.float64).eps)
 EPS32 = float(np.finfo(np.float32).eps)

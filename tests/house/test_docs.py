@@ -220,7 +220,7 @@ INTERNAL = re.compile(r"plgwear_jax\.(catalogue|rules|special)\b")
 def test_every_public_module_has_its_reference():
     described = {module for text in PAGES.values() for module in re.findall(r"^::: (\S+)$", text, re.MULTILINE)}
     # A function without a module of its own, and the figures of the paper, which `plots` does not export.
-    own = {"plgwear_jax._startup.programs.compiler_options", "plgwear_jax.plots.figures"}
+    own = {"plgwear_jax._core.startup.programs.compiler_options", "plgwear_jax.plots.figures"}
     assert described == {name for name in PUBLIC if not name.endswith("__main__") and not INTERNAL.match(name)} | own
     assert sum("\n::: " in text for text in PAGES.values()) == 8
 
@@ -378,7 +378,7 @@ def test_every_key_of_an_input_file_is_described():
 
 
 def test_every_quantity_is_described():
-    from plgwear_jax import catalogue
+    from plgwear_jax._core import catalogue
 
     told = generated.quantities()
     for laws in (catalogue.FRETTING, catalogue.GROSS_SLIP, catalogue.MATERIAL):

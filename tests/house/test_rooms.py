@@ -13,12 +13,11 @@ PACKAGE = Path(plgwear_jax.__file__).parent
 
 # Each room may use those above it; those in one line do not know each other.
 FLOORS = [
-    {"_version", "_files"},
-    {"_startup"},
-    {"special"},
+    {"_version"},
     {"_core"},
-    {"material", "gross_slip", "fretting", "catalogue"},
-    {"partial_slip", "rules", "shapes"},
+    {"special"},
+    {"material", "gross_slip", "fretting"},
+    {"partial_slip", "shapes"},
     {"surfaces"},
     {"loads", "wear_laws", "stresses"},
     {"steady"},

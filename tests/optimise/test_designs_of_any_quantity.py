@@ -10,7 +10,7 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, optimise
-from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
+from plgwear_jax._core.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of, with_variables
 

@@ -9,7 +9,8 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from test_designs_of_any_quantity import SCENE
 
-from plgwear_jax import GrossSlipContact, PowerLawGraded, catalogue, optimise
+from plgwear_jax import GrossSlipContact, PowerLawGraded, optimise
+from plgwear_jax._core import catalogue
 
 FORCE = 1.0
 BOUNDS = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}

@@ -18,7 +18,7 @@ from optima import optima
 from refusals import cases, refusal
 
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
-from plgwear_jax.catalogue import AXES, leaf
+from plgwear_jax._core.catalogue import AXES, leaf
 from plgwear_jax.plots.maps import MapError, map_picture
 from plgwear_jax.sweep.axes import read_axis, spacing_of
 from plgwear_jax.sweep.names import label_of

@@ -20,8 +20,8 @@ import pytest
 from marks import compiled, long, parametrize
 
 import plgwear_jax
-from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import stepwise
+from plgwear_jax._core.startup.operations import UnknownError
+from plgwear_jax._core.startup.stepwise import stepwise
 
 # The options of XLA that `conftest` changes, as users have them.
 AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}

@@ -14,8 +14,9 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, scene, sweep
-from plgwear_jax.catalogue import QUANTITIES as LAWS
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, loads, optimise, scene, sweep
+from plgwear_jax._core import catalogue
+from plgwear_jax._core.catalogue import QUANTITIES as LAWS
 
 FRETTING = """
 [material]

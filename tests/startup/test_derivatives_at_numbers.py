@@ -9,7 +9,7 @@ from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, PowerLawGraded, fretting
-from plgwear_jax._startup import programs
+from plgwear_jax._core.startup import programs
 
 EPS = float(np.finfo(np.float64).eps)
 AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displacement": 0.4, "distance": 0.05}

@@ -11,7 +11,7 @@ import pytest
 from processes import python
 
 import plgwear_jax
-from plgwear_jax._startup import programs
+from plgwear_jax._core.startup import programs
 
 
 @pytest.fixture(autouse=True)
@@ -150,7 +150,7 @@ def test_other_source_machines_and_settings_have_other_programs(tmp_path, monkey
     with monkeypatch.context() as patched:
         package = Path(plgwear_jax.__file__).parent
         shutil.copytree(package, tmp_path / "copy", ignore=shutil.ignore_patterns("__pycache__"))
-        patched.setattr(programs, "__file__", str(tmp_path / "copy" / "_startup" / "programs.py"))
+        patched.setattr(programs, "__file__", str(tmp_path / "copy" / "_core" / "startup" / "programs.py"))
         assert house() == first
         with (tmp_path / "copy" / "fretting" / "__init__.py").open("a") as file:
             file.write("#")

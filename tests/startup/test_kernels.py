@@ -1,6 +1,6 @@
 """What XLA makes of the closed forms: kernels, each a pass through memory, and instructions, which it has to compile.
 
-The numbers are of the pinned JAX: they fail when somebody makes XLA compile much more. Each trick of `special/xla.py`
+The numbers are of the pinned JAX: they fail when somebody makes XLA compile much more. Each trick of `_core/xla.py`
 is taken away in turn, and XLA must then make more of the same formula; one that does no good any more is to be removed.
 """
 

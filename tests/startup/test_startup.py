@@ -14,7 +14,7 @@ import jax
 import numpy as np
 jax.config.update("jax_enable_x64", True)
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, optimise, scene
-from plgwear_jax._startup import on, programs
+from plgwear_jax._core.startup import on, programs
 from plgwear_jax.surfaces import Layered
 
 if on("kept"):

@@ -9,8 +9,8 @@ import pytest
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
-from plgwear_jax._startup import programs
-from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
+from plgwear_jax._core.startup import programs
+from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
 from plgwear_jax.special import cholesky
 
 ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])

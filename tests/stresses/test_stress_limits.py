@@ -10,7 +10,7 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
-from plgwear_jax.rules import placed_quantity
+from plgwear_jax._core.rules import placed_quantity
 from plgwear_jax.scene import SceneError
 
 SOFT = Layered([2e-5], [90e9, 210e9], 0.3)  # the coating is more compliant than what lies below

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 from scipy.special import expit, logit
 
-from plgwear_jax.catalogue import AXES
+from plgwear_jax._core.catalogue import AXES
 from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
 
 REFUSED = Path(__file__).with_name("refused.toml")

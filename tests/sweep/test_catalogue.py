@@ -26,10 +26,10 @@ from plgwear_jax import (
     RoundedFlat,
     sweep,
 )
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, Law, derivative, entry, laws_of, leaf
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.record import record
 from plgwear_jax._core.units import PREFIXED
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, Law, derivative, entry, laws_of, leaf
 
 GRADED = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
 CLOSED = FrettingContact(GRADED, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -246,5 +246,5 @@ def test_what_a_name_differentiates():
 
 
 def test_the_catalogue_does_without_jax():
-    code = "import sys, plgwear_jax.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
+    code = "import sys, plgwear_jax._core.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
     output("-c", code)

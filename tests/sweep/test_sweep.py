@@ -21,8 +21,8 @@ from processes import output
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
+from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax._core.leaves import with_leaf
-from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.sweep.plan import chunk_shape
 

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
+from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 
 __all__ = [
     "BY_THEN",

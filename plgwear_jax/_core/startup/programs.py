@@ -25,10 +25,10 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
 
-from plgwear_jax import _files
-from plgwear_jax._startup import on
-from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import SteppedProgram, stepwise
+from plgwear_jax._core import files as _files
+from plgwear_jax._core.startup import on
+from plgwear_jax._core.startup.operations import UnknownError
+from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
@@ -317,7 +317,7 @@ def _house() -> bytes:
     told += sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP")))
     with contextlib.suppress(OSError):  # a home may be that of several machines; Linux tells what each can do
         told += sorted({line for line in Path("/proc/cpuinfo").read_text("latin-1").splitlines() if "MHz" not in line})
-    source = b"".join(file.read_bytes() for file in sorted(Path(__file__).parents[1].rglob("*.py")))
+    source = b"".join(file.read_bytes() for file in sorted(Path(__file__).parents[2].rglob("*.py")))
     return hashlib.sha256(source + repr(told).encode()).digest()
 
 

@@ -9,7 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._startup.programs import along_each, parted
+from plgwear_jax._core.startup.programs import along_each, parted
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
 
