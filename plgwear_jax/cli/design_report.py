@@ -39,7 +39,8 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         for one in question.limits
     }
     best, reference = described(found, comparison)
-    verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited)
+    lessened = called(objective).partition(", ")[0]
+    verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
     conflict_told = None if conflict is None else _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
@@ -60,7 +61,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     if not found.keeps_limits:  # savings have no meaning here
         report.say(verdict, conflict_told)
     else:
-        rival, gain = None, f"{less(found.saving)} {called(objective).partition(', ')[0]} than the reference"
+        rival, gain = None, f"{less(found.saving)} {lessened} than the reference"
         if "edge_pressure" in best:
             times = best["edge_pressure"] / reference["edge_pressure"]
             gain += f", at {times:.3g} times its {words['edge_pressure']}"
@@ -92,7 +93,7 @@ def _tensions(found: optimise.Design) -> str:
     return f"its peak tension, {told[0]}, is {times}, {told[1]}"
 
 
-def _if_higher(found: optimise.Design, limited: dict[str, str]) -> dict[str, Any] | None:
+def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:
     """How far it is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without any."""
     question, load, scenarios = found.question, found.load, found.question.scenarios
     if load is None:
@@ -116,7 +117,7 @@ def _if_higher(found: optimise.Design, limited: dict[str, str]) -> dict[str, Any
     else:
         loss, line = max(higher.loss, 0.0), "this design is still the best"
         if loss > 1e-6:
-            more = f"{100.0 * loss:.2g} % more {entry(found.objective).name}"
+            more = f"{100.0 * loss:.2g} % more {called}"
             line = f"this design has {more} than the best one for that amplitude"
     return {"line": f"{said} {line}", "loss": loss}
 
