@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure
@@ -98,7 +98,7 @@ def coating(
     report.write_table(columns)
     if out is not None:
         whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
-        _files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
+        files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
     doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
     report.say(load.remark)
     report.put(table=data.name, tangential_force=force)

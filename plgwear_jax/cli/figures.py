@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import computing, refuse, working
@@ -41,9 +41,9 @@ def figures(
         out.mkdir(exist_ok=True)
     except OSError as error:
         why = "is a file, not a folder to write to" if out.is_file() else f"cannot be made: {error.strerror}"
-        raise _files.TargetError(f"{out}: {why}") from None
+        raise files.TargetError(f"{out}: {why}") from None
     for stem, suffix in [("figures", ".md"), *itertools.product([*stems, "contact-sheet"], suffixes)]:
-        _files.check_target(out / f"{stem}{suffix}", (suffix,))
+        files.check_target(out / f"{stem}{suffix}", (suffix,))
     for figure in chosen:
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()
@@ -56,4 +56,4 @@ def figures(
         for suffix in suffixes:
             plots.save(sheet, out / f"contact-sheet{suffix}")
         text = library.report(chosen).encode()
-    _files.write(out / "figures.md", lambda path: path.write_bytes(text))
+    files.write(out / "figures.md", lambda path: path.write_bytes(text))

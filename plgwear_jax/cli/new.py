@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse
 
@@ -122,8 +122,8 @@ def new(
     if scene_file.exists():
         refuse(f"{scene_file}: exists already; name another file")
     text = _HEAD.format(name=shlex.quote(one_line(scene_file.name))) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
-    _files.check_target(scene_file, (".toml",))
-    _files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
+    files.check_target(scene_file, (".toml",))
+    files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
     name = one_line(str(scene_file))
     file = shlex.quote(name)
     typer.echo(f"{name}: written; next: plgwear solve {file}, then plgwear design {file}")

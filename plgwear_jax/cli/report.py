@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import entry, unit_of
 from plgwear_jax._core.units import readable, written
 from plgwear_jax._core.words import one_line
@@ -151,9 +151,9 @@ class Report:
         if kind:
             picture = picture or Path(f"{scene_file.stem}-{kind}.png")
         self._files = {"picture": picture, "table": table, "scene": scene}
-        for file, suffixes in zip(self._files.values(), (_files.PICTURES, (".csv",), (".toml",)), strict=True):
+        for file, suffixes in zip(self._files.values(), (files.PICTURES, (".csv",), (".toml",)), strict=True):
             if file is not None:
-                _files.check_target(file, suffixes)
+                files.check_target(file, suffixes)
 
     def put(self, units: Mapping[str, str] | None = None, /, **facts: Any) -> None:
         """Add results in SI units to the JSON object; their units are those of the catalogue, or `units`."""
@@ -219,7 +219,7 @@ class Report:
     def write_table(self, columns: "Mapping[str, np.ndarray]") -> None:
         """Write the .csv file, if the command was given one: names of the columns, and rows in SI units."""
         if self._files["table"] is not None:
-            _files.write_table(self._files["table"], columns)
+            files.write_table(self._files["table"], columns)
 
     def end(self) -> None:
         """Print the words, and the names of the files that were written, or with --json the object."""

@@ -10,7 +10,7 @@ with needs("pictures", "plots"):
 
 from matplotlib.figure import Figure
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.plots.contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
@@ -42,7 +42,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
     """
-    _files.check_target(path, _files.PICTURES)
+    files.check_target(path, files.PICTURES)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -61,4 +61,4 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     kind = Path(path).suffix[1:].lower()
     dated = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[kind]
     with matplotlib.rc_context(STYLE):
-        _files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))
+        files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))

@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 from plgwear_jax import gross_slip
 from plgwear_jax.cli import app
+from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.plots import figures
 from plgwear_jax.plots.figures import section_2, section_3
 from plgwear_jax.plots.figures.paper import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
@@ -172,6 +173,10 @@ def test_the_page_holds_what_the_program_prints():
 
 def run(*arguments: str):
     return CliRunner().invoke(app, ["figures", *arguments])
+
+
+def test_the_command_knows_the_figures_without_their_module():
+    assert list(KEYS) == list(figures.FIGURES)
 
 
 @pytest.mark.usefixtures("known")

@@ -25,7 +25,7 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
 
-from plgwear_jax._core import files as _files
+from plgwear_jax._core import files
 from plgwear_jax._core.startup import on
 from plgwear_jax._core.startup.operations import UnknownError
 from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
@@ -353,7 +353,7 @@ class _Store:
                 if left < 0:
                     file.unlink(missing_ok=True)
             if len(content) <= self.most:
-                _files.write(self.folder / key, lambda target: target.write_bytes(content))
+                files.write(self.folder / key, lambda target: target.write_bytes(content))
 
 
 _store: _Store | None = None
