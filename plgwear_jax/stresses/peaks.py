@@ -51,7 +51,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
-    edges = jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
+    edges = _edges(pressed)
     depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
     sideways, downwards = (jnp.linspace(-_CLOSER, _CLOSER, each.size, dtype=ends.dtype) for each in (first, depths))
 
@@ -92,12 +92,16 @@ def _top(at: Array, found: Array, best: Array) -> Array:
 def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
-    It is there in units of a_0 as the derivatives go, but for the depths that are ends.
+    As the derivatives go it is as far as that from the nearest edge, where there may be a kink, and at the same depth
+    in units of a_0, but for depths that are ends.
     """
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
+    edges = _edges(pressed)
+    edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
+    x += jnp.sign(x) * (edge - lax.stop_gradient(edge))
     return in_si(pressed, given, wanted, Peak(wanted.of(field(pressed, body, given, False, x, z)), x, z))
 
 
@@ -113,6 +117,11 @@ def in_si(pressed: Pressed, given: Given, wanted: Wanted, peak: Peak) -> Peak:
 
 def _unbounded(pressed: Pressed, given: Given, wanted: Wanted) -> Array | bool:
     return False if given.half is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
+
+
+def _edges(pressed: Pressed) -> Array:
+    """Of the contact and of the stick area, in units of a_0."""
+    return jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
 
 
 def _sides(body: Body, dtype: jnp.dtype) -> Array:
