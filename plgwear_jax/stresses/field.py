@@ -160,6 +160,7 @@ def poisson_ratio_of(material: Any) -> Array:
 # --- E(z) -------------------------------------------------------------------------------------------------------------
 
 _NEAR = 1e-6  # of a_0, as which the surface counts where E is infinite there
+_SHORTEST = 1e-5  # of a_0, about 1/q of the last wave of `images.grid`
 _STEP = 0.25  # of the logarithms of depths in units of 1/q
 _DEPTHS = np.exp(np.arange(-16.0, 2.7, _STEP))
 _ENDS = float(_DEPTHS[0]), float(_DEPTHS[-1])
@@ -169,13 +170,16 @@ class PowerModulus(NamedTuple):
     """E(z) = z^k, whose responses depend on z and on the wavenumber by their product alone."""
 
     k: Array
-    whole: Array  # 1 for k = 0, else 0
     cubics: Array  # of the responses less `_own_responses`, between _DEPTHS, (4, intervals, 8)
 
     def at(self, x: Array) -> Array:
         """E; at the surface 0 for k > 0, and for k < 0 that of a depth close to it."""
-        near = jnp.exp(self.k * jnp.log(jnp.maximum(x, _NEAR)))
+        near = jnp.exp(self.k * jnp.log(jnp.where(x == 0.0, _NEAR, x)))
         return jnp.where((x == 0.0) & (self.k > 0.0), 0.0, near)
+
+    def shallow(self, x: Array) -> Array:
+        """What waves too short for `images` count by: E of what the last of these reach is 1 to them, or that of x."""
+        return self.at(x) / self.at(x + _SHORTEST)
 
     def responses(self, z: Array, q: Array) -> Array:
         """What `cubics` are of, (8, depths, n)."""
@@ -212,10 +216,9 @@ def body_of(pressed: Pressed, half: Half) -> Body:
         (k,), nu = pressed.body, pressed.nu
         depths = jnp.asarray(_DEPTHS, k.dtype)
         found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
-        whole = jnp.where(k == 0.0, 1.0, 0.0 * k)
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
-        rest = found[..., 0] - _own_responses(nu, whole, depths)
-        return PowerModulus(k, whole, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
+        rest = found[..., 0] - _own_responses(nu, depths)
+        return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
     table = half.by_depth(*pressed.body)
     powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
     return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
@@ -235,19 +238,15 @@ _HOMOGENEOUS[1, [0, 3]] = -1.0, 1.0
 _HOMOGENEOUS[2, :6] = -0.5, 1.0, 1.0, 0.5, -1.0, -1.0
 
 
-def _first_responses(nu: Array, whole: Array) -> tuple[Array, Array]:
-    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) of a homogeneous half-space, each (8,).
-
-    With `whole` = 0 those of a surface without a modulus, which follows.
-    """
+def _first_responses(nu: Array) -> tuple[Array, Array]:
+    """(h_0, h_1) of responses (h_0 + h_1 q z) exp(-q z) of a homogeneous half-space, each (8,)."""
     without, by_nu, second = jnp.asarray(_HOMOGENEOUS, nu.dtype)
-    counts = jnp.where(_MOVED, whole, jnp.ones_like(whole))
-    return counts * (without + nu * by_nu), counts * second
+    return without + nu * by_nu, second
 
 
-def _own_responses(nu: Array, whole: Array, height: Array) -> Array:
+def _own_responses(nu: Array, height: Array) -> Array:
     """These responses at q z."""
-    first, second = (each.reshape(-1, *(1,) * height.ndim) for each in _first_responses(nu, whole))
+    first, second = (each.reshape(-1, *(1,) * height.ndim) for each in _first_responses(nu))
     return (first + second * height) * jnp.exp(-height)
 
 
@@ -256,14 +255,15 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: 
     q, moved = jnp.asarray(images.q, z.dtype), jnp.asarray(_MOVED)[:, None, None]
     fit = jnp.asarray(images.fit.T, z.dtype)
     if isinstance(body, PowerModulus):
-        stiff = body.at(z)[:, None] * q**body.k
+        stiff, own = body.at(z)[:, None] * q**body.k, _own_responses(nu, z[:, None] * q)
+        more = (stiff - body.shallow(z)[:, None]) * own
         # At the surface itself tractions are those that are given, however stiff the skin below it is.
-        return (jnp.where(moved, stiff, (z > 0.0)[:, None]) * body.responses(z, q)) @ fit
+        return (jnp.where(moved, stiff, (z > 0.0)[:, None]) * body.responses(z, q) + jnp.where(moved, more, 0.0)) @ fit
     edges, even = depths_for(body, q, 2)
 
     def at(z: Array) -> Array:
         found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
-        return (found - _own_responses(nu, jnp.ones_like(nu), z[:, None] * q)) @ fit
+        return (found - _own_responses(nu, z[:, None] * q)) @ fit
 
     if z.size <= _MANY:
         return at(z)
@@ -308,9 +308,11 @@ def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: A
     count = math.prod(shape)
     found, rate = transforms(pressed.tractions(given, worn), heights, places, count)
     value, rate = found[:, :count].reshape(4, *shape, 2), rate.reshape(4, *shape, 2)
-    first, second = _first_responses(nu, body.whole if isinstance(body, PowerModulus) else jnp.ones_like(nu))
-    stress = jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, first), value)
-    stress += z * jnp.einsum("cit,i...t->c...", jnp.einsum("crit,r->cit", parts, second), rate)
+    each = _first_responses(nu)
+    if isinstance(body, PowerModulus):
+        each = (jnp.where(_MOVED, body.shallow(z)[..., None], 1.0) * one for one in each)
+    first, second = (jnp.einsum("crit,...r->ci...t", parts, one) for one in each)
+    stress = jnp.einsum("ci...t,i...t->c...", first, value) + z * jnp.einsum("ci...t,i...t->c...", second, rate)
     if body is not None:
         weights = _image_weights(body, nu, z.ravel(), images).reshape(8, *z.shape, -1)
         each = found[:, count:].reshape(4, *x.shape, -1, 2)

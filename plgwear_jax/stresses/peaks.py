@@ -22,7 +22,9 @@ class Peak(NamedTuple):
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
 _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
-_REACH, _CLOSER = 0.17, 7.0
+# On a power law the tension of a small k > 0 has its peak at about 0.5 k^2 below the edge.
+_SHALLOW = np.append(np.geomspace(1e-10, 3e-4, 6), _Z)
+_REACH, _CLOSER, _LEAST = 0.17, 7.0, 1e-10
 
 
 class Wanted(NamedTuple):
@@ -49,11 +51,13 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
-    sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, _Z))
+    edges = _edges(pressed)
+    depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
+    sideways, downwards = (jnp.linspace(-_CLOSER, _CLOSER, each.size, dtype=ends.dtype) for each in (first, depths))
 
     def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
         del count
-        xs, zs, reach, _, *top = state
+        xs, zs, step, _, *top = state
         # The top of a parabola is one more place, since a stress may also have a kink.
         xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
@@ -61,15 +65,17 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         found = jnp.where(jnp.isnan(found), -jnp.inf, found)
         z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
         x, z = xs[x_at], zs[z_at]
-        top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: _Z.size], found[: _Z.size, x_at], z_at)
-        # Nearer to the surface by smaller steps.
-        next_z = z + jnp.minimum(reach, 0.5 * z + 1e-3 * reach) * downwards
-        return x + reach * sideways, next_z, reach / _CLOSER, Peak(found[z_at, x_at], x, z), *top
+        top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: depths.size], found[: depths.size, x_at], z_at)
+        # By smaller steps nearer to the surface, and to the edges if there.
+        low = jnp.maximum(z, _LEAST)
+        scale = jnp.stack([low + jnp.min(abs(abs(x) - edges)), low])
+        step = jnp.arcsinh(jnp.minimum(_REACH / scale, step)) / _CLOSER
+        next_x, next_z = x + scale[0] * jnp.sinh(step[0] * sideways), low * jnp.exp(step[1] * downwards)
+        return next_x, next_z, step, Peak(found[z_at, x_at], x, z), *top
 
     none = jnp.zeros_like(pressed.radius)
-    begin = first, *(jnp.asarray(each, ends.dtype) for each in (_Z, _REACH)), Peak(none, none, none), none, none
-    # One more on a power law, where the tension below the edge is steep.
-    rounds = fineness_of(given.digits, ends.dtype).rounds + (given.half is None)
+    begin = first, depths, jnp.full(2, jnp.inf, ends.dtype), Peak(none, none, none), none, none
+    rounds = fineness_of(given.digits, ends.dtype).rounds
     rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 
@@ -86,12 +92,16 @@ def _top(at: Array, found: Array, best: Array) -> Array:
 def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
-    It is there in units of a_0 as the derivatives go, but for the depths that are ends.
+    As the derivatives go it is as far as that from the nearest edge, where there may be a kink, and at the same depth
+    in units of a_0, but for depths that are ends.
     """
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
+    edges = _edges(pressed)
+    edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
+    x += jnp.sign(x) * (edge - lax.stop_gradient(edge))
     return in_si(pressed, given, wanted, Peak(wanted.of(field(pressed, body, given, False, x, z)), x, z))
 
 
@@ -107,6 +117,11 @@ def in_si(pressed: Pressed, given: Given, wanted: Wanted, peak: Peak) -> Peak:
 
 def _unbounded(pressed: Pressed, given: Given, wanted: Wanted) -> Array | bool:
     return False if given.half is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
+
+
+def _edges(pressed: Pressed) -> Array:
+    """Of the contact and of the stick area, in units of a_0."""
+    return jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
 
 
 def _sides(body: Body, dtype: jnp.dtype) -> Array:

@@ -280,6 +280,14 @@ def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
         assert highest - 1e-6 <= float(peak / p_0) <= highest + 5e-3
 
 
+@parametrize("k", [1e-5, 1e-4, 1e-3, 5e-3, 0.02, 0.1])
+def test_the_tension_of_a_slight_grading_is_that_without_it_times_the_modulus_at_its_depth(k):
+    known, steady = (steady_of(PowerLawGraded(210e9, 1e-4, each, 0.3), 0.6) for each in (0.0, k))
+    depth = float(steady.peak_tension_at[1] / steady.contact_radius)
+    assert abs(float(steady.peak_tension / known.peak_tension) - depth**k) < k
+    assert 0.1 < depth / k**2 < 1.0
+
+
 @compiled
 def test_peaks_of_each_part_of_a_coating():
     steady = steady_of(LAYERS, 0.6)
@@ -291,8 +299,9 @@ def test_peaks_of_each_part_of_a_coating():
 
 @compiled
 @parametrize("name", ["peak_tension", "peak_mises"])
-def test_derivatives_of_peaks_by_all_numbers(name):
-    contact = FrettingContact(LAYERS, RADIUS, FORCE, FRICTION)
+@parametrize("material", [LAYERS, PowerLawGraded(210e9, 1e-4, 0.1, 0.3)])  # the latter's is at a kink
+def test_derivatives_of_peaks_by_all_numbers(material, name):
+    contact = FrettingContact(material, RADIUS, FORCE, FRICTION)
 
     def value(contact):
         return getattr(contact.steady(1.5), name)
