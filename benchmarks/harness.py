@@ -9,7 +9,6 @@ crowds at both ends of phi as that of the accuracy tests does.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import datetime
 import importlib
@@ -21,8 +20,7 @@ import subprocess
 import sys
 import textwrap
 import time
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
@@ -108,12 +106,8 @@ Exact: TypeAlias = list[np.ndarray]  # value, gradient, Hessian: arrays (points,
 def exact_wear_volume(points: Points, order: int) -> Exact:
     """The oracle's wear volume and its derivatives up to `order` at these very points."""
     found = oracle.map_points("wear_volume", np.stack(points, 1).astype(float).tolist(), processes=1, order=order)
-    if order == 0:
-        return [np.array(found)[:, None]]
-    flat = [[point.value for point in found], [point.gradient for point in found]]
-    if order == 2:
-        flat.append([point.hessian for point in found])
-    return [np.array(x).reshape(len(found), -1, 2) for x in flat]
+    names = ("value", "gradient", "hessian")[: order + 1]
+    return [np.array([getattr(point, name) for point in found]).reshape(len(found), -1, 2) for name in names]
 
 
 def errors(result: Any, exact: Exact, orders: Sequence[int]) -> list[np.ndarray]:
@@ -388,11 +382,3 @@ def in_new_process(worker: Callable[..., Any], *arguments: Any, on: str = "all",
         environment = os.environ | {"PLGWEAR_CORES": on} | variables
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
     return json.loads(done.stdout.splitlines()[-1])
-
-
-@contextlib.contextmanager
-def quietly() -> Iterator[None]:
-    """Without warnings."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        yield

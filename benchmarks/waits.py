@@ -84,7 +84,7 @@ class Workplace:
         for name, text in (("mistaken", mistaken), ("layers", LAYERS), ("closed", CLOSED)):
             (folder / f"{name}.toml").write_text(text, "utf-8")
         kept = {name: value for name, value in os.environ.items() if not name.startswith(DECIDING)}
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
         own = {"PYTHONPATH": path, "XDG_CACHE_HOME": str(self.cache), "MPLCONFIGDIR": str(folder / "matplotlib")}
         self.environment = kept | own | dict(variables)
         self.run(Question("the list of fonts", ("-c", "import matplotlib.font_manager")))
