@@ -24,7 +24,7 @@ _X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
 # On a power law the tension of a small k > 0 has its peak at about 0.5 k^2 below the edge.
 _SHALLOW = np.append(np.geomspace(1e-10, 3e-4, 6), _Z)
-_REACH, _CLOSER, _LEAST = 0.17, 7.0, 1e-10
+_REACH, _CLOSER, _LEAST, _BESIDE = 0.17, 7.0, 1e-10, 0.01
 
 
 class Wanted(NamedTuple):
@@ -53,7 +53,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
     edges = _edges(pressed)
     depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
-    sideways, downwards = (jnp.linspace(-_CLOSER, _CLOSER, each.size, dtype=ends.dtype) for each in (first, depths))
+    sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
 
     def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
         del count
@@ -66,15 +66,22 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
         x, z = xs[x_at], zs[z_at]
         top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: depths.size], found[: depths.size, x_at], z_at)
-        # By smaller steps nearer to the surface, and to the edges if there.
+        # Nearer to the surface by smaller steps, on a power law nearer to the edges too.
+        if given.half is not None:
+            next_z = z + jnp.minimum(step, 0.5 * z + 1e-3 * step) * downwards
+            return x + step * sideways, next_z, step / _CLOSER, Peak(found[z_at, x_at], x, z), *top
         low = jnp.maximum(z, _LEAST)
         scale = jnp.stack([low + jnp.min(abs(abs(x) - edges)), low])
         step = jnp.arcsinh(jnp.minimum(_REACH / scale, step)) / _CLOSER
-        next_x, next_z = x + scale[0] * jnp.sinh(step[0] * sideways), low * jnp.exp(step[1] * downwards)
+        next_x, next_z = (
+            x + scale[0] * jnp.sinh(_CLOSER * step[0] * sideways),
+            low * jnp.exp(_CLOSER * step[1] * downwards),
+        )
         return next_x, next_z, step, Peak(found[z_at, x_at], x, z), *top
 
     none = jnp.zeros_like(pressed.radius)
-    begin = first, depths, jnp.full(2, jnp.inf, ends.dtype), Peak(none, none, none), none, none
+    step = jnp.asarray(_REACH if given.half is not None else [jnp.inf, jnp.inf], ends.dtype)
+    begin = first, depths, step, Peak(none, none, none), none, none
     rounds = fineness_of(given.digits, ends.dtype).rounds
     rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
@@ -92,16 +99,18 @@ def _top(at: Array, found: Array, best: Array) -> Array:
 def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
-    As the derivatives go it is as far as that from the nearest edge, where there may be a kink, and at the same depth
-    in units of a_0, but for depths that are ends.
+    It is there in units of a_0 as the derivatives go, but for depths that are ends, and beside an edge, where there may
+    be a kink: it moves with that.
     """
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    edges = _edges(pressed)
-    edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
-    x += jnp.sign(x) * (edge - lax.stop_gradient(edge))
+    if given.half is None:
+        edges = _edges(pressed)
+        edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
+        beside = abs(abs(x) - edge) < _BESIDE
+        x += jnp.where(beside, jnp.sign(x), 0.0) * (edge - lax.stop_gradient(edge))
     return in_si(pressed, given, wanted, Peak(wanted.of(field(pressed, body, given, False, x, z)), x, z))
 
 
