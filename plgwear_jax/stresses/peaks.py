@@ -51,7 +51,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
     first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
-    edges = _edges(pressed)
+    edges = _contact_edges(pressed)
     depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
 
@@ -73,10 +73,8 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         low = jnp.maximum(z, _LEAST)
         scale = jnp.stack([low + jnp.min(abs(abs(x) - edges)), low])
         step = jnp.arcsinh(jnp.minimum(_REACH / scale, step)) / _CLOSER
-        next_x, next_z = (
-            x + scale[0] * jnp.sinh(_CLOSER * step[0] * sideways),
-            low * jnp.exp(_CLOSER * step[1] * downwards),
-        )
+        next_x = x + scale[0] * jnp.sinh(_CLOSER * step[0] * sideways)
+        next_z = low * jnp.exp(_CLOSER * step[1] * downwards)
         return next_x, next_z, step, Peak(found[z_at, x_at], x, z), *top
 
     none = jnp.zeros_like(pressed.radius)
@@ -107,7 +105,7 @@ def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) 
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
     if given.half is None:
-        edges = _edges(pressed)
+        edges = _contact_edges(pressed)
         edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
         beside = abs(abs(x) - edge) < _BESIDE
         x += jnp.where(beside, jnp.sign(x), 0.0) * (edge - lax.stop_gradient(edge))
@@ -128,7 +126,7 @@ def _unbounded(pressed: Pressed, given: Given, wanted: Wanted) -> Array | bool:
     return False if given.half is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
 
 
-def _edges(pressed: Pressed) -> Array:
+def _contact_edges(pressed: Pressed) -> Array:
     """Of the contact and of the stick area, in units of a_0."""
     return jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
 
