@@ -59,7 +59,6 @@ __all__ = [
     "partial_slip",
     "shapes",
     "surfaces",
-    "sweep",
     "wear_laws",
 ]
 

@@ -8,7 +8,7 @@ import functools
 import importlib
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,20 @@ class UnknownError(Exception):
     """The program has an operation that is left to XLA, or takes too many steps."""
 
 
-def parameters_of(name: str, params: Mapping[str, Any], out: Any) -> dict[str, Any]:
+def parameters_of(equation: Any) -> dict[str, Any]:
     """The parameters of an operation that its function here takes."""
-    if name not in FUNCTIONS or (name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact)):
+    name, params = equation.primitive.name, equation.params
+    if name not in FUNCTIONS or (name in _OF_FLOATS and not np.issubdtype(equation.outvars[0].aval.dtype, np.inexact)):
         raise UnknownError(name)
     if getattr(params.get("dimension_numbers"), "operand_batching_dims", ()):
         raise UnknownError("places in each of a batch")
+    if name == "scan":  # each JAX tells in its own way what stays and what is carried; rows have one axis less within
+        inside = params["jaxpr"]
+        same, carried = (
+            sum(of.aval.ndim == x.ndim for of, x in zip(outer, inner, strict=True))
+            for outer, inner in ((equation.invars, inside.in_avals), (equation.outvars, inside.out_avals))
+        )
+        params = params | {"num_consts": same - carried, "num_carry": carried}
     return {key: params[key] for key in _keywords(name)}
 
 

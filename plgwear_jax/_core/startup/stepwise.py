@@ -108,7 +108,7 @@ class _Block:
                 found = self._inlined(params["branches"][int(self.values[given[0]])], given[1:])
             else:
                 found = [self._place(None) for _ in results]
-                wanted = parameters_of(name, params, results[0].aval)
+                wanted = parameters_of(equation)
                 turns = params.get("length", _TURNS if name == "while" else 1)
                 self.steps.append((name, {key: self._within(x, turns) for key, x in wanted.items()}, given, found))
                 self.operations += 1
@@ -153,9 +153,9 @@ class SteppedProgram:
         try:
             with np.errstate(all="ignore"):
                 found = self._block(given)
-        except UnknownError:
+        except Exception as error:
             self._left[0] = -1
-            raise
+            raise UnknownError(error) from None
         return jax.device_put(jax.tree.unflatten(self._tree, list(map(np.asarray, found))))
 
 
@@ -168,6 +168,6 @@ def stepwise(traced: Any, patience: int = PATIENCE) -> SteppedProgram | None:
     """
     try:
         steps = SteppedProgram(traced, patience)
-    except UnknownError:
+    except Exception:  # another JAX may write programs in another way
         return None
     return steps if steps.worthwhile else None
