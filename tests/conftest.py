@@ -4,6 +4,7 @@ import atexit
 import functools
 import gc
 import importlib.machinery
+import importlib.metadata
 import os
 import resource
 import shutil
@@ -19,7 +20,12 @@ import pytest
 # long checks, as none of this is set where the environment says something else than which instructions to use.
 FLAGS, INSTRUCTIONS = os.environ.get("XLA_FLAGS"), "--xla_cpu_max_isa="
 if FLAGS is None or (FLAGS and all(flag.startswith(INSTRUCTIONS) for flag in FLAGS.split())):
-    cheap = "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
+    cheap = "--xla_backend_optimization_level=0"
+    if tuple(map(int, importlib.metadata.version("jaxlib").split(".")[:2])) < (
+        0,
+        11,
+    ):  # XLA ends where it does not know one
+        cheap += " --xla_cpu_use_fusion_emitters=false"
     os.environ["XLA_FLAGS"] = f"{cheap} {FLAGS or ''}".strip()
 # Matrices here are small. The threads of OpenBLAS would spend up to fifty times as long waiting for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -24,7 +24,7 @@ from plgwear_jax._core.startup.operations import UnknownError
 from plgwear_jax._core.startup.stepwise import stepwise
 
 # The options of XLA that `conftest` changes, as users have them.
-AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}
+AS_USERS = {name: 3 if name.endswith("level") else True for name in plgwear_jax.compiler_options()}
 
 # One of each kind: a root and a series, a series with a radius, the uniformly loaded disc, a power, gamma functions.
 COMPILED = {

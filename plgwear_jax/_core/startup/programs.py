@@ -34,7 +34,7 @@ from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
     """Options for `jax.jit` with which XLA compiles a program of your own two to three times sooner.
 
-    The library compiles its own programs with these options. What answers a few questions runs for milliseconds and
+    From JAX 0.11 on it is less: XLA has lost one of the two options. The library compiles its own programs with these options. What answers a few questions runs for milliseconds and
     needs no more optimisation; a program that runs for minutes should be compiled without them.
 
     Args:
@@ -58,7 +58,10 @@ def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
         raise ValueError(f"level = {level!r} is not one of 0, 1, 2 and 3")
     if jax.default_backend() != "cpu":
         return {}
-    return {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": level}
+    fusion = (
+        {"xla_cpu_use_fusion_emitters": False} if jax.__version_info__ < (0, 11) else {}
+    )  # later ones have no other
+    return fusion | {"xla_backend_optimization_level": level}
 
 
 class Program:
