@@ -23,7 +23,6 @@ if TYPE_CHECKING:
         partial_slip,
         shapes,
         surfaces,
-        sweep,
         wear_laws,
     )
     from plgwear_jax._core.doubts import DoubtfulInputWarning

@@ -21,11 +21,8 @@ import pytest
 FLAGS, INSTRUCTIONS = os.environ.get("XLA_FLAGS"), "--xla_cpu_max_isa="
 if FLAGS is None or (FLAGS and all(flag.startswith(INSTRUCTIONS) for flag in FLAGS.split())):
     cheap = "--xla_backend_optimization_level=0"
-    if tuple(map(int, importlib.metadata.version("jaxlib").split(".")[:2])) < (
-        0,
-        11,
-    ):  # XLA ends where it does not know one
-        cheap += " --xla_cpu_use_fusion_emitters=false"
+    if tuple(map(int, importlib.metadata.version("jaxlib").split(".")[:2])) < (0, 11):
+        cheap += " --xla_cpu_use_fusion_emitters=false"  # a later XLA ends the process at this word
     os.environ["XLA_FLAGS"] = f"{cheap} {FLAGS or ''}".strip()
 # Matrices here are small. The threads of OpenBLAS would spend up to fifty times as long waiting for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -34,8 +34,9 @@ from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
     """Options for `jax.jit` with which XLA compiles a program of your own two to three times sooner.
 
-    From JAX 0.11 on it is less: XLA has lost one of the two options. The library compiles its own programs with these options. What answers a few questions runs for milliseconds and
-    needs no more optimisation; a program that runs for minutes should be compiled without them.
+    From JAX 0.11 on it is a fifth to a third sooner, as XLA has lost one of the two options. The library compiles its
+    own programs with these options. What answers a few questions runs for milliseconds and needs no more optimisation;
+    a program that runs for minutes should be compiled without them.
 
     Args:
         level: How much LLVM optimises, 0 to 3. Runs over cycles have loops over matrices, which take several times as
@@ -58,9 +59,7 @@ def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
         raise ValueError(f"level = {level!r} is not one of 0, 1, 2 and 3")
     if jax.default_backend() != "cpu":
         return {}
-    fusion = (
-        {"xla_cpu_use_fusion_emitters": False} if jax.__version_info__ < (0, 11) else {}
-    )  # later ones have no other
+    fusion = {"xla_cpu_use_fusion_emitters": False} if jax.__version_info__ < (0, 11) else {}
     return fusion | {"xla_backend_optimization_level": level}
 
 
