@@ -59,8 +59,10 @@ def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
         raise ValueError(f"level = {level!r} is not one of 0, 1, 2 and 3")
     if jax.default_backend() != "cpu":
         return {}
-    fusion = {"xla_cpu_use_fusion_emitters": False} if jax.__version_info__ < (0, 11) else {}
-    return fusion | {"xla_backend_optimization_level": level}
+    options: dict[str, bool | str | int | float] = {"xla_backend_optimization_level": level}
+    if jax.__version_info__ < (0, 11):  # later ones refuse it
+        options["xla_cpu_use_fusion_emitters"] = False
+    return options
 
 
 class Program:
