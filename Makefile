@@ -11,6 +11,7 @@ STUDIES := pages overview amplitude_map uncertain_load wear_against_edge_stress 
 
 VENV   := .venv
 LOWEST := .venv-lowest
+NEWEST := .venv-newest
 LOCK   := .venv-lock
 DOCS   := .venv-docs
 
@@ -18,7 +19,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-compiled test-long test-faults test-mutants test-lowest test-isa accuracy bench lint format design studies figures numbers words docs notebooks lock clean
+.PHONY: help env test test-compiled test-long test-faults test-mutants test-lowest test-newest test-isa accuracy bench lint format design studies figures numbers words docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -44,6 +45,9 @@ test-mutants: env ## errors planted in the mechanics, which the default tests ha
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
 	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning $(PYTEST_ARGS)
+
+test-newest: $(NEWEST)/.stamp ## the default test suite on the newest versions, as `pip install` takes them
+	$(NEWEST)/bin/python -m pytest -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning $(PYTEST_ARGS)
 
 # Rounding differs: without AVX-512 vectors are shorter, and without AVX2 nothing is multiplied and added at once. Where a
 # processor does not know a set, XLA uses what there is.
@@ -106,7 +110,7 @@ lock: ## resolve the pins again: constraints.txt (newest), constraints-lowest.tx
 	@rm -rf $(LOCK)
 
 clean: ## remove the environments, caches and build products
-	rm -rf $(VENV) $(LOWEST) $(LOCK) $(DOCS) build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) $(LOCK) $(DOCS) build dist .pytest_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(VENV)/.stamp: pyproject.toml constraints.txt
@@ -119,6 +123,12 @@ $(LOWEST)/.stamp: pyproject.toml constraints-lowest.txt
 	$(call venv,$(LOWEST),python3.11 python3.12 python3)
 	@echo 'installing the lowest declared versions into $(LOWEST): half a minute, only when they change'
 	@$(LOWEST)/bin/python $(PIP) install --only-binary :all: -c constraints-lowest.txt -e '.[test]'
+	@touch $@
+
+$(NEWEST)/.stamp: pyproject.toml
+	$(call venv,$(NEWEST),python3.14 python3.13 python3.12 python3 python3.11)
+	@echo 'installing the newest versions into $(NEWEST): half a minute; make clean forgets them'
+	@$(NEWEST)/bin/python $(PIP) install --upgrade --only-binary :all: -e '.[test]'
 	@touch $@
 
 $(DOCS)/.stamp: pyproject.toml constraints-docs.txt

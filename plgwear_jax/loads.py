@@ -20,7 +20,6 @@ from plgwear_jax._core.domains import (
     as_array,
     check,
     guarded,
-    on_host,
     real_dtype,
 )
 from plgwear_jax._core.ranges import NUMBER
@@ -158,10 +157,9 @@ class Force(Load):
         values = tuple(map(as_array, (self.tangential_force, friction, normal_force)))
         if any(isinstance(value, Tracer) for value in values):
             return
-        if all(map(on_host, values)):  # compiles nothing
-            dtype = real_dtype("tangential_force", values)
-            values = tuple(np.asarray(value, dtype) for value in values)
-        check("tangential_force/(friction * normal_force)", values[0] / (values[1] * values[2]), shares)
+        dtype = real_dtype("tangential_force", values)
+        force, mu, normal = (np.asarray(value, dtype) for value in values)  # NumPy compiles nothing
+        check("tangential_force/(friction * normal_force)", force / (mu * normal), shares)
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""

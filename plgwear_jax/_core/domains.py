@@ -45,7 +45,6 @@ __all__ = [
     "check_digits",
     "check_real",
     "guarded",
-    "on_host",
     "one_or_nan",
     "real_dtype",
     "whole",
@@ -110,13 +109,15 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
     on_device = []
     for name, value, domain in zip(names, map(as_array, values), domains, strict=True):
         check_real(name, value)
-        if on_host(value):
+        if isinstance(value, Tracer):
+            continue
+        if on_accelerator(value):
+            on_device.append((name, value, domain))
+        else:
             value = value if isinstance(value, float) else np.asarray(value)
             inside = domain.contains(value)
             if inside is not True and not np.all(inside):
                 _refuse_element(name, value, domain, np.argmin(np.asarray(inside)))
-        elif not isinstance(value, Tracer):
-            on_device.append((name, value, domain))
     if on_device:
         _, arrays, rules = zip(*on_device, strict=True)
         for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), on_device, strict=True):
@@ -124,11 +125,9 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
                 _refuse_element(name, value, domain, jnp.argmin(domain.contains(value)))
 
 
-def on_host(value: ArrayLike) -> bool:
-    """Whether a value can be read without waiting for another device. False for a traced one, which cannot be read."""
-    if isinstance(value, Array):
-        return not isinstance(value, Tracer) and all(device.platform == "cpu" for device in value.devices())
-    return True
+def on_accelerator(value: ArrayLike) -> bool:
+    """Whether a known value is elsewhere than in the memory of the processor."""
+    return isinstance(value, Array) and any(device.platform != "cpu" for device in value.devices())
 
 
 @functools.partial(jax.jit, static_argnums=1)

@@ -116,17 +116,16 @@ def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, root_digits: i
     return place_of(EDGE, s, q, phi, digits, root_digits)
 
 
-def _where_worn(phi: Array) -> tuple[Array, Array]:
-    """(Whether there is a worn ring, phi > 0; phi, or a harmless value where there is no ring)."""
-    worn = phi > 0.0
-    return worn, jnp.where(worn, phi, 0.5)
+def _narrow(phi: Array) -> Array:
+    """An amplitude at which 1/y is finite, where phi is smaller; the slopes at phi = 0 are those of narrow rings."""
+    return clamp_keep_slope(8.0 * jnp.finfo(phi.dtype).tiny, phi)
 
 
 def place_in_ring(
     root: Root, k: Array, phi: Array, digits: int | None, root_digits: int, copy: int
 ) -> tuple[Array, Array, Array, Array]:
     """(Whether there is a worn ring, k, phi, the place y), the last three for a kernel of their own."""
-    worn, phi = _where_worn(phi)
+    worn, phi = phi > 0.0, _narrow(phi)
     y = place_of(root, *exponents(k), phi, digits, root_digits)
     return worn, *separate_kernels(copy, k, phi, y)  # pyright: ignore[reportReturnType]
 
@@ -155,6 +154,5 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (26).
     """
     s, q = exponents(k)
-    worn, phi = _where_worn(jnp.asarray(phi))
-    radius = stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + ring_edge(s, q, phi, digits))
-    return clamp_keep_slope(1.0, jnp.where(worn, radius, 1.0))
+    phi = _narrow(jnp.asarray(phi))
+    return clamp_keep_slope(1.0, stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + ring_edge(s, q, phi, digits)))

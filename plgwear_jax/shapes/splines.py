@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import Numbers, on_host, one_or_nan
+from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at, stacked
 from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
@@ -269,7 +269,7 @@ class Profile(_Splined):
             raise ValueError(f"r and heights take two points or more, not shapes {shapes[0]} and {shapes[1]}")
         for name in self.tables:
             given = getattr(self, name)
-            if not isinstance(given, Tracer) and on_host(given):
+            if not isinstance(given, Tracer):
                 _refuse_column(name, np.asarray(given))
 
     def guarded(self) -> "Profile":

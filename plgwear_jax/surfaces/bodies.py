@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded, on_host
+from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import guarded_field, record
@@ -135,7 +135,7 @@ class DepthGraded(AnyModulus):
         depth, modulus = np.shape(self.depth), np.shape(self.modulus)
         if not (depth and modulus and depth[-1] == modulus[-1] and depth[-1] > 1):
             raise ValueError(f"depth and modulus take two points or more, not shapes {depth} and {modulus}")
-        if not isinstance(self.depth, Tracer) and on_host(self.depth):
+        if not isinstance(self.depth, Tracer):
             z = np.asarray(self.depth)
             wrong = np.diff(z, axis=-1) < 0.0
             if np.any(wrong):

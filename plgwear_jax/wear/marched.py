@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
     POSITIVE,
@@ -15,7 +16,6 @@ from plgwear_jax._core.domains import (
     Domain,
     RefusedError,
     guarded,
-    on_host,
     whole,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
@@ -330,7 +330,7 @@ class MarchedRun(Run):
             known, where = [solved.cycles, solved.goes_on], "after which the scar is ten times as wide as at first"
         else:
             return
-        if not all(map(on_host, (cycles, *known))):
+        if any(isinstance(x, Tracer) for x in (cycles, *known)):
             return
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
         known = [np.asarray(x, float) for x in known]
@@ -362,7 +362,7 @@ class MarchedRun(Run):
         found = super()._solve()
         volume = found.moments.volume
         # Of several runs those that are followed to their ends stay numbers beside others that are NaN.
-        if on_host(volume) and volume.size and np.isnan(volume).any(-1).all():
+        if not isinstance(volume, Tracer) and volume.size and np.isnan(volume).any(-1).all():
             first = np.isnan(volume).argmax(-1)
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"

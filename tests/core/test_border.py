@@ -144,7 +144,7 @@ def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
     """As if the processor were an accelerator."""
     spy = Spy()
     monkeypatch.setattr(domains, "np", spy)
-    monkeypatch.setattr(domains, "on_host", lambda value: not isinstance(value, jax.Array))
+    monkeypatch.setattr(domains, "on_accelerator", lambda value: isinstance(value, jax.Array))
     k, phi = jnp.full((2, 3), 0.3), jnp.full((2, 3), 0.4)
     fretting.stick_radius(k, phi)
     assert spy.read == [(np.bool_, 2)]

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from functions import fretting, gross_slip
+from functions import derivatives, fretting, gross_slip
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -28,7 +28,7 @@ amplitude = st.one_of(
     st.floats(1e-3, 0.999),
     st.floats(-300.0, -3.0).map(lambda e: 10.0**e),
     st.floats(1e-15, 1e-3).map(lambda x: 1.0 - x),
-    st.sampled_from([0.0, 5e-324, 0.25, 0.5, math.nextafter(1.0, 0.0)]),
+    st.sampled_from([0.0, 5e-324, 2.5e-308, 0.25, 0.5, math.nextafter(1.0, 0.0)]),
 )
 ratio = st.one_of(st.floats(0.0, 1.0), st.floats(-15.0, -1.0).map(lambda e: 10.0**e))
 
@@ -52,6 +52,14 @@ def edges(k, phi):
 
 
 # --- radii ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 2.5e-308, 1e-300])
+def test_the_ring_of_smallest_amplitudes_has_the_slopes_of_the_limit(amplitude):
+    """a_inf = 1 + (1-k)/(2 (3+k)) phi + ..."""
+    k = np.linspace(-0.9, 0.9, POINTS)
+    by_phi = derivatives("fretting.worn_radius", k, np.full(POINTS, amplitude))[2][:, 1]
+    assert_allclose(by_phi, (1.0 - k) / (2.0 * (3.0 + k)), rtol=1e-14)
 
 
 def check_radii(k, phi):

@@ -78,7 +78,7 @@ class Program:
     def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static, self.level, self.slopes = function, static, level, slopes
+        self.function, self.static, self.level, self.slopes = in_full(function), static, level, slopes
         self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
@@ -154,6 +154,17 @@ def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Ca
 _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
 
 
+def in_full(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function with products of matrices in the precision of their numbers: a GPU keeps three digits of float32."""
+
+    @functools.wraps(function)
+    def found(*arguments):
+        with jax.default_matmul_precision("highest"):
+            return function(*arguments)
+
+    return found
+
+
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
@@ -217,6 +228,7 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
     def implicit(*arguments):
         return (wanted if traced(arguments) else known)(*arguments)
 
+    @in_full
     def _rule(*arguments):
         *words, primals, tangents = arguments
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
