@@ -118,7 +118,7 @@ def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, root_digits: i
 
 def _narrow(phi: Array) -> Array:
     """An amplitude at which 1/y is finite, where phi is smaller; the slopes at phi = 0 are those of narrow rings."""
-    return clamp_keep_slope(8.0 * jnp.finfo(phi.dtype).tiny, phi)
+    return clamp_keep_slope(8.0 * float(jnp.finfo(phi.dtype).tiny), phi)
 
 
 def place_in_ring(
