@@ -48,7 +48,7 @@ def over_radii_of(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
 
 def deepest_of(effort: Effort, state: State) -> Array:
     worn = state.phi > 0.0
-    lack = state.beside.lack(state.depth)
+    lack = state.beside.lack(state.further)
     most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
     return state.height(state.punch) * jnp.where(worn, most, 0.0)
 
@@ -76,7 +76,7 @@ def _more_pressure(state: State, distance: Array) -> Array:
     """The pressure in Pa that the worn contact adds, which is that of a flat punch, 0 outside."""
     punch = state.punch
     inside, z = _inside(state.c, distance)
-    further = state.height(punch) * (state.depth - punch.depth)
+    further = state.height(punch) * state.further
     found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance * further)
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
@@ -109,7 +109,7 @@ def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array, Array]
         state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
         for punch in (state.unworn, state.punch)
     )
-    further = state.height(state.punch) * (state.depth - state.punch.depth)
+    further = state.height(state.punch) * state.further
     return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5), state.compliance.s
 
 
@@ -131,15 +131,15 @@ def intensity_of(effort: Effort, state: State) -> Array:
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
     intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
-    return state.height(punch) * clamp_keep_slope(0.0, state.depth - punch.depth) * intensity
+    return state.height(punch) * clamp_keep_slope(0.0, state.further) * intensity
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------
 
 
-def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
-    """What Abel's integral leaves in m at radii beside c, shape (m,), at a depth in c^2/R; 0 under the contact."""
-    c, lack = state.c, state.beside.lack(depth)
+def _gap(effort: Effort, state: State, further: Array | float, r: Array) -> Array:
+    """What Abel's integral leaves in m at radii (m,) beside c, pressed in further in c^2/R; 0 under the contact."""
+    c, lack = state.c, state.beside.lack(further)
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
@@ -155,13 +155,13 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
 
 def unworn_gap_at(effort: Effort, state: State, r: Array) -> Array:
     """The gap in m that the unworn indenter leaves beside its contact of the radius c, shape (m,)."""
-    return jnp.maximum(-_gap(effort, state, state.punch.depth, r), 0.0)
+    return jnp.maximum(-_gap(effort, state, 0.0, r), 0.0)
 
 
 def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
     """The depth in m worn off in the end at radii, shape (m,)."""
     edge = state.c * jnp.sqrt(1.0 + state.end)
-    found = _gap(effort, state, state.depth, jnp.minimum(r, edge))
+    found = _gap(effort, state, state.further, jnp.minimum(r, edge))
     return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
 
 
@@ -170,14 +170,14 @@ def _profile(effort: Effort, state: State, r: Array) -> Array:
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    level = state.height(state.punch) * state.depth - state.outline.height(r)
-    return level - _gap(effort, state, state.depth, r)
+    level = state.height(state.punch) * (state.punch.depth + state.further) - state.outline.height(r)
+    return level - _gap(effort, state, state.further, r)
 
 
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     punch = state.unworn
     around = beside(state.compliance, punch, effort, state.outline)
-    state = state._replace(punch=punch, beside=around, depth=punch.depth)
+    state = state._replace(punch=punch, beside=around, further=jnp.zeros_like(state.further))
     return _worn_displacement(effort, state, r)
 
 
@@ -207,7 +207,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
 
 def _slip(effort: Effort, state: State, r: Array) -> Array:
     edge = jnp.exp(state.unworn.log_c)
-    slip = -state.tangential * _gap(effort, state, state.punch.depth, jnp.minimum(r, edge))
+    slip = -state.tangential * _gap(effort, state, 0.0, jnp.minimum(r, edge))
     return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
 
 
@@ -400,7 +400,7 @@ class NumericSteady(Steady):
     @property
     def _worn_moved(self) -> Array:
         state = self._worn
-        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
+        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
 
     @property
     def _share_of_contact(self) -> Array:

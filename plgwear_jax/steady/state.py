@@ -52,7 +52,7 @@ class State(NamedTuple):
     phi: Array
     unworn: Punch  # of the radius a_0
     punch: Punch  # of the radius c
-    depth: Array  # d_inf
+    further: Array  # d_inf less the depth of `punch`
     beside: Beside  # of the radius c
     end: Array  # y of the outer edge of the worn ring
     volume: Array  # in c^4/R
@@ -135,6 +135,8 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
     shape = outline_of(contact).shape
     phi = amplitude_of(contact, tangential_force)
+    # Rings are resolved down to roundings of the radius: a smaller amplitude counts as none.
+    phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)
     before = (*loads, phi, *given, *others)
     kind = effort, type(material), indenter is not None, jax.tree.structure(shape)
     one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)
@@ -216,7 +218,7 @@ def state_of(compliance: Compliance, given: tuple[Array, Array, Array, Outline, 
     if isinstance(compliance, OnePower) and given[3].shape.steepens:  # which nothing pulls
         return State(compliance, *given, *found, results_in(given[1], found), least)
     before, after = jnp.unstack(one_or_nan(least.pulled == 0.0))
-    found = found._replace(depth=after * found.depth, y=after * found.y, volume=after * found.volume)
+    found = found._replace(further=after * found.further, y=after * found.y, volume=after * found.volume)
     return _only(before == 1.0, State(compliance, *given, *found, results_in(given[1], found), least))
 
 
@@ -245,4 +247,4 @@ def results_in(radius: Array, found: Worn) -> Results:
     height = c * c / radius
     # Both radii are roots of their own, known to some roundings.
     stick, end = -clamp_keep_slope(-a_0, -c), clamp_keep_slope(a_0, c * jnp.sqrt(1.0 + found.y))
-    return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)
+    return Results(a_0, stick, end, height * (found.punch.depth + found.further), c * c * height * found.volume)

@@ -36,7 +36,7 @@ def cells_of(
     unworn: Punch,
     punch: Punch,
     beside: Beside,
-    depth: Array,
+    further: Array,
     outline: Outline,
     from_c: Array,
     from_1: Array,
@@ -49,7 +49,7 @@ def cells_of(
         unworn: The contact of the radius a_0.
         punch: The contact of the stick radius c.
         beside: v beside it.
-        depth: That of the steady state, in c^2/R.
+        further: By which the steady state is deeper than `punch`, in c^2/R.
         outline: Of the unworn indenter.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on, T - (a_0/c)^2.
@@ -66,7 +66,7 @@ def cells_of(
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c at this depth; where the modes end, that is not quite the depth of the contact.
-    touching = punch.depth - beside.lack(punch.depth).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
+    touching = -beside.lack(jnp.zeros_like(further)).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
     v, fallen = beside.lack(touching).v, beside.image.fallen(y)
     flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
@@ -80,7 +80,7 @@ def cells_of(
     (before, end), (first, second) = (
         x[jnp.array([last - 1, last])] for x in (gap / jnp.where(size > 0.0, swept, 1.0), size)
     )
-    sunk = jnp.maximum(depth - touching, end + 0.25 * second / (first + second) * (end - before))
+    sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
     return RingCells(whole, gap, steady, _first_pressure(whole, steady, from_1), swept, from_c)
 

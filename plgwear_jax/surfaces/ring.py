@@ -21,7 +21,7 @@ from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, on_the_law, pressed, punch_at, punch_under
+from plgwear_jax.surfaces.punch import Punch, on_the_law, punch_at, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
@@ -94,11 +94,9 @@ class Beside(NamedTuple):
     flat: Array | None  # of the flat punch
     own: Array | None  # of the indenter that touches up to c and no further, less what it is at c
     image: Image  # what Abel's integral takes to the indenter
-    depth: Array  # at which it touches so
 
-    def lack(self, d: Array) -> Lack:
-        """D of the indenter pressed in by d, in c^2/R."""
-        further = d - self.depth
+    def lack(self, further: Array) -> Lack:
+        """D of the indenter pressed in further than it touches so, in c^2/R."""
         v = None if self.flat is None or self.own is None else further * self.flat + self.own
         return Lack(further, self.image, v)
 
@@ -108,12 +106,12 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     c, a = jnp.exp(punch.log_c), compliance.abel
     image, depth = outline.image(c, a), punch.depth
     if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
-        return Beside(a, None, None, image, depth)
+        return Beside(a, None, None, image)
     y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), on_the_law(compliance, punch, effort, outline)
     both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(compliance, Graded):
         first, v = compliance.beside_edge(c, y, both, law, len(image.bends), effort)
-        return Beside(a, first[0] + v[:, 0], v[:, 1], image, depth)
+        return Beside(a, first[0] + v[:, 0], v[:, 1], image)
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
     count = int(np.sum(_nodes() < -2.0 * math.log(effort.modes)))
@@ -136,7 +134,7 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
         near = size * (depth + 0.5 * rise) / rate * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
-    return Beside(a, 1.0 - flat, own - fallen, image, depth)
+    return Beside(a, 1.0 - flat, own - fallen, image)
 
 
 def _not_summed(compliance: PowerLaw, c: Array, y: Array, begin: int, law: OnTheLaw, effort: Effort) -> Array:
@@ -188,7 +186,7 @@ class Ring(NamedTuple):
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     """The ring of what is lacking."""
-    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, 1e-12))
+    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, float(jnp.finfo(a.dtype).eps)))
 
     def excess(log_y: Array) -> Array:
         places, own = _of_depth(a, jnp.exp(log_y), lack, effort)
@@ -258,7 +256,7 @@ class Worn(NamedTuple):
 
     unworn: Punch
     punch: Punch  # of the stick area
-    depth: Array  # d_inf
+    further: Array  # d_inf less the depth of `punch`
     beside: Beside
     y: Array  # of the outer edge
     volume: Array  # over c^4/R
@@ -275,12 +273,13 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, outlin
 def ring_around(
     compliance: Compliance, punch: Punch, phi: Array, effort: Effort, outline: Outline
 ) -> tuple[Array, Beside, Array, Array]:
-    """The fields of `Worn` from `depth` on, of a stick area."""
+    """The fields of `Worn` from `further` on, of a stick area."""
     # The force of the unworn indenter with this radius is (1 - phi) F_N.
-    d = pressed(punch, punch.force / (1.0 - phi))
+    rise, worn = punch.force / punch.stiffness, phi > 0.0
+    further = rise * phi / (1.0 - phi)
     v = beside(compliance, punch, effort, outline)
-    # Without an amplitude there is no ring; any other stands in for it.
-    ring = ring_of(effort, v.lack(jnp.where(phi > 0.0, d, d + v.image.first)), v.a)
-    worn = phi > 0.0
-    y, volume = (jnp.where(worn, x, 0.0 * phi) for x in (jnp.exp(ring.log_y), jnp.pi * ring.volume))
-    return d, v, y, volume
+    # Without an amplitude there is no ring; a narrow one tells how rings begin.
+    few = 4096.0 * float(jnp.finfo(phi.dtype).eps)
+    ring = ring_of(effort, v.lack(jnp.where(worn, further, few * rise)), v.a)
+    y, volume = jnp.exp(ring.log_y) * jnp.where(worn, 1.0, phi / few), jnp.where(worn, jnp.pi * ring.volume, 0.0 * phi)
+    return further, v, y, volume

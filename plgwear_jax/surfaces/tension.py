@@ -59,7 +59,7 @@ def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
     """
     assert found.punch.flat is not None
     s, own = compliance.s, own_pressures(found.punch)
-    worn = own + (found.depth - found.punch.depth) * found.punch.flat
+    worn = own + found.further * found.punch.flat
     y, z = jnp.stack([own_pressures(found.unworn), own, worn]), jnp.asarray(1.0 - _PLACES**2, s.dtype)
     pressures = jax.vmap(lambda y: pressure_inside(y, s, z) / (2.0 * compliance.front * y[0]))(y)
     edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there

@@ -37,7 +37,7 @@ def widths(state: State) -> tuple[Array, Array]:
 def cells_at(effort: Effort, state: State, edges: tuple[Array, Array]) -> RingCells:
     """The ring in cells with these edges, T - 1 and T - (a_0/c)^2 with T = (r/c)^2; time is 4 K mu theta N, in 1/Pa."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
-    return cells_of(*bodies, state.depth, state.outline, *edges, effort)
+    return cells_of(*bodies, state.further, state.outline, *edges, effort)
 
 
 def numeric_rings_of(effort: Effort, resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
