@@ -8,7 +8,6 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -36,7 +35,7 @@ contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
 
 
 @pytest.fixture
-def folder() -> None:
+def folder():
     """The scene of the electrical contact, but without its limits."""
     text = (DESIGNS / "electrical_contact.toml").read_text()
     text, removed = re.subn(r"^\[design\.limits\]\n.*?\n\n", "", text, flags=re.DOTALL | re.MULTILINE)
@@ -48,19 +47,19 @@ def folder() -> None:
     )
 
 
-def reference(load: Any) -> Any:
+def reference(load):
     """What the contact of the scene does under a load."""
-    return scene.load("contact.toml").build_contact().steady(load)  # pyright: ignore
+    return scene.load("contact.toml").build_contact().steady(load)
 
 
-def rewrite(old: str, new: str) -> None:
+def rewrite(old, new):
     text = Path("contact.toml").read_text()
     assert text.count(old) == 1
     Path("contact.toml").write_text(text.replace(old, new))
 
 
 @functools.cache
-def slipping() -> optimise.Design:
+def slipping():
     """A design that is quickly found."""
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
     return optimise.design(punch, None, {"k": (-0.9, 0.9)}, minimise="force_drop")
@@ -71,13 +70,13 @@ class Search:
 
     takes = inspect.signature(optimise.design)
 
-    def __init__(self) -> None:
-        self.limits: dict[str, optimise.LimitState] = {}
-        self.ended: dict = {}
+    def __init__(self):
+        self.limits = {}
+        self.ended = {}
         self.modulus = 31.5e9
-        self.asked: list = []
+        self.asked = []
 
-    def __call__(self, contact: Any, load, vary, **asked) -> optimise.Design:
+    def __call__(self, contact, load, vary, **asked):
         self.takes.bind(contact, load, vary, **asked)
         self.asked.append((load, vary, asked))
         material, forces = dataclasses.replace(contact.material, k=-0.816, E0=self.modulus), np.atleast_1d(load)
@@ -89,16 +88,14 @@ class Search:
         return optimise.Design(best, *values, self.limits, dataclasses.replace(slipping().minimum, **minimum), question)
 
 
-def limit(
-    value: float, allowed: float, name: str, lowest: bool = False, multiplier: float = 0.0
-) -> optimise.LimitState:
+def limit(value, allowed, name, lowest=False, multiplier=0.0):
     return optimise.LimitState(jnp.asarray(value), allowed, jnp.asarray(multiplier), name, lowest)
 
 
-def higher(loss: float, converged: bool = True, pressure: float | None = None):
+def higher(loss, converged=True, pressure=None):
     """In place of the search for the best coating under a higher load."""
 
-    def under_other_load(found: optimise.Design, factor: float) -> optimise.UnderOtherLoad:
+    def under_other_load(found, factor):
         best = dataclasses.replace(found, minimum=dataclasses.replace(found.minimum, converged=jnp.asarray(converged)))
         states = {} if pressure is None else {"edge_pressure": limit(pressure, 6e8, "edge_pressure")}
         return optimise.UnderOtherLoad(factor, 1.0, best, loss, states)
@@ -107,16 +104,16 @@ def higher(loss: float, converged: bool = True, pressure: float | None = None):
 
 
 @pytest.fixture
-def search(monkeypatch: pytest.MonkeyPatch) -> Search:
+def search(monkeypatch):
     slipping()  # while the search is still there
     monkeypatch.setattr(optimise, "under_other_load", higher(0.00148))
     monkeypatch.setattr(optimise, "design", Search())
-    return optimise.design  # pyright: ignore[reportReturnType]
+    return optimise.design
 
 
-def cells(stdout: str) -> dict[str, list[str]]:
+def cells(stdout):
     """The rows of all tables by their first cell; the cells of a line that only goes on are joined to those above."""
-    found: dict[str, list[str]] = {}
+    found = {}
     name = ""
     for first, *rest in table_rows(stdout):
         if first:
@@ -374,7 +371,7 @@ def test_a_table_of_loads(folder, search, over, measure):
     assert cells(found)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
-def load_a_table() -> None:
+def load_a_table():
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
     rewrite(', "wear_volume", "pressure", "wear_depth"', "")
@@ -460,12 +457,12 @@ class Trade:
 
     takes = inspect.signature(optimise.front)
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.certified = [True, True, True]
         self.same = False
-        self.asked: list = []
+        self.asked = []
 
-    def __call__(self, contact, load, vary, *, x, points, **asked) -> optimise.Front:
+    def __call__(self, contact, load, vary, *, x, points, **asked):
         self.takes.bind(contact, load, vary, x, points=points, **asked)
         self.asked.append({"x": x, "points": points, "load": load} | asked)
         ((name, places),) = x.items()
@@ -490,9 +487,9 @@ class Trade:
 
 
 @pytest.fixture
-def trade(monkeypatch: pytest.MonkeyPatch) -> Trade:
+def trade(monkeypatch):
     monkeypatch.setattr(optimise, "front", Trade())
-    return optimise.front  # pyright: ignore[reportReturnType]
+    return optimise.front
 
 
 FRONT = "front contact.toml --distance 1e-6"

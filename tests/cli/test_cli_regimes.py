@@ -26,7 +26,7 @@ refused, told, printed = (
 
 
 @pytest.fixture(autouse=True)
-def _scene(_folder: None) -> None:
+def _scene(_folder):
     write(SCENE)
 
 

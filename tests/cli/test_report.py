@@ -28,7 +28,7 @@ PACKAGE = Path(plgwear_jax.__file__).parent
 
 
 @pytest.fixture(autouse=True)
-def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
+def _wide(monkeypatch):
     monkeypatch.setenv("COLUMNS", "120")
 
 
@@ -92,7 +92,7 @@ def test_a_long_table_is_cut_where_that_is_said(capsys):
 
 
 def test_an_error_of_the_program_is_not_called_one_of_the_input():
-    def fails(**_: object) -> None:
+    def fails(**_):
         raise ValueError("a matrix is singular")
 
     with pytest.raises(ValueError, match="a matrix is singular"):
@@ -109,7 +109,7 @@ def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
     }
     for error, line in told.items():
 
-        def fails(error=error, **_: object) -> None:
+        def fails(error=error, **_):
             raise error
 
         with pytest.raises(typer.Exit) as left:
@@ -119,14 +119,14 @@ def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
 
 def test_an_interrupt_that_a_callback_loses_comes_again():
     """As in the one that JAX has called at each collection of garbage: Python ignores what it raises."""
-    lost = list[str]()
+    lost = []
 
-    def callback(phase: str, _: object) -> None:
+    def callback(phase, _):
         if phase == "start" and not lost:
             lost.append("an interrupt")
             raise KeyboardInterrupt
 
-    def works(**_: object) -> None:
+    def works(**_):
         gc.callbacks.append(callback)
         gc.collect()
         assert lost

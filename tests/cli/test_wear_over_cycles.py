@@ -36,11 +36,11 @@ plgwear, refused, told, printed = (
 
 
 @pytest.fixture(autouse=True)
-def _scene(_folder: None) -> None:
+def _scene(_folder):
     write(SCENE)
 
 
-def written(file: str, columns: str, *rows: object) -> None:
+def written(file, columns, *rows):
     """Write a table."""
     Path(file).write_text("\n".join([columns, *(",".join(map(str, row)) for row in zip(*rows, strict=True))]))
 
@@ -135,7 +135,7 @@ CYCLES = np.array([0.0, 2e4, 5e4, 1e5, 2e5, 4e5, 8e5])
 
 
 @pytest.fixture(scope="module")
-def volume() -> np.ndarray:
+def volume():
     """What is worn after CYCLES with a coefficient of 1e-14 1/Pa."""
     return np.asarray(CONTACT.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
@@ -169,7 +169,7 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
 )  # fmt: skip
 def test_a_fit_says_what_the_data_cannot_tell(volume, load, change, doubt):
     found = fitting.fit_wear_coefficient(CONTACT, load, *change(CYCLES, volume))
-    assert found.doubt is not None and found.doubt.startswith(doubt) and found.wear_coefficient > 0.0
+    assert found.doubt.startswith(doubt) and found.wear_coefficient > 0.0
     assert np.isnan(found.interval).all() == ("one unknown" in doubt)
 
 

@@ -50,12 +50,12 @@ OTHERS = {
 }
 
 
-def functions(room: str) -> dict[str, object]:
+def functions(room):
     module = importlib.import_module(f"plgwear_jax.{room}")
     return {name: getattr(module, name) for name in module.__all__ if inspect.isfunction(getattr(module, name))}
 
 
-def line_of(function, at=1.0, how=jax.jit) -> str:
+def line_of(function, at=1.0, how=jax.jit):
     with pytest.raises(TypeError) as error:
         how(function)(at)
     line = str(error.value)
@@ -89,11 +89,11 @@ def test_it_says_so_in_a_line_with_its_name_and_what_works(room, name):
     assert line_of(asked, np.ones(2), jax.vmap)
 
 
-def with_load(x) -> FrettingContact:
+def with_load(x):
     return dataclasses.replace(CONTACT, normal_force=10.0 * x)
 
 
-def of_a_batch(x) -> FrettingContact:
+def of_a_batch(x):
     return dataclasses.replace(CONTACT, material=dataclasses.replace(LAW, k=0.2 * x))
 
 

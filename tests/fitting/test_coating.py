@@ -40,7 +40,7 @@ tangential_force = 0.4
 CSV = "depth (um),modulus (GPa)\n0,250\n2,240\n5,225\n10,190\n20,165\n40,140\n80,120\n200,110\n"
 
 
-def power_law(depth: np.ndarray, k: float) -> np.ndarray:
+def power_law(depth, k):
     return 150e9 * (depth / 2e-5) ** k
 
 
@@ -59,7 +59,7 @@ def test_a_power_law_is_found_again(k):
 
 
 def test_it_does_not_matter_how_densely_the_table_is_written():
-    def fitted(depth: np.ndarray) -> float:
+    def fitted(depth):
         return coating.fit_power_law(depth, 100e9 + 50e9 * depth / (depth + RADIUS), 0.3, RADIUS).material.k
 
     even = RADIUS * np.geomspace(0.05, 5.0, 400)
@@ -107,7 +107,7 @@ BY_RADIUS = -np.array([0.02, 0.05, 0.1, 0.1, 0.05])  # the slopes of log(contact
 
 
 @pytest.fixture
-def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
+def pretended(monkeypatch):
     """Wear and contact radius in closed form: stiff is good at the surface, and bad below it."""
     wear = np.array([-0.3, -0.1, 0.4, 0.1, 0.1])
 
@@ -141,7 +141,7 @@ def test_a_free_gradient_lies_on_its_bounds():
     assert lines[7].startswith(f"  best power law: k = {found.exponent:.3g}, wear_volume = ")
     assert lines[9:] == ["  20 of 20 descents ended here, minima: 1", "  converged, certified"]
     assert found.doubt is None
-    CONTACT.steady(0.4).deepest_wear = 2e-9  # pyright: ignore[reportAttributeAccessIssue]
+    CONTACT.steady(0.4).deepest_wear = 2e-9
     assert "  the wear is only 2 nm deep: the roughness of most surfaces is larger" in repr(found)
     none = dataclasses.replace(found, power_law_value=math.nan, converged=False)
     assert "best power law: none keeps the limits" in repr(none) and repr(none).endswith("not converged, not certified")
@@ -174,7 +174,7 @@ def test_bad_profiles(case):
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     bounds = ", ".join(["[55e9, 220e9]"] * 5)
     vary = f"vary = {{ modulus = {{ at = [2e-6, 7e-6, 2e-5, 7e-5, 3e-4], between = [{bounds}] }} }}"

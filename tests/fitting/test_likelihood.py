@@ -23,7 +23,7 @@ NOISE = 1.0 + 0.05 * np.random.default_rng(3).standard_normal(CYCLES.size)
 FORCE = 2.0
 
 
-def by_both(x: jax.Array, data: Measurements) -> jax.Array:
+def by_both(x, data):
     """By log(K) and log(mu)."""
     return log_likelihood(dataclasses.replace(ONE, friction=ONE.friction * jnp.exp(x[1])), jnp.exp(x[0]), data)
 
@@ -89,7 +89,7 @@ def test_the_largest_likelihood_is_at_the_fit(load, exponent):
     fit = fit_wear_coefficient(ONE, load, CYCLES, volume, 0.05 * volume, exponent=exponent)
     data = Measurements(load, CYCLES, volume, 0.05, relative=True)
 
-    def at(log: float) -> float:
+    def at(log):
         return float(log_likelihood(ONE, law_of(fit.wear_coefficient * np.exp(log), exponent), data))
 
     # The vertex of a parabola. Marches, which the fit interpolates, have two digits.

@@ -13,7 +13,7 @@ from refusals import cases
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.optimise import design
-from plgwear_jax.wear_laws import WearLaw, law_of
+from plgwear_jax.wear_laws import law_of
 
 REFUSED = Path(__file__).with_name("refused.toml")
 ONE = contact_of(LAW)
@@ -24,7 +24,7 @@ SCATTER = 0.05
 NOISE = 1.0 + SCATTER * np.random.default_rng(3).standard_normal((40, CYCLES.size))
 
 
-def law_with(exponent: float) -> tuple[float, WearLaw]:
+def law_with(exponent):
     """A coefficient and its law, whose wear is about that of Archard's by a pressure that the contacts here have."""
     K = COEFFICIENT * 5e8 ** (1.0 - exponent)
     return K, law_of(K, exponent)
@@ -88,7 +88,7 @@ def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycle
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
     assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
     assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
-    assert found.doubt is not None and "little but the least coefficient" in found.doubt
+    assert "little but the least coefficient" in found.doubt
 
 
 def test_the_most_likely_of_several_minima_is_found():

@@ -33,7 +33,7 @@ amplitude = st.one_of(
 ratio = st.one_of(st.floats(0.0, 1.0), st.floats(-15.0, -1.0).map(lambda e: 10.0**e))
 
 
-def several(element: st.SearchStrategy[float]) -> st.SearchStrategy[np.ndarray]:
+def several(element):
     return st.lists(element, min_size=POINTS, max_size=POINTS).map(np.array)
 
 

@@ -50,10 +50,9 @@ ROOMS = "contact|fretting|optimise|plots|scene|shapes|steady|stresses|surfaces|s
 PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cli\b)|({ROOMS})\.)", name)]
 
 
-def program(name: str):
+def program(name):
     """A program of the documentation."""
     spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
-    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -64,9 +63,9 @@ generated = program("generated")
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
 
-def run(name: str) -> int:
+def run(name):
     """Execute the Python of a page from top to bottom; how many blocks there were."""
-    names: dict[str, object] = {}
+    names = {}
     blocks = BLOCK.findall(TEXTS[name])
     for block in blocks:
         exec(compile(block, name, "exec"), names)
@@ -172,7 +171,7 @@ def test_every_page_is_reached_from_the_navigation():
     assert {f"docs/{name}" for name in listed} == PAGES.keys() | {"docs/contributing.md", "docs/changelog.md"}
 
 
-def anchors(text: str) -> set[str]:
+def anchors(text):
     """The places of a page that links can lead to."""
     titles = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
     slugs = {re.sub(r"[\s-]+", "-", re.sub(r"[^\w\s-]", "", title.lower()).strip()) for title in titles}
@@ -251,7 +250,7 @@ def test_functions_that_the_pages_refer_to_exist():
 # --- command lines --------------------------------------------------------------------------------------------------
 
 
-def command_lines() -> list[tuple[str, str]]:
+def command_lines():
     """Every line that calls plgwear: in blocks of shell, in indented ones, and in the middle of a sentence."""
     found = []
     for name, text in TEXTS.items():
@@ -265,7 +264,7 @@ def command_lines() -> list[tuple[str, str]]:
     return found
 
 
-def understood(line: str) -> None:
+def understood(line):
     """Parse a line as the script would, without running it."""
     group = typer.main.get_command(cli.app)
     assert hasattr(group, "commands")
@@ -321,7 +320,6 @@ def test_the_gallery_has_the_savings_of_the_designs(name):
     row = re.search(
         rf"^\| {name.replace('_', ' ')} \| .* \| (\S+) % \| (\S+) % \|.*$", PAGES["docs/gallery.md"], re.MULTILINE
     )
-    assert row is not None
     found = [scene.load(ROOT / "design" / f"{stem}.toml").design() for stem in (name, f"{name}_pair")]
     assert [f"{100.0 * one.saving:.1f}" for one in found] == [row[1], row[2]]
 
@@ -356,7 +354,6 @@ def test_the_promised_accuracy_is_that_of_the_tests():
     assert f"In float64 values keep [{accuracy.PROMISED['float64', 'bulk'][0]:.0e}]" in README
     for row, words in enumerate(("values", "first derivatives", "second derivatives of the wear volume")):
         line = re.search(rf"^\| {words} \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
-        assert line is not None
         assert float(line[1]) == accuracy.PROMISED["float64", "bulk"][row]
         assert float(line[2]) == accuracy.PROMISED["float64", "edges"][row]
 
@@ -473,7 +470,7 @@ def test_the_table_of_the_rule_is_computed(tmp_path, monkeypatch):
     np.testing.assert_allclose(more, told, atol=0.06)
 
 
-def number_in(name: str, pattern: str) -> str:
+def number_in(name, pattern):
     """What a page says in its text, without its line breaks."""
     found = re.search(pattern, " ".join(TEXTS[name].split()))
     assert found is not None, f"{name}: {pattern}"

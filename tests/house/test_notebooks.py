@@ -15,7 +15,6 @@ FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
 _spec = importlib.util.spec_from_file_location("execute", FOLDER / "execute.py")
-assert _spec is not None and _spec.loader is not None
 execute = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(execute)
 

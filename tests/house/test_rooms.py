@@ -33,7 +33,7 @@ FLOORS = [
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 
 
-def module_of(file: Path) -> str:
+def module_of(file):
     parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -42,7 +42,7 @@ FILES = {module_of(file): file for file in sorted(PACKAGE.rglob("*.py"))}
 
 
 @functools.cache
-def imports_of(module: str) -> set[str]:
+def imports_of(module):
     """The modules of the package that a module imports, also within its functions, and those it names for pyright."""
     found = set()
     for node in ast.walk(ast.parse(FILES[module].read_text(encoding="utf-8"))):
@@ -55,7 +55,7 @@ def imports_of(module: str) -> set[str]:
     return found
 
 
-def room_of(module: str) -> str:
+def room_of(module):
     return module.split(".")[1]
 
 

@@ -18,7 +18,7 @@ SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 def test_scenes_have_the_sizes_of_their_applications(name):
     given = SCENES[name]
     contact = given.build_contact()
-    assert isinstance(contact, FrettingContact) and given.load is not None and given.design_space is not None
+    assert isinstance(contact, FrettingContact)
     force = given.load.largest
     radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
     a_0 = float(contact.steady(0.0).contact_radius)
@@ -33,7 +33,6 @@ def test_scenes_have_the_sizes_of_their_applications(name):
 def test_scenes_can_be_made(name):
     """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space
-    assert design is not None
     window = design.variables.get("modulus") or (design.allowed or {})["modulus"]
     a_0 = float(SCENES[name].build_contact().steady(0.0).contact_radius)
     shallow, deep = (z / a_0 for z in dict(window)["at"])
@@ -58,7 +57,7 @@ def test_scenes_together_show_what_can_be_asked():
 def study(monkeypatch, tmp_path, capsys):
     """Run a study in this process; what it prints."""
 
-    def run(name: str, **small: int) -> str:
+    def run(name, **small):
         monkeypatch.syspath_prepend(DESIGN)
         importlib.import_module(name).main(tmp_path, **small)
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")

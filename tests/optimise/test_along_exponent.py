@@ -1,7 +1,6 @@
 """Lives of all exponents, read from runs at a few, against the run of each contact."""
 
 import dataclasses
-from typing import Any
 
 import jax
 import numpy as np
@@ -17,11 +16,11 @@ from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of, read_from_runs
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.1, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-LIFE: dict[str, Any] = {"cycles": 4e5, "law": 1e-14}
+LIFE = {"cycles": 4e5, "law": 1e-14}
 AT = np.linspace(0.0, 1.0, 9)
 
 
-def with_exponents(k: np.ndarray) -> FrettingContact:
+def with_exponents(k):
     return dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, k=k))
 
 
@@ -80,7 +79,7 @@ def test_what_has_runs_of_its_own_for_each_design():
 
 @compiled
 def test_designs_for_a_life_have_derivatives():
-    def worn(radius: Any) -> Any:
+    def worn(radius):
         contact = dataclasses.replace(CONTACT, radius=radius)
         return optimise.designs(contact, 1.0, {"k": (-0.6, 0.6)}, hold="contact_radius", **LIFE).value
 

@@ -17,7 +17,7 @@ BOUNDS = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}
 K, FRICTION = np.linspace(-0.5, 0.5, 201), np.geomspace(0.3, 0.8, 41)
 
 
-def is_the_envelope(curve: optimise.Front, x: np.ndarray, y: np.ndarray, within: float, rounding=1e-9) -> None:
+def is_the_envelope(curve, x, y, within, rounding=1e-9):
     """No contact of the grid has less y for as much x, and the best of them has hardly more. Larger is turned round."""
     assert np.all(curve.certified)
     sides = [-1.0 if one in curve.larger else 1.0 for one in "xy"]

@@ -3,7 +3,6 @@
 import dataclasses
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from coated import RIGID, on
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
+from plgwear_jax import Cone, Elastic, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
@@ -19,7 +18,7 @@ from plgwear_jax.optimise.scenarios import solved_at
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
 STEEL = Elastic(210e9, 0.3)
-LIMITS: dict[str, Any] = {
+LIMITS = {
     "edge_pressure": {"below": 8e8, "distance": 3e-6},
     "contact_radius": {"above": 6e-5},
     "penetration": {"below": 1e-6},
@@ -29,11 +28,11 @@ RANGE = {"k": (-0.5, 0.5)}
 FORCES = np.array([1.0, 1.5])
 
 
-def under(indenter: Elastic | None) -> FrettingContact:
+def under(indenter):
     return dataclasses.replace(RIGID, indenter=indenter)
 
 
-def nearly_the_same(found: optimise.Design, closed: optimise.Design) -> None:
+def nearly_the_same(found, closed):
     assert found.certified and closed.certified
     for name, value in closed.variables.items():
         assert_allclose(found.variables[name], value, atol=5e-4 if name == "k" else 0.0, rtol=5e-4)
@@ -62,7 +61,7 @@ def test_a_design_under_a_nearly_rigid_indenter_is_the_closed_one_and_its_slopes
 def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
     """Contacts of the same radius: a numeric contact that is quickly solved, with an optimum between the bounds."""
 
-    def designed(slope: float = 0.01) -> optimise.Design:
+    def designed(slope=0.01):
         cone = dataclasses.replace(RIGID, shape=Cone(slope))
         return optimise.design(cone, 0.4, {"k": (-0.5, 0.6)}, hold="contact_radius")
 
@@ -104,7 +103,7 @@ def test_between_sixteen_amplitudes_polynomials_are_exact():
     phi = np.linspace(0.9, 0.01, 24)
     at, shares = solved_at(phi)
     x = [np.log(amplitudes / (1.0 - amplitudes)) for amplitudes in (phi, np.asarray(at))]
-    assert at.shape == (16,) and shares is not None
+    assert at.shape == (16,)
     mine, there = (np.polynomial.chebyshev.chebvander((places + 1.2) / 3.6, 15) for places in x)
     assert_allclose(shares @ there, mine, rtol=0.0, atol=1e-10)
 
@@ -133,7 +132,6 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     found = given.design()
     assert found.certified and found.keeps_limits and 0.0 < found.saving < 0.3
     load, contact = found.load, found.contact
-    assert load is not None and isinstance(contact, FrettingContact)
     # By the methods of the contact, which are another program.
     force, weight = (x[load.weight > 0.0] for x in (load.amplitudes, load.weight))
     steady, comparison = contact.steady(force), optimise.compared(found)
@@ -155,13 +153,13 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
 
 @parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
 def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(indenter, stiff):
-    found: Any = SimpleNamespace(
+    found = SimpleNamespace(
         contact=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, -0.4, 0.3)),
         reference=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, 0.4, 0.3)),
         variables={},
         reference_variables={},
     )
-    told = described(found, SimpleNamespace(quantities={"edge_pressure": [1.0, 1.0]}))  # pyright: ignore[reportArgumentType]
+    told = described(found, SimpleNamespace(quantities={"edge_pressure": [1.0, 1.0]}))
     assert_allclose([each["edge_exponent"] for each in told], [stiff, -0.3])
 
 

@@ -2,7 +2,6 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +30,7 @@ UNCERTAIN = dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED)
 SCENARIOS = Scenarios(UNCERTAIN, WEIGHT)
 
 
-def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:
+def over(amounts, weight, level):
     """The mean of the worst 1 - level, of scenarios along the first axis."""
     found = []
     for column in amounts.reshape(len(amounts), -1).T:
@@ -43,7 +42,7 @@ def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:
     return np.array(found).reshape(amounts.shape[1:])
 
 
-def scenarios_with(k: np.ndarray, **fields: Any) -> Any:
+def scenarios_with(k, **fields):
     """All scenarios along the first axis, with exponents along the next ones."""
     axes = (slice(None), *(None,) * np.ndim(k))
     return on(dataclasses.replace(RIGID, friction=MU[axes], normal_force=PRESSED[axes]), k=k, **fields)
@@ -85,7 +84,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
 def test_limits_hold_in_every_scenario():
     limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "penetration": {"below": 1.6e-6}}
     bounds = {"k": (-0.6, 0.6), "E0": (60e9, 240e9)}
-    asked: dict[str, Any] = {"vary": bounds, "level": 0.7, "scenarios": SCENARIOS}
+    asked = {"vary": bounds, "level": 0.7, "scenarios": SCENARIOS}
     found = optimise.design(RIGID, FORCE, **asked, limits=limits)
     k, modulus = np.meshgrid(np.linspace(-0.6, 0.6, 121), np.geomspace(60e9, 240e9, 121), indexing="ij")
     steady = scenarios_with(k, E0=modulus).steady(FORCE)
@@ -126,7 +125,7 @@ def test_one_scenario_is_the_plain_design(contact, asked):
 @compiled
 def test_scenarios_and_amplitudes_count_together():
     force, share = np.array([0.5, 1.0]), np.array([0.7, 0.3])
-    asked: dict[str, Any] = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
+    asked = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
     found = optimise.design(RIGID, force, **asked)
     volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
@@ -196,7 +195,7 @@ SCATTER = """friction,normal_force,E0,k,weight
 """
 
 
-def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
+def write(folder, scatter, *changes):
     text = SCENE.partition("[design.limits]")[0].replace(
         "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }",
         'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }',
@@ -260,7 +259,7 @@ design = {{ minimise = "wear_volume", vary = {{ k = [-0.3, 0.3] }}, scenarios = 
 FRICTION = (0.3, 0.5, 0.7)
 
 
-def moved(folder: Path, friction: float, displacement: float, cycles: str = ", cycles = 1e6") -> scene.Scene:
+def moved(folder, friction, displacement, cycles=", cycles = 1e6"):
     (folder / "scatter.csv").write_text("\n".join(["friction", *map(str, FRICTION)]), encoding="utf-8")
     text = MOVED.format(friction=friction, moved=displacement, cycles=cycles)
     (folder / "moved.toml").write_text(text, encoding="utf-8")

@@ -20,7 +20,7 @@ from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, te
 class Polynomial:
     """A random polynomial of degree 4 in each of n variables, that is to stay in a ball about a random point."""
 
-    def __init__(self, n: int, seed: int) -> None:
+    def __init__(self, n, seed):
         rng = np.random.default_rng([seed, n])
         self.along = [np.polynomial.Polynomial(rng.uniform(-1.0, 1.0, 5)) for _ in range(n)]
         self.centre = rng.uniform(-0.5, 0.5, n)

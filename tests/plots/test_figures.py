@@ -1,10 +1,8 @@
 """The figures of the paper: what is drawn is what the paper's equations give, and what is said of it is checked."""
 
 import re
-from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import oracle
@@ -12,8 +10,6 @@ import paper_numbers
 import pytest
 from marks import compiled, long, parametrize
 from matplotlib import image
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from typer.testing import CliRunner
 
 from plgwear_jax import gross_slip
@@ -38,10 +34,8 @@ def known(monkeypatch):
 
 # --- what is drawn --------------------------------------------------------------------------------------------------
 
-Curve = tuple[Line2D, tuple[float, float], Callable[[Any], Any]]
 
-
-def curves(key: str, panels: list[Axes]) -> Iterator[Curve]:
+def curves(key, panels):
     """Curves of a figure, the abscissae between which they are compared, and the paper's equations."""
     named = {(axes, line.get_label()): line for axes in panels for line in axes.lines}
     first, *beside = panels
@@ -171,7 +165,7 @@ def test_the_page_holds_what_the_program_prints():
 # --- the command ----------------------------------------------------------------------------------------------------
 
 
-def run(*arguments: str):
+def run(*arguments):
     return CliRunner().invoke(app, ["figures", *arguments])
 
 

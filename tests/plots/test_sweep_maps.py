@@ -12,7 +12,6 @@ from marks import compiled, parametrize
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 from refusals import cases, refusal
@@ -27,7 +26,7 @@ K, PHI = np.linspace(-0.9, 0.9, 13), np.linspace(0.1, 0.9, 9)
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
 
 
-def made(values, name="penetration", units="1", attrs=None, unfinished=None, **axes) -> xr.Dataset:
+def made(values, name="penetration", units="1", attrs=None, unfinished=None, **axes):
     """A sweep as it would be if the quantity had these values, by default over k and phi."""
     axes, known = axes or {"k": K, "phi": PHI}, {"quantity": name, "label": label_of(name), "units": units}
     variables = {name.replace(".", "_"): (tuple(axes), values, known | (attrs or {}))}
@@ -40,11 +39,11 @@ def made(values, name="penetration", units="1", attrs=None, unfinished=None, **a
     return found
 
 
-def drawn(*values, **axes) -> Figure:
+def drawn(*values, **axes):
     return map_picture(made(*values, **axes))
 
 
-def plane(*rows: np.ndarray) -> np.ndarray:
+def plane(*rows):
     """Positive values of less than two decades, which rise along each axis."""
     return 2.0 + sum(np.ix_(*((row - row[0]) / (row[-1] - row[0]) for row in rows)))
 
@@ -52,26 +51,26 @@ def plane(*rows: np.ndarray) -> np.ndarray:
 PLANE = plane(K, PHI)
 
 
-def mesh(figure: Figure) -> QuadMesh:
+def mesh(figure):
     (found,) = (artist for artist in figure.axes[0].collections if isinstance(artist, QuadMesh))
     return found
 
 
-def contours(figure: Figure) -> list[ContourSet]:
+def contours(figure):
     return [artist for artist in figure.axes[0].collections if isinstance(artist, ContourSet)]
 
 
-def entries(figure: Figure) -> list[str]:
+def entries(figure):
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 
 
-def line(figure: Figure, label: str | None = None) -> np.ndarray:
+def line(figure, label=None):
     """Abscissae and ordinates of a curve, by default of the first one."""
     found = next(one for one in figure.axes[0].lines if label in (None, one.get_label()))
     return np.asarray(found.get_data(), float)
 
 
-def ticks(axis) -> list[str]:
+def ticks(axis):
     return [text.get_text() for text in axis.get_ticklabels()]
 
 
@@ -153,7 +152,7 @@ def test_zero_has_the_lowest_colour_and_infinite_values_those_of_the_ends():
     shown[3, 4], shown[5, 5] = np.inf, -np.inf
     found = mesh(drawn(shown))
     assert found.norm.vmax == np.quantile(shown[np.isfinite(shown)], 0.99)
-    assert found.colorbar is not None and found.colorbar.extend == "both"
+    assert found.colorbar.extend == "both"
     assert np.isfinite(found.get_array()).all()
 
 
@@ -225,7 +224,7 @@ def test_an_axis_of_few_values_makes_curves_that_grey_prints_tell_apart():
     lines = figure.axes[0].lines
     for curve, column in zip(lines, shown.T, strict=True):
         assert_array_equal(curve.get_ydata(), column)
-    dashes = {str(curve._unscaled_dash_pattern) for curve in lines}  # pyright: ignore[reportAttributeAccessIssue]
+    dashes = {str(curve._unscaled_dash_pattern) for curve in lines}
     assert len({curve.get_color() for curve in lines}) == z0.size and len(dashes) >= 4
     more = np.append(z0, 1e-3)
     assert mesh(drawn(plane(K, more), k=K, z0=more)).get_array().shape == (more.size, K.size)
@@ -252,7 +251,7 @@ def test_loads_have_their_names():
 Z0 = np.geomspace(1e-5, 1e-3, 8)
 
 
-def cube() -> xr.Dataset:
+def cube():
     return made(plane(K, PHI, Z0), attrs={"label": "shape"}, k=K, phi=PHI, z0=Z0)
 
 
@@ -281,7 +280,7 @@ def test_sweeps_without_axes_are_refused():
             map_picture(ds)
 
 
-def counted(shape, chunks) -> tuple[da.Array, list[int]]:
+def counted(shape, chunks):
     """A lazy array whose values rise along each axis, and how many of them were read so far, chunk by chunk."""
     read = []
 
@@ -315,7 +314,7 @@ def test_only_what_is_seen_is_read_and_both_ends_are():
 LEAST, PLATEAU = "least wear, $k^*$", "5 % more wear"
 
 
-def worn(k: np.ndarray, phi: np.ndarray) -> np.ndarray:
+def worn(k, phi):
     return np.asarray(values("fretting.wear_volume", *np.meshgrid(k.astype(float), phi.astype(float), indexing="ij")))
 
 
@@ -353,7 +352,7 @@ def test_the_line_of_least_wear_is_that_of_the_optimiser(k, phi):
     assert np.nanmax(np.abs(np.diff(y))) < 0.4 * (k[-1] - k[0])
 
 
-def plateau(figure: Figure) -> np.ndarray:
+def plateau(figure):
     """The points of the line on which 5 % more is worn."""
     (found,) = (artist for artist in contours(figure) if list(artist.levels) == [0.05])
     return np.concatenate(found.allsegs[0])

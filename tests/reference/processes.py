@@ -8,9 +8,7 @@ from pathlib import Path
 import plgwear_jax
 
 
-def python(
-    *arguments: object, without: tuple[str, ...] = (), limit: float = 3000.0, **variables: str
-) -> subprocess.CompletedProcess[str]:
+def python(*arguments, without=(), limit=3000.0, **variables):
     """What Python does with these arguments and variables, and `without` those that begin so."""
     path = os.pathsep.join([str(Path(plgwear_jax.__file__).parents[1]), *sys.path])  # with the folders of the tests
     known = {name: value for name, value in os.environ.items() if not name.startswith(without)}
@@ -24,7 +22,7 @@ def python(
     )
 
 
-def output(*arguments: object, **how) -> str:
+def output(*arguments, **how):
     """What it prints if it succeeds."""
     done = python(*arguments, **how)
     assert done.returncode == 0, done.stderr

@@ -16,23 +16,23 @@ from scipy.optimize import brentq
 from scipy.special import gamma, j0, j1
 
 
-def power_compliance(E0: float, z0: float, k: float, h_N: float, nu: float) -> float:
+def power_compliance(E0, z0, k, h_N, nu):
     """g of G(q) = g q^(k-1)."""
     c_N = E0 * h_N / ((1.0 - nu**2) * z0**k)
     return np.sin(0.5 * np.pi * (1.0 + k)) / c_N * 2.0 ** (1.0 - k) * gamma(0.5 - 0.5 * k) / gamma(0.5 + 0.5 * k)
 
 
-def under_discs(k: float, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+def under_discs(k, b, r):
     """The displacement for G = q^(k-1) at r, of discs of radius b under unit pressure."""
     at_centre = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k) / gamma(1.5 - 0.5 * k) * b ** (1.0 - k)
     return at_centre * transient_oracle.disc(r[:, None] / b, k)
 
 
-def excess(modulus: Callable[[float], float], nu: float, depth: float, jumps: list[float], q: float) -> float:
+def excess(modulus, nu, depth, jumps, q):
     """m of G(q) = 2 (1 + m) (1-nu^2)/(E(0) q) by the Riccati equation, from `depth` on, where E is constant."""
     ratio, begin = nu / (1.0 - nu), min(18.0 / q, depth)
 
-    def slope(z: float, s: np.ndarray) -> list[float]:
+    def slope(z, s):
         mu = 0.5 * modulus(z) / (1.0 + nu)
         s11, s12, s22 = s
         stiff = 2.0 * mu * q * q / (1.0 - nu)
@@ -60,7 +60,7 @@ class Compliance(NamedTuple):
     q: np.ndarray = np.zeros(0)
     weighted: np.ndarray = np.zeros(0)  # weights times g_0 m
 
-    def of_discs(self, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+    def of_discs(self, b, r):
         total = sum(g * under_discs(k, b, r) for g, k in self.terms)
         if self.q.size:
             total = total + (j0(np.outer(r, self.q)) * (self.weighted / self.q)) @ (j1(np.outer(self.q, b)) * b)
@@ -77,7 +77,7 @@ class Contact(NamedTuple):
     rings: np.ndarray
 
 
-def contact_of(compliance: Compliance, c: float, count: int = 240, n: float = 2.0) -> Contact:
+def contact_of(compliance, c, count=240, n=2.0):
     """The contact of an indenter r^n/n, of radius c."""
     edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
     middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
@@ -85,7 +85,7 @@ def contact_of(compliance: Compliance, c: float, count: int = 240, n: float = 2.
     matrix[:, 1:] -= matrix[:, :-1].copy()
     one, bowl = np.linalg.solve(matrix, np.stack([np.ones(count), middle**n / n], -1)).T
 
-    def held(force: float) -> tuple[np.ndarray, float]:
+    def held(force):
         depth = (force + area @ bowl) / (area @ one)
         return depth * one - bowl, depth
 
@@ -101,13 +101,13 @@ class Steady(NamedTuple):
     volume: float
 
 
-def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: float = 2.0) -> Steady:
+def steady(compliance, a, c, count=240, n=2.0):
     """The steady state of the contact with these radii before any wear and of the stick area, R = 1."""
     force, inner = contact_of(compliance, a, count, n).force, contact_of(compliance, c, count, n)
     pressures, depth = inner.held(force)
     weights = pressures - np.append(pressures[1:], 0.0)
 
-    def worn(r: np.ndarray) -> np.ndarray:
+    def worn(r):
         return depth - r**n / n - compliance.of_discs(inner.discs, np.atleast_1d(r)) @ weights
 
     edge = brentq(lambda r: worn(np.array([r]))[0], 1.02 * c, 40.0 * a, xtol=1e-12 * a)
@@ -122,7 +122,7 @@ def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: floa
 class Wearing(transient_oracle.Rings):
     """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^n, R = 1."""
 
-    def __init__(self, compliance: Compliance, a: float, c: float, end: Steady, count: int, n: float = 2.0):
+    def __init__(self, compliance, a, c, end, count, n=2.0):
         self.c, self.outer = c / a, end.worn_radius / a
         edges = self.edges(count)
         self.r = 0.5 * (edges[1:] + edges[:-1])

@@ -81,11 +81,11 @@ EXPECTED = {
 }
 
 
-def tell_compilations() -> None:
+def tell_compilations():
     """What each question compiles, in the order of their names; printed as JSON."""
     jax.config.update("jax_enable_x64", True)
     jax.config.update("jax_log_compiles", True)
-    said: list[str] = []
+    said = []
     handler = logging.Handler()
     handler.emit = lambda record: said.append(record.getMessage())
     logger = logging.getLogger("jax")
@@ -124,7 +124,7 @@ def test_a_second_gradient_over_cycles_compiles_nothing(caplog):
 # --- how large they are -----------------------------------------------------------------------------------------------
 
 
-def size_of(lowered) -> Size:
+def size_of(lowered):
     """Of the whole program, loops and branches included."""
     text = lowered.compile().as_text()
     return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))

@@ -16,9 +16,9 @@ AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displaceme
 
 
 @pytest.fixture
-def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+def ran(monkeypatch):
     """Of each derivative at known numbers whether NumPy was to compute it."""
-    found: list[bool] = []
+    found = []
     plain = programs.Program.by
 
     def by(itself, static, numbers):

@@ -44,12 +44,12 @@ class Size(NamedTuple):
 
 
 @functools.cache
-def plain_size(function, *ends) -> Size:
+def plain_size(function, *ends):
     """The size with all tricks, always at the same length, so that it is compiled once."""
     return size_of(function, *ends, lanes=22)
 
 
-def size_of(function, *ends, lanes: int) -> Size:
+def size_of(function, *ends, lanes):
     """The size for arrays that run between these ends."""
     at = (jnp.linspace(low, high, lanes) for low, high in ends)
     text = jax.jit(lambda *at: function(*at)).lower(*at).compile(compiler_options=AS_USERS_BUT_FOR_LLVM).as_text()

@@ -40,7 +40,7 @@ BODIES = {
 }
 
 
-def on(body: str, shape: Shape) -> FrettingContact:
+def on(body, shape):
     material, indenter = BODIES[body]
     return dataclasses.replace(contact_with(shape, indenter=indenter), material=material)
 
@@ -454,7 +454,7 @@ def test_a_shape_is_a_frozen_record():
     shape = Blend(flat=1e-5)
     assert shape == Blend(1e-5) and jax.tree.leaves(shape) == [1e-5, 0.0, 0.0, 1.0]
     with pytest.raises(dataclasses.FrozenInstanceError):
-        shape.flat = 2e-5  # pyright: ignore[reportAttributeAccessIssue]
+        shape.flat = 2e-5
 
 
 # --- input files ------------------------------------------------------------------------------------------------------

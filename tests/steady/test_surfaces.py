@@ -290,7 +290,7 @@ def test_what_is_refused(case):
 
 def test_an_indenter_that_is_none_is_refused():
     with pytest.raises(TypeError, match="takes an Elastic"):
-        FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, "rigid")  # pyright: ignore[reportArgumentType]
+        FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, "rigid")
 
 
 def test_closed_forms_pay_nothing_for_numerical_solutions():

@@ -44,7 +44,7 @@ class Dimple(Shape):
         return A * (r**4 - self.q * r**2)
 
 
-def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
+def dimpled(body, q):
     """(A contact of the radius 1e-4 m, p(0) over its mean pressure), for q over its square."""
     material, indenter = BODIES[body]
     plane = 1.0 / ((1.0 - NU**2) * (1.0 / E + (1.0 / STEEL.E if indenter else 0.0)))
@@ -109,7 +109,7 @@ def test_members_of_batches_are_nan():
 
 @compiled
 def test_traced_tension_is_nan():
-    def asked(force: Any) -> Any:
+    def asked(force):
         steady = SKIN.steady(force)
         return steady.wear_volume, steady.pressure(1e-5), steady.energy_per_cycle
 
