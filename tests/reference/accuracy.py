@@ -192,8 +192,8 @@ _FAR = {"derivatives_from": 0.1}
 _NEAR = {"regions": NEAR}
 _SI = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
 QUANTITIES = (
-    *_of(fretting, k_phi, "wear_volume", order=2),
-    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "deepest_wear", "edge_intensity"),
+    *_of(fretting, k_phi, "wear_volume", "deepest_wear", order=2),
+    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "edge_intensity"),
     *_of(fretting, inside_edge, "edge_pressure"),
     *_of(fretting, beside_indenter, "initial_displacement", **_FAR),
     *_of(fretting, beside_stick, "steady_displacement", **_FAR),
@@ -300,25 +300,20 @@ def measure(quantity, region, dtype, count, seed, processes=1, order=2):
 
 def _representable(quantity, points, dtype):
     """The points in a dtype, without those it cannot tell from an edge: k = +-1, phi = 1, r = c, r = a_inf."""
-    rounded = dict(zip(quantity.arguments, (x.astype(dtype) for x in points), strict=True))
-    kept = np.ones(points[0].shape, bool)
-    for name, limit in (("k", 1.0), ("phi", 1.0), ("displacement", 1.0), ("nu", 0.5)):
-        if name in rounded:
-            kept &= np.abs(rounded[name]) < limit
-    rounded = {name: x[kept] for name, x in rounded.items()}
-    if "distance" in rounded:
-        distance, *slip = (x.astype(float) for x in rounded.values())
-        kept = np.abs(distance / np.asarray(functions.fretting.stick_radius(*slip)) - 1.0) > 32.0 * np.finfo(dtype).eps
-        rounded = {name: x[kept] for name, x in rounded.items()}
-    if "r" in rounded:
-        kept = np.ones(rounded["r"].shape, bool)
-        exact = {name: x.astype(float) for name, x in rounded.items()}
-        slip = {name: exact[name] for name in ("k", "phi") if name in exact}
-        radii = (functions.fretting.stick_radius, functions.fretting.worn_radius) if "phi" in slip else ()
-        for edge in [np.asarray(radius(**slip)) for radius in radii] or [1.0]:
-            kept &= np.abs(exact["r"] - edge) > 32.0 * np.spacing(rounded["r"])
-        rounded = {name: x[kept] for name, x in rounded.items()}
-    return tuple(rounded.values())
+    rounded, edges = np.stack([x.astype(dtype) for x in points]), {"k": 1.0, "phi": 1.0, "displacement": 1.0, "nu": 0.5}
+    names, eps = list(quantity.arguments), np.finfo(dtype).eps
+    inside = [abs(x) < edges[name] for name, x in zip(names, rounded, strict=True) if name in edges]
+    rounded = rounded[:, np.all(inside, axis=0)]
+    if names[0] not in ("r", "distance"):
+        return tuple(rounded)
+    place, *slip = rounded.astype(float)
+    if names[0] == "distance":
+        kept = np.abs(place / np.asarray(functions.fretting.stick_radius(*slip)) - 1.0) > 32.0 * eps
+    else:
+        radii = functions.fretting.stick_radius, functions.fretting.worn_radius
+        at = [np.asarray(radius(*slip)) for radius in radii] if "phi" in names else [1.0]
+        kept = np.all([np.abs(place - edge) > 32.0 * np.spacing(rounded[0]) for edge in at], axis=0)
+    return tuple(rounded[:, kept])
 
 
 def _derivatives(quantity, points, order):

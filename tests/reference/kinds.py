@@ -14,6 +14,11 @@ def contact_of(body, indenter=None, shape=None, force=FORCE):
     return FrettingContact(body, RADIUS, force, FRICTION, indenter, shape)
 
 
+def dome(k=0.0, indenter=None, shape=None):
+    """On a power law."""
+    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3), indenter, shape)
+
+
 KINDS = {
     "closed forms": contact_of(LAW),
     "a power law under steel": contact_of(LAW, STEEL),

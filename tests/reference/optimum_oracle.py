@@ -4,7 +4,7 @@ Every root is a change of sign of 60-digit numbers, seen on both sides of it. Th
 scanning: dV/dk is positive for small amplitudes and close to gross slip, and negative in between.
 """
 
-from functools import partial
+import functools
 
 import oracle
 from mpmath import mp, mpf
@@ -23,7 +23,7 @@ def slope(k, phi):
     lost = 3 * max(0, -int(mp.log10(near)))
     with mp.workdps(DIGITS + STEP_DIGITS + oracle.GUARD_DIGITS + lost):
         step = (1 - abs(k)) * mpf(10) ** -STEP_DIGITS
-        wear_volume = partial(oracle.wear_volume.formula, phi=phi, start=oracle._ring(k, phi))
+        wear_volume = functools.partial(oracle.wear_volume.formula, phi=phi, start=oracle._ring(k, phi))
         return (wear_volume(k + step) - wear_volume(k - step)) / (2 * step)
 
 
@@ -36,26 +36,16 @@ def difference(lower, upper, phi):
 
 
 def root(f, low, high):
-    """Where f changes its sign between two points: by Illinois' secants, proved by its signs a unit to either side."""
+    """Where f changes its sign between two points, proved by its signs a unit to either side."""
     with mp.workdps(DIGITS):
-        behind, here, unit = mp.convert(low), mp.convert(high), mpf(10) ** -ROOT_DIGITS
-        at_behind, at_here, step = f(behind), f(here), here - behind
-        if not at_behind * at_here < 0:
-            raise ArithmeticError(f"no change of sign between {low} and {high}")
-        while at_here and abs(step) > unit / 10:
-            step = at_here * (here - behind) / (at_here - at_behind)
-            there = here - step
-            at_there = f(there)
-            if at_there * at_here > 0:
-                at_behind /= 2
-            else:
-                behind, at_behind = here, at_here
-            here, at_here = there, at_there
+        ends, unit = (mp.convert(low), mp.convert(high)), mpf(10) ** -ROOT_DIGITS
+        here = mp.findroot(f, ends, solver="anderson", tol=abs(f(ends[0])) * unit / 1000, verify=False)
         if not f(here - unit) * f(here + unit) < 0:
             raise ArithmeticError(f"no change of sign at {here}")
         return here
 
 
+@functools.cache
 def critical_amplitudes(bounds=(-1, 1)):
     """The amplitudes at which dV/dk = 0 at the lower and at the upper bound, and at which both wear alike again."""
     with mp.workdps(2 * DIGITS):

@@ -549,19 +549,13 @@ def _distances_to_edge(f, at):
 # -------------------------------------------------------------------------------------------------- many points
 
 
-def map_points(
-    name,
-    points,
-    processes=2,
-    wrt=None,
-    order=0,
-):
+def map_points(name, points, processes=2, order=0):
     """A quantity (order 0) or its `derivatives` at many points, each number x as doubles (hi, lo) with x = hi + lo.
 
     The error of a double y is then (y - hi) - lo. Processes are spawned and import this module only; a script that
     calls this needs the usual `if __name__ == "__main__":`.
     """
-    work = partial(_pairs_at, name, None if wrt is None else tuple(wrt), order)
+    work = partial(_pairs_at, name, order)
     points = [tuple(point) for point in points]
     if processes == 1:
         return [work(point) for point in points]
@@ -569,8 +563,8 @@ def map_points(
         return pool.map(work, points, chunksize=max(1, min(64, len(points) // (4 * processes))))
 
 
-def _pairs_at(name, wrt, order, point):
-    return as_pairs(derivatives(name, point, wrt, order) if order else QUANTITIES[name](*point))
+def _pairs_at(name, order, point):
+    return as_pairs(derivatives(name, point, order=order) if order else QUANTITIES[name](*point))
 
 
 def as_pairs(x):

@@ -392,7 +392,7 @@ def main():
     print("\n\n".join(tables.values()))
     if page is not None:
         sibling = page.with_name(f".{page.name}.{os.getpid()}.part")
-        sibling.write_text(renewed(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+        sibling.write_text(renewed(page.read_text("utf-8"), tables), "utf-8")
         sibling.replace(page)
 
 

@@ -1,5 +1,6 @@
-"""Programs in processes of their own."""
+"""Programs in processes of their own, or as modules of this one."""
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -27,3 +28,11 @@ def output(*arguments, **how):
     done = python(*arguments, **how)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def module_at(path):
+    """A module that lies in no package."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

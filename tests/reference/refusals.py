@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
+TESTS = Path(__file__).parents[1]
+
 
 def cases(file, kind, called="line"):
-    """A decorator that gives a test the cases of a kind, one by one, as the argument `case`."""
-    found = tomllib.loads(Path(file).read_text("utf-8"))[kind]
+    """A decorator that gives a test the cases of a kind in a file of tests, one by one, as the argument `case`."""
+    found = tomllib.loads((TESTS / file).read_text("utf-8"))[kind]
     return pytest.mark.parametrize("case", found, ids=[case[called][:60] for case in found])
 
 

@@ -4,20 +4,21 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from kinds import FORCE, FRICTION, dome
+from kinds import RADIUS as R
 from mpmath import mp, mpf
 from scipy.interpolate import PchipInterpolator
 from shape_oracle import Oracle, Piece
 
-from plgwear_jax import Cone, FrettingContact, PowerLawGraded, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
+from plgwear_jax import Cone, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
 
-R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
 RADII = np.array([0.0, 2e-5, 4.5e-5, 7e-5, 1e-4, 1.5e-4, 2.2e-4, 4e-4])
 HEIGHTS = RADII**2 / (2.0 * R) * (1.0 + 0.1 * np.sin(RADII * 3e4))
 
 
 def contact_with(shape, k=0.2, indenter=None):
-    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), R, FORCE, FRICTION, indenter, shape)
+    return dome(k, indenter, shape)
 
 
 def cubics():

@@ -113,20 +113,14 @@ KINDS = {
 }
 
 
-def steps(pressures):
-    """Pressures of rings as those of discs."""
-    return pressures - np.append(pressures[1:], 0.0)
-
-
 def tangential_ratio(kind, parts, a, count):
     """theta: both bodies share in it as in the energy of a flat punch of the radius a."""
-    edges = a * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-    middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
+    edges, middle, area = surface_oracle.rings(a, count)
     discs = [part.of_discs(edges[1:], middle) for part in parts]
     both = discs[0] + discs[1]
     both[:, 1:] -= both[:, :-1].copy()
     pressures = np.linalg.solve(both, np.ones(count))
-    shares = [area * pressures @ (disc @ steps(pressures)) for disc in discs]
+    shares = [area * pressures @ (disc @ surface_oracle.steps(pressures)) for disc in discs]
     return float(np.dot(shares, kind.ratios) / np.sum(shares))
 
 
@@ -134,8 +128,7 @@ def edge_intensity(both, c, F_N, n, count=480):
     """The factor of z^-1/2, z = 1 - (r/c)^2, in the pressure of the worn contact on a surface of finite modulus."""
     inner = surface_oracle.contact_of(both, c, count, n)
     more = inner.held(F_N)[0] - inner.held(inner.force)[0]
-    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-    z, near = 1.0 - (0.5 * (edges[1:] + edges[:-1]) / c) ** 2, slice(-count // 4, -count // 20)
+    z, near = 1.0 - (surface_oracle.rings(c, count)[1] / c) ** 2, slice(-count // 4, -count // 20)
     return float(np.polyfit(z[near], (more * np.sqrt(z))[near], 2)[-1])
 
 
@@ -147,25 +140,23 @@ def computed(kind, count=240):
     end = surface_oracle.steady(both, A, c, count, n)
     F_N, mu = float(end.force), FRICTION
     F_x = mu * F_N * end.phi
-    whole, inner = (surface_oracle.contact_of(both, radius, count, n) for radius in (A, c))
+    whole, inner = surface_oracle.contact_of(both, A, count, n), end.inner
     theta = tangential_ratio(kind, parts, A, count)
     before, _ = whole.held(F_N)
     worn, depth = inner.held(F_N)
     first, _ = inner.held(inner.force)
 
     def sunk(discs, pressures, r):
-        return both.of_discs(discs, r) @ steps(pressures)
+        return both.of_discs(discs, r) @ surface_oracle.steps(pressures)
 
     def at(pressures, radius, power, r):
         # Over a power of the distance to the edge the pressures of rings are a smooth function of their middles.
-        edges = radius * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-        middle = 0.5 * (edges[1:] + edges[:-1])
+        middle = surface_oracle.rings(radius, count)[1]
         smooth = PchipInterpolator(middle[:-1], (pressures * (1.0 - (middle / radius) ** 2) ** -power)[:-1])
         return smooth(r) * (1.0 - (r / radius) ** 2) ** power
 
     ring = c + BESIDE * (end.worn_radius - c)
     around = np.linspace(c, end.worn_radius, 2001)[1:]
-    depths = end.penetration - around**n / n - sunk(inner.discs, worn, around)
     slipping = c + BESIDE * (A - c)
     slip = slipping**n / n - (inner.depth - sunk(inner.discs, first, slipping))
 
@@ -202,7 +193,7 @@ def computed(kind, count=240):
             "worn_radius": end.worn_radius,
             "penetration": end.penetration,
             "wear_volume": end.volume,
-            "deepest_wear": np.max(depths),
+            "deepest_wear": np.max(end.worn(around)),
             "peak_initial_pressure": np.max(before),
             "gross_slip_displacement": mu * theta * whole.depth,
             "displacement_amplitude": amplitude,
@@ -220,7 +211,7 @@ def computed(kind, count=240):
             "pressure": at(worn, c, -0.5, RADII * A),
             "traction": mu * at(worn - first, c, -0.5, RADII * A),
             "initial_displacement": sunk(whole.discs, before, A * np.array([0.5, 1.5, 3.0])),
-            "wear_depth": end.penetration - ring**n / n - sunk(inner.discs, worn, ring),
+            "wear_depth": end.worn(ring),
             "slip_amplitude": mu * theta * slip,
         },
         "cycles": TIMES / per_cycle,
@@ -239,10 +230,10 @@ FILE = Path(__file__).with_suffix(".json")
 
 def recorded():
     """By the kind of contact, what `computed` gives."""
-    return json.loads(FILE.read_text(encoding="utf-8"))
+    return json.loads(FILE.read_text("utf-8"))
 
 
 if __name__ == "__main__":
     jax.config.update("jax_enable_x64", True)
     found = jax.tree.map(lambda x: float(f"{x:.7g}"), {name: listed(computed(kind)) for name, kind in KINDS.items()})
-    FILE.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    FILE.write_text(json.dumps(found, indent=1) + "\n", "utf-8")
