@@ -17,7 +17,6 @@ from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
 from plgwear_jax.optimise import evaluation
 
-REFUSED = Path(__file__).with_name("refused.toml")
 RADIUS = 7e-5
 SCENE = """# a connector
 [material]     # today
@@ -81,7 +80,7 @@ def test_the_confidence_is_that_of_scattered_points():
     assert_allclose(told, spread, rtol=0.3, atol=1e-5)
 
 
-@cases(REFUSED, "power_laws")
+@cases("fitting/refused.toml", "power_laws")
 def test_doubts_and_refusals(case):
     depth, modulus = RADIUS * np.array(case["depth"]), 1e11 * np.array(case["modulus"])
     if "doubt" in case:
@@ -164,7 +163,7 @@ def test_a_free_gradient_keeps_its_limits():
     assert exponents.size > 1
 
 
-@cases(REFUSED, "profiles")
+@cases("fitting/refused.toml", "profiles")
 def test_bad_profiles(case):
     with pytest.raises(ValueError, match=case["line"]):
         optimise.ModulusProfile(case["at"], case["lower"], case["upper"])
@@ -182,7 +181,7 @@ def folder(tmp_path, monkeypatch):
     Path("E.csv").write_text(CSV)
 
 
-@cases(REFUSED, "commands")
+@cases("fitting/refused.toml", "commands")
 def test_the_coating_command_refuses_in_a_line(folder, case):
     Path("bad.csv").write_text("depth,modulus\n0,1e11\n1e-6,x\n")
     assert is_told(refused("coating", *case["arguments"], "--scene", "scene.toml"), case)
