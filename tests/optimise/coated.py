@@ -2,21 +2,20 @@
 
 import dataclasses
 
+import kinds
 import numpy as np
+from kinds import dome
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded
-
-COATING = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
-RIGID = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
-STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
-COEFFICIENT = 1e-14
+RIGID, STEEL = dome(), dome(0.0, kinds.STEEL)
+COATING, COEFFICIENT = RIGID.material, kinds.COEFFICIENT
 LIFE = {"cycles": 4e5, "law": COEFFICIENT}
 HOLD = "contact_radius"
 
 
 def on(contact, **fields):
-    """The contact on another half-space."""
-    return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **fields))
+    """The contact with other numbers, its own or those of its half-space."""
+    below = {name: fields.pop(name) for name in [*fields] if hasattr(contact.material, name)}
+    return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **below), **fields)
 
 
 def held(k):
@@ -30,3 +29,14 @@ def is_least(found, worn, within, *, run=False):
     assert found.converged and found.keeps_limits and (run or found.certified)
     least = float(np.nanmin(worn))
     assert least * (1.0 - within) < float(found.value) < least * (1.0 + (1e-6 if run else 1e-9))
+
+
+def over(amounts, weight, level):
+    """The mean of the worst 1 - level along the first axis, by Rockafellar and Uryasev: the CVaR.
+
+    The least over t of t + E[(X - t)+]/(1 - level), which is at one of the amounts.
+    """
+    if level == 1.0:
+        return amounts.max(0)
+    beyond = np.maximum(amounts - amounts[:, None], 0.0)  # by what, and which
+    return np.min(amounts + np.tensordot(beyond, weight / weight.sum(), (1, 0)) / (1.0 - level), axis=0)

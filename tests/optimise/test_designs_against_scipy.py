@@ -3,8 +3,7 @@
 import sys
 from pathlib import Path
 
-import pytest
-from marks import compiled, long, parametrize
+from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -18,10 +17,10 @@ PROGRAMS = {
     "gross slip": Program("k, gross slip", "volume_change", "gross slip", 0),
     "k at a held radius, pressure limited": Program("k, radius held", "wear_volume", limits=("edge_pressure",)),
     "E0, pressure limited": Program("E0", "wear_volume", "worst", 7, ("edge_pressure",)),
-    "k at a held radius": pytest.param(Program("k, radius held", "wear_volume", "mean", 5), marks=long),
+    "k at a held radius": long_case(Program("k, radius held", "wear_volume", "mean", 5)),
     "k and E0": Program("k and E0", "worn_radius", limits=("edge_pressure",)),
     # SciPy takes its time.
-    "modulus": pytest.param(Program("k and z0", "wear_volume", limits=("penetration", "modulus")), marks=long),
+    "modulus": long_case(Program("k and z0", "wear_volume", limits=("penetration", "modulus"))),
 }
 
 

@@ -1,11 +1,10 @@
 """Designs for a life of any contact, load and wear law, against scans of the wear over cycles, or other questions."""
 
-import dataclasses
-
 import jax
 import numpy as np
 import pytest
 from coated import COEFFICIENT, HOLD, LIFE, RIGID, STEEL, held, is_least, on
+from kinds import contact_of
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
@@ -18,7 +17,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.optimise.question import question_of
 
-LAYERS = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
+LAYERS = contact_of(Layered([1e-5], [50e9, 100e9], 0.3))
 FORCE, CYCLES = 1.0, LIFE["cycles"]
 RANGE = {"k": (-0.6, 0.6)}
 
@@ -135,7 +134,7 @@ def test_a_free_gradient_for_a_life():
     profile = optimise.ModulusProfile(at, lower, upper)
     found = optimise.free_design(RIGID, FORCE, profile, starts=3, **LIFE)
     corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
-    scanned = dataclasses.replace(RIGID, material=DepthGraded(at, corners, 0.3))
+    scanned = contact_of(DepthGraded(at, corners, 0.3))
     least = float(np.nanmin(worn(scanned)))  # a run on a stiff depth between compliant ones has no answer
     assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
     assert_allclose(found.value, worn(found.contact), rtol=1e-6)
