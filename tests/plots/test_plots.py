@@ -1,22 +1,23 @@
 """Pictures: what they show, in which units, and that a file is whole or not there."""
 
-import dataclasses
 import os
 from pathlib import Path
 from types import SimpleNamespace
 
 import jax.numpy as jnp
+import known
 import numpy as np
 import pytest
+from kinds import dome
 from marks import compiled, parametrize
 from matplotlib import image
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, loads, optimise, plots
+from plgwear_jax import GrossSlipContact, PowerLawGraded, gross_slip, loads, optimise, plots
 
 FORCE = 0.32
-REFERENCE = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
+REFERENCE = dome()
 PUNCH = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
 
 
@@ -88,8 +89,7 @@ def test_a_picture_costs_one_batch_of_contacts(best, monkeypatch):
 
 @compiled
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
-    reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
-    wear = plots.design_picture(optimise.design(reference, [0.2, FORCE], {"z0": (1e-5, 1e-3)})).axes[1]
+    wear = plots.design_picture(optimise.design(dome(0.3), [0.2, FORCE], {"z0": (1e-5, 1e-3)})).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
     assert wear.get_ylabel().startswith("change of mean wear volume (%)")
     z0, _ = curve(wear)
@@ -114,7 +114,7 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     limits = {"contact_radius": {"above": 7e-5}}
     wear = plots.design_picture(optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5)}, limits=limits)).axes[1]
     (k, _), (_, kept) = curve(wear), curve(wear, 1)
-    radius = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(0.0).contact_radius
+    radius = dome(k).steady(0.0).contact_radius
     assert np.array_equal(np.isfinite(kept), np.asarray(radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
     assert legend(wear.figure)[-1] == "breaks a limit"
@@ -168,20 +168,11 @@ def test_no_radius_of_a_block_is_cut_off():
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
-    front = optimise.Front(
-        x=jnp.array([1e8, 2e8, 4e8]),
-        y=jnp.array([5e-18, 3e-18, 2e-18]),
-        variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
-        at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
+    variables = {"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])}
+    front = known.front(
+        variables=variables,
+        at_bound=dict.fromkeys(variables, jnp.array([1, 0, 0])),
         active={"contact_radius_lowest": jnp.array([False, False, True])},
-        converged=jnp.array([True, True, True]),
-        certified=jnp.array([True, False, True]),
-        reference_x=jnp.array(3e8),
-        reference_y=jnp.array(4e-18),
-        x_places={"distance": 1e-6},
-        y_places={},
-        x_name="edge_pressure",
-        y_name="wear_volume",
     )
     figure = plots.front_picture(front)
     assert figure.get_supxlabel() == "pressure 1 µm inside the stick-slip boundary (MPa)"
