@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from marks import compiled, long, parametrize
+from numpy.testing import assert_array_equal
 
 from plgwear_jax import FrettingContact, scene
 
@@ -81,7 +82,7 @@ def test_uncertain_load_is_best_by_its_own_measure(study):
     printed = study("uncertain_load", samples=5)
     assert "a global search found nothing better for any design: True" in printed
     excess = np.array(re.findall(r"\(([-+\d.e]+) %\)", printed), float).reshape(4, 3)
-    np.testing.assert_array_equal(np.diagonal(excess[1:]), 0.0)
+    assert_array_equal(np.diagonal(excess[1:]), 0.0)
     assert np.all(excess >= 0.0)
     assert np.all(excess[0] > 0.1)  # the mean amplitude is not what to design for
 
@@ -111,5 +112,5 @@ def test_all_pictures_begin_on_a_page_of_the_common_style():
     """The size in cm, the resolution and the colours are those of plots.style; nothing has its own."""
     root, own = DESIGN.parent, re.compile(r"\bFigure\(figsize|rcParams\[|#D55E00|#0072B2|font\.family")
     places = [path for folder in ("plgwear_jax", "design", "benchmarks") for path in (root / folder).rglob("*.py")]
-    found = {str(path.relative_to(root)) for path in places if own.search(path.read_text(encoding="utf-8"))}
+    found = {str(path.relative_to(root)) for path in places if own.search(path.read_text("utf-8"))}
     assert found <= {"plgwear_jax/plots/style.py"}
