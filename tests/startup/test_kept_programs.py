@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import parametrize
 from processes import python
 
 import plgwear_jax
@@ -117,7 +118,7 @@ def test_what_was_not_used_for_longest_makes_room(tmp_path):
     assert kept() == set()  # too large itself
 
 
-@pytest.mark.parametrize("name", ["write_bytes", "mkdir", "read_bytes"])
+@parametrize("name", ["write_bytes", "mkdir", "read_bytes"])
 def test_a_disk_that_refuses_changes_nothing(tmp_path, monkeypatch, name):
     def refuses(*_, **__):
         raise OSError(28, "No space left on device")

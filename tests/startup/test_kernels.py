@@ -23,9 +23,7 @@ from plgwear_jax._core import formula
 from plgwear_jax.fretting import ring
 from plgwear_jax.special import elementary
 
-PINNED = re.search(
-    r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text(encoding="utf-8"), re.MULTILINE
-)[1]
+PINNED = re.search(r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text("utf-8"), re.MULTILINE)[1]
 pytestmark = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the numbers are those of JAX {PINNED}"),
     pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
