@@ -8,14 +8,14 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
+import known
 import numpy as np
 import pytest
 from commands import plgwear, printed, refused, table_rows, told
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from processes import python
@@ -28,7 +28,6 @@ from plgwear_jax.cli.report import measures
 from plgwear_jax.optimise.question import question_of
 
 DESIGNS = Path(__file__).parents[2] / "design"
-REFUSED = Path(__file__).with_name("refused.toml")
 GROSS_SLIP = """
 material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = "holl" }
 contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
@@ -36,7 +35,7 @@ contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
 
 
 @pytest.fixture
-def folder() -> None:
+def folder():
     """The scene of the electrical contact, but without its limits."""
     text = (DESIGNS / "electrical_contact.toml").read_text()
     text, removed = re.subn(r"^\[design\.limits\]\n.*?\n\n", "", text, flags=re.DOTALL | re.MULTILINE)
@@ -48,19 +47,19 @@ def folder() -> None:
     )
 
 
-def reference(load: Any) -> Any:
+def reference(load):
     """What the contact of the scene does under a load."""
-    return scene.load("contact.toml").build_contact().steady(load)  # pyright: ignore
+    return scene.load("contact.toml").build_contact().steady(load)
 
 
-def rewrite(old: str, new: str) -> None:
+def rewrite(old, new):
     text = Path("contact.toml").read_text()
     assert text.count(old) == 1
     Path("contact.toml").write_text(text.replace(old, new))
 
 
 @functools.cache
-def slipping() -> optimise.Design:
+def slipping():
     """A design that is quickly found."""
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
     return optimise.design(punch, None, {"k": (-0.9, 0.9)}, minimise="force_drop")
@@ -71,16 +70,15 @@ class Search:
 
     takes = inspect.signature(optimise.design)
 
-    def __init__(self) -> None:
-        self.limits: dict[str, optimise.LimitState] = {}
-        self.ended: dict = {}
-        self.modulus = 31.5e9
-        self.asked: list = []
+    def __init__(self):
+        self.limits = {}
+        self.ended = {}
+        self.asked = []
 
-    def __call__(self, contact: Any, load, vary, **asked) -> optimise.Design:
+    def __call__(self, contact, load, vary, **asked):
         self.takes.bind(contact, load, vary, **asked)
         self.asked.append((load, vary, asked))
-        material, forces = dataclasses.replace(contact.material, k=-0.816, E0=self.modulus), np.atleast_1d(load)
+        material, forces = dataclasses.replace(contact.material, k=-0.816, E0=31.5e9), np.atleast_1d(load)
         best = dataclasses.replace(contact, material=material)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
@@ -89,16 +87,14 @@ class Search:
         return optimise.Design(best, *values, self.limits, dataclasses.replace(slipping().minimum, **minimum), question)
 
 
-def limit(
-    value: float, allowed: float, name: str, lowest: bool = False, multiplier: float = 0.0
-) -> optimise.LimitState:
+def limit(value, allowed, name, lowest=False, multiplier=0.0):
     return optimise.LimitState(jnp.asarray(value), allowed, jnp.asarray(multiplier), name, lowest)
 
 
-def higher(loss: float, converged: bool = True, pressure: float | None = None):
+def higher(loss, converged=True, pressure=None):
     """In place of the search for the best coating under a higher load."""
 
-    def under_other_load(found: optimise.Design, factor: float) -> optimise.UnderOtherLoad:
+    def under_other_load(found, factor):
         best = dataclasses.replace(found, minimum=dataclasses.replace(found.minimum, converged=jnp.asarray(converged)))
         states = {} if pressure is None else {"edge_pressure": limit(pressure, 6e8, "edge_pressure")}
         return optimise.UnderOtherLoad(factor, 1.0, best, loss, states)
@@ -107,16 +103,16 @@ def higher(loss: float, converged: bool = True, pressure: float | None = None):
 
 
 @pytest.fixture
-def search(monkeypatch: pytest.MonkeyPatch) -> Search:
+def search(monkeypatch):
     slipping()  # while the search is still there
     monkeypatch.setattr(optimise, "under_other_load", higher(0.00148))
     monkeypatch.setattr(optimise, "design", Search())
-    return optimise.design  # pyright: ignore[reportReturnType]
+    return optimise.design
 
 
-def cells(stdout: str) -> dict[str, list[str]]:
+def cells(stdout):
     """The rows of all tables by their first cell; the cells of a line that only goes on are joined to those above."""
-    found: dict[str, list[str]] = {}
+    found = {}
     name = ""
     for first, *rest in table_rows(stdout):
         if first:
@@ -232,7 +228,7 @@ ENDS = {
 }
 
 
-@parametrize("line", [pytest.param(line, marks=compiled) for line in ENDS])
+@parametrize("line", [compiled_case(line) for line in ENDS])
 def test_a_design_says_how_it_ended(folder, search, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended
@@ -248,7 +244,7 @@ def test_a_design_says_how_it_ended(folder, search, line):
 
 
 @compiled
-@cases(REFUSED, "conflicts")
+@cases("cli/refused.toml", "conflicts")
 def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, case):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
     others = "contact_radius = { above = 9e-5 }, penetration = { below = 2e-6 }"
@@ -284,15 +280,6 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
     Path("slip.toml").write_text(GROSS_SLIP.replace("depth = 1e-6", "depth = 1e-3"))
     said = "slip.toml: the depth, 1 mm, is 0.5 times the radius of the indenter; the formulas hold for small ones; "
     assert plgwear("solve slip.toml").stderr == f"{said}check the units: E0 = 1e+09 is in Pa, all else in m and N\n"
-
-
-@compiled
-def test_a_design_that_nobody_can_make_is_doubted_in_one_line(folder, search):
-    said = "beyond 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }"
-    assert said not in plgwear("design contact.toml").stdout
-    search.modulus = 2e12
-    (line,) = (line for line in plgwear("design contact.toml").stdout.splitlines() if said in line)
-    assert line.split()[1] == "TPa" and "pm deep" in line
 
 
 def test_numbers_beside_each_other_have_one_prefix():
@@ -356,28 +343,16 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
 
 
 @compiled
-@parametrize(
-    "over, measure",
-    [
-        ("", "mean"),
-        ('over = "worst"\n', "value at the largest"),
-        ("over = { cvar = 0.9 }\n", "mean over the worst 10 %"),
-    ],
-)
-def test_a_table_of_loads(folder, search, over, measure):
-    load_a_table()
-    rewrite('minimise = "wear_volume"', f'{over}minimise = "wear_volume"')
-    found = printed("design contact.toml")
-    said = f"the wear volume is its {measure}, all else is for the largest, 0.4 N"
-    assert found.splitlines()[0] == f"table loads.csv: 2 amplitudes; {said}"
-    worn = 1e6 * float(reference(0.4).worn_radius)
-    assert cells(found)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
-
-
-def load_a_table() -> None:
+def test_a_table_of_loads(folder, search):
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
     rewrite(', "wear_volume", "pressure", "wear_depth"', "")
+    rewrite('minimise = "wear_volume"', 'over = { cvar = 0.9 }\nminimise = "wear_volume"')
+    found = printed("design contact.toml")
+    said = "the wear volume is its mean over the worst 10 %, all else is for the largest, 0.4 N"
+    assert found.splitlines()[0] == f"table loads.csv: 2 amplitudes; {said}"
+    worn = 1e6 * float(reference(0.4).worn_radius)
+    assert cells(found)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
 def test_a_history_says_which_amplitude_decides(folder, search):
@@ -416,7 +391,7 @@ def test_a_punch_is_designed():
     assert found["rival"] == {"variables": {"k": 0.9}, "value": pytest.approx(found["best"]["force_drop"], rel=1e-6)}
 
 
-@cases(REFUSED, "designs")
+@cases("cli/refused.toml", "designs")
 def test_what_cannot_be_designed_is_refused(folder, search, trade, case):
     for file, text in case.get("files", {}).items():
         Path(file).write_text(text)
@@ -460,29 +435,22 @@ class Trade:
 
     takes = inspect.signature(optimise.front)
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.certified = [True, True, True]
         self.same = False
-        self.asked: list = []
+        self.asked = []
 
-    def __call__(self, contact, load, vary, *, x, points, **asked) -> optimise.Front:
+    def __call__(self, contact, load, vary, *, x, points, **asked):
         self.takes.bind(contact, load, vary, x, points=points, **asked)
         self.asked.append({"x": x, "points": points, "load": load} | asked)
         ((name, places),) = x.items()
-        known = jnp.array([[1e8, 2e8, 4e8], [5e-18, 3e-18, 2e-18], [0.5, 0.1, -0.7]])
-        pressure, value, k = known[:, :1] + 0.0 * known if self.same else known
-        return optimise.Front(
-            x=pressure,
-            y=value,
-            variables={"k": k},
-            at_bound={"k": jnp.array([1, 0, 0])},
-            active={},
-            converged=jnp.ones(3, bool),
+        same = {x: jnp.full(3, y) for x, y in (("x", 1e8), ("y", 5e-18))} | {"variables": {"k": jnp.full(3, 0.5)}}
+        return known.front(
+            **same if self.same else {},
             certified=jnp.array(self.certified),
             reference_x=read(contact, name, np.max(load), places),
             reference_y=jnp.mean(contact.steady(load).wear_volume),
             x_places=places,
-            y_places={},
             x_name=name,
             y_name=asked["minimise"],
             larger=asked["larger"],
@@ -490,9 +458,9 @@ class Trade:
 
 
 @pytest.fixture
-def trade(monkeypatch: pytest.MonkeyPatch) -> Trade:
+def trade(monkeypatch):
     monkeypatch.setattr(optimise, "front", Trade())
-    return optimise.front  # pyright: ignore[reportReturnType]
+    return optimise.front
 
 
 FRONT = "front contact.toml --distance 1e-6"
@@ -503,13 +471,13 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
     (asked,) = trade.asked
     assert (asked["x"], asked["points"], asked["limits"]) == ({"edge_pressure": {"distance": 1e-6}}, 3, {})
     table = cells(result)
-    assert table["100 MPa"] == ["5 µm³", "0.5"] and table["400 MPa"] == ["2 µm³", "-0.7"]
+    assert table["100 MPa"] == ["5 µm³", "0.5"] and table["400 MPa"] == ["2 µm³", "-0.5"]
     assert table["345.1 MPa"] == ["2.961 µm³", "reference"]
     assert result.splitlines()[-2:] == ["picture: contact-front.png", "table: front.csv"]
     assert image.imread("contact-front.png").size
     assert Path("front.csv").read_text() == (
         "edge_pressure,wear_volume,k,converged,certified\n"
-        "100000000.0,5e-18,0.5,True,True\n200000000.0,3e-18,0.1,True,True\n400000000.0,2e-18,-0.7,True,True\n"
+        "100000000.0,5e-18,0.5,True,True\n200000000.0,3e-18,0.0,True,True\n400000000.0,2e-18,-0.5,True,True\n"
     )
     assert sorted(os.listdir()) == ["contact-front.png", "contact.toml", "front.csv"]
 
@@ -526,7 +494,7 @@ def test_front_json_is_one_object(folder, trade):
         "objective_places": {},
         "edge_pressure": [1e8, 2e8, 4e8],
         "wear_volume": [5e-18, 3e-18, 2e-18],
-        "k": [0.5, 0.1, -0.7],
+        "k": [0.5, 0.0, -0.5],
         "converged": [True] * 3,
         "certified": [True] * 3,
         "reference": {"wear_volume": float(reference(0.32).wear_volume)},
@@ -541,7 +509,7 @@ def test_front_that_is_not_certain_says_where(folder, trade):
         result = plgwear(FRONT, as_json)
         line = "contact.toml: 1 of 3 points of the trade-off curve are NOT CERTAIN\n"
         assert (result.exit_code, result.stderr) == (1, line)
-        assert as_json or cells(result.stdout)["200 MPa"] == ["3 µm³", "0.1", "NOT CERTAIN"]
+        assert as_json or cells(result.stdout)["200 MPa"] == ["3 µm³", "0", "NOT CERTAIN"]
 
 
 def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):

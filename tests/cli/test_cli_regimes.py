@@ -1,7 +1,6 @@
 """The command `plgwear regimes`."""
 
 import functools
-from pathlib import Path
 
 import commands
 import numpy as np
@@ -26,7 +25,7 @@ refused, told, printed = (
 
 
 @pytest.fixture(autouse=True)
-def _scene(_folder: None) -> None:
+def _scene(_folder):
     write(SCENE)
 
 
@@ -78,7 +77,7 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     assert "the energy ratio is 0.2 at 589.5 nm, at the transition" in printed()
 
 
-@cases(Path(__file__).with_name("refused.toml"), "regimes")
+@cases("cli/refused.toml", "regimes")
 def test_refusal(case):
     write(case.get("scene") or SCENE.replace(case.get("old", ""), case.get("new", "")))
     assert is_told(refused(*case.get("arguments", ())), case)

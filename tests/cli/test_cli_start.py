@@ -28,7 +28,7 @@ output = { quantities = ["contact_radius"] }
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """A folder of one's own with a scene in it, and with a home that has a cache folder."""
     for name in [name for name in os.environ if name.startswith(("JAX_", "PLGWEAR_"))]:
         monkeypatch.delenv(name)
@@ -110,9 +110,9 @@ def test_the_package_imports_its_modules_when_they_are_looked_at():
 
 
 @pytest.fixture
-def settings(monkeypatch: pytest.MonkeyPatch):
+def settings(monkeypatch):
     """What is set of JAX, in place of setting it."""
-    found: dict[str, object] = {}
+    found = {}
     ours = jax.config.jax_compilation_cache_dir
     jax.config.update("jax_compilation_cache_dir", None)
     with monkeypatch.context() as patched:
@@ -160,21 +160,21 @@ def test_variables_of_jax_decide_instead(settings, monkeypatch, variable):
     assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
 
 
-def a_file(place: Path) -> None:
+def a_file(place):
     place.write_text("mine")
 
 
-def no_home(place: Path) -> None:
+def no_home(place):
     place.parent.rmdir()
     os.environ["XDG_CACHE_HOME"] = str(Path("no/home/.cache").absolute())
 
 
-def open_to_others(place: Path) -> None:
+def open_to_others(place):
     place.mkdir()
     place.chmod(0o777)
 
 
-def a_lock_that_cannot_be(place: Path) -> None:
+def a_lock_that_cannot_be(place):
     (place / ".lockfile").mkdir(parents=True)
 
 
@@ -261,7 +261,7 @@ def test_a_kept_design_compiles_nothing_and_imports_nothing_that_traces():
 
 
 class Terminal(io.StringIO):
-    def isatty(self) -> bool:
+    def isatty(self):
         return True
 
 

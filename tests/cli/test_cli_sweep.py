@@ -12,13 +12,13 @@ import pytest
 from commands import plgwear, refused
 from marks import compiled, parametrize
 from matplotlib import image
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 
 from plgwear_jax import scene, sweep
 from plgwear_jax.loads import Block, Displacement, Force
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
-REFUSED = Path(__file__).with_name("refused.toml")
 MAP = "sweep --k=-0.9:0.9:7 --phi=0.1:0.9:5 --quantity wear_volume,stick_radius.dk --out map.zarr"
 
 
@@ -31,7 +31,7 @@ def test_a_map_is_written_resumed_and_drawn():
     k, phi = np.linspace(-0.9, 0.9, 7), np.linspace(0.1, 0.9, 5)
     expected = sweep.sweep(["wear_volume", "stick_radius.dk"], k=k, phi=phi)
     for name in expected:
-        np.testing.assert_array_equal(found[name], expected[name])
+        assert_array_equal(found[name], expected[name])
 
     again = plgwear(MAP)
     assert again.stdout == "map.zarr: wear_volume, stick_radius.dk at 35 points: all were computed already\n"
@@ -55,7 +55,7 @@ def test_a_scene_gives_the_contact_and_the_load():
     volume = sweep.open_sweep("map.zarr").wear_volume
     assert volume.attrs["units"] == "m^3" and volume.dims == ("z0",)
     expected = given.build_contact().steady(given.load.force).wear_volume
-    np.testing.assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
+    assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
 
 
 @pytest.fixture
@@ -168,7 +168,7 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
     assert [stand_in[name] for name in ("digits", "chunk", "scheduler")] == [5, 7, "tcp://there:1"]
 
 
-@cases(REFUSED, "sweep")
+@cases("cli/refused.toml", "sweep")
 def test_refusals(monkeypatch, case):
     monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "1s", raising=True)
     Path("nan.txt").write_text("0.1\nnan\n")
@@ -182,7 +182,7 @@ def test_refusals(monkeypatch, case):
         assert refused(MAP, *changes) == line
 
 
-@cases(REFUSED, "plot")
+@cases("cli/refused.toml", "plot")
 def test_what_cannot_be_drawn(case):
     sweep.sweep(["wear_volume"], k=[0.1, 0.2], phi=[0.1, 0.2], out="map.zarr")
     assert is_told(refused("plot", *case["arguments"]), case)

@@ -7,13 +7,14 @@ import commands
 import numpy as np
 import pytest
 from commands import write
-from marks import compiled, parametrize
+from kinds import COEFFICIENT, dome
+from marks import compiled, compiled_case, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
 from scipy import stats
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fitting
+from plgwear_jax import fitting
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import PressurePower
 
@@ -26,9 +27,7 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
 FITTED = SCENE.partition("wear =")[0]  # what is looked for need not be there
 OF_HISTORY = SCENE.replace("tangential_force = 2.0", 'history = "h.csv"')
 SLIDING = SCENE.replace("tangential_force = 2.0", "displacement = 1e-5")
-COEFFICIENT, FORCE = 1e-14, 2.0
-CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
-REFUSED = Path(__file__).with_name("refused.toml")
+FORCE, CONTACT = 2.0, dome()
 plgwear, refused, told, printed = (
     functools.partial(run, "wear mine.toml")
     for run in (commands.plgwear, commands.refused, commands.told, commands.printed)
@@ -36,11 +35,11 @@ plgwear, refused, told, printed = (
 
 
 @pytest.fixture(autouse=True)
-def _scene(_folder: None) -> None:
+def _scene(_folder):
     write(SCENE)
 
 
-def written(file: str, columns: str, *rows: object) -> None:
+def written(file, columns, *rows):
     """Write a table."""
     Path(file).write_text("\n".join([columns, *(",".join(map(str, row)) for row in zip(*rows, strict=True))]))
 
@@ -119,7 +118,7 @@ def test_a_coefficient_in_another_unit_is_doubted():
     assert result.stderr.startswith("mine.toml: [wear]: 99 % is worn after 0.00074 cycles; is the unit of the ")
 
 
-@cases(REFUSED, "wear")
+@cases("cli/refused.toml", "wear")
 def test_refusal(case):
     written("l.csv", "tangential_force,weight", [0.3], [1])
     written("h.csv", "tangential_force", [0.3])
@@ -135,7 +134,7 @@ CYCLES = np.array([0.0, 2e4, 5e4, 1e5, 2e5, 4e5, 8e5])
 
 
 @pytest.fixture(scope="module")
-def volume() -> np.ndarray:
+def volume():
     """What is worn after CYCLES with a coefficient of 1e-14 1/Pa."""
     return np.asarray(CONTACT.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
@@ -162,14 +161,14 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
         (FORCE, lambda N, v: (N[3:6:2], v[3:6:2] * np.array([0.1, 1.0])), "the scatter is too large"),
         (FORCE, lambda N, v: (N, 3.0 * v), "up to 2.98 times the volume of the steady state is measured"),
         *(
-            pytest.param(load, lambda N, v: (N[1:3], 1e8 * v[1:3]), "more is measured than", marks=compiled)
+            compiled_case(load, lambda N, v: (N[1:3], 1e8 * v[1:3]), "more is measured than")
             for load in (Displacement(1e-5), [Block(2.0, 1e5)])
         ),
     ],
 )  # fmt: skip
 def test_a_fit_says_what_the_data_cannot_tell(volume, load, change, doubt):
     found = fitting.fit_wear_coefficient(CONTACT, load, *change(CYCLES, volume))
-    assert found.doubt is not None and found.doubt.startswith(doubt) and found.wear_coefficient > 0.0
+    assert found.doubt.startswith(doubt) and found.wear_coefficient > 0.0
     assert np.isnan(found.interval).all() == ("one unknown" in doubt)
 
 
@@ -186,7 +185,7 @@ def test_the_command_fits(volume):
     assert f"wear coefficient: {found['wear_coefficient']:.4g} 1/Pa" in table and "95 % confidence: " in table
 
 
-@cases(REFUSED, "volumes")
+@cases("cli/refused.toml", "volumes")
 def test_refusal_of_measured_volumes(case):
     Path("v.csv").write_text(case["content"])
     assert is_told(refused("--fit v.csv"), case)

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
@@ -50,10 +50,10 @@ def calls_of_lapack(lowered):
     "kind, question",
     [
         ("layers under steel", "unworn"),
-        pytest.param("a power law under steel", "fields", marks=compiled),
-        pytest.param("a table under steel", "over_cycles", marks=compiled),
-        pytest.param("a shape", "held", marks=compiled),
-        pytest.param("closed forms", "held", marks=compiled),
+        compiled_case("a power law under steel", "fields"),
+        compiled_case("a table under steel", "over_cycles"),
+        compiled_case("a shape", "held"),
+        compiled_case("closed forms", "held"),
     ],
 )
 @pytest.mark.skipif(jax.default_backend() != "cpu", reason="others have no LAPACK")
@@ -90,9 +90,9 @@ def plain(matrix, right):
     [
         lambda f: f,
         lambda f: jax.grad(f, (0, 1)),
-        pytest.param(lambda f: jax.jacfwd(jax.grad(f), 1), marks=compiled),
-        pytest.param(lambda f: jax.jacrev(jax.jacrev(f)), marks=compiled),
-        pytest.param(lambda f: jax.jacfwd(jax.jacfwd(f)), marks=compiled),
+        compiled_case(lambda f: jax.jacfwd(jax.grad(f), 1)),
+        compiled_case(lambda f: jax.jacrev(jax.jacrev(f))),
+        compiled_case(lambda f: jax.jacfwd(jax.jacfwd(f))),
     ],
 )
 def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
@@ -170,7 +170,7 @@ def test_a_matrix_that_is_not_positive_gives_nan():
 
 
 @parametrize("mapped", [sequential_vmap, sequential_forward_mode])
-@parametrize("count", [pytest.param(0, marks=compiled), pytest.param(1, marks=compiled), 4])
+@parametrize("count", [compiled_case(0), compiled_case(1), 4])
 def test_one_after_the_other_is_what_vmap_gives(mapped, count):
     def function(numbers, table):
         return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
@@ -199,19 +199,19 @@ def test_derivatives_are_by_what_moves_alone():
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 
 
-@parametrize("n", [1, 2, pytest.param(3, marks=compiled), pytest.param(5, marks=compiled)])
+@parametrize("n", [1, 2, compiled_case(3), compiled_case(5)])
 def test_elimination_solves_small_systems(n, seed):
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))
     matrix[:, 0, 0] = 0.0 if n > 1 else 1.0  # a pivot has to be sought
     expected = np.linalg.solve(matrix, right[..., None])[..., 0]
-    for xp in (np, jnp):
-        found = solved_by_elimination(xp.asarray(matrix), xp.asarray(right))
+    traced = jax.jit(solved_by_elimination)
+    for found in (solved_by_elimination(matrix, right), traced(matrix, right)):
         assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
-    by_right = jax.grad(lambda right: jnp.sum(solved_by_elimination(jnp.asarray(matrix[0]), right)))(right[0])
+    by_right = jax.grad(lambda right: jnp.sum(traced(matrix[0], right)))(right[0])
     assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
     # The derivatives of minima solve for tangents, and reverse mode transposes that.
-    transposed = jax.linear_transpose(lambda right: solved_by_elimination(jnp.asarray(matrix[0]), right), right[0])
+    transposed = jax.linear_transpose(lambda right: traced(matrix[0], right), right[0])
     assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
 
 

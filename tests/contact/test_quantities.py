@@ -13,7 +13,7 @@ import pytest
 import ring_contacts
 from balance import sums
 from functions import by_numpy
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
@@ -49,7 +49,7 @@ def places(known):
     return inside | beside | {"initial_displacement": A * np.array([0.5, 1.5, 3.0])}
 
 
-@parametrize("kind", [pytest.param(kind, marks=compiled) if kind == "a shape" else kind for kind in KINDS])
+@parametrize("kind", [compiled_case(kind) if kind == "a shape" else kind for kind in KINDS])
 def test_steady_states_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     steady = contact.steady(force)

@@ -1,16 +1,14 @@
 """Partial and gross slip over displacement amplitude and normal force."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
-import pytest
-from kinds import FORCE, FRICTION, KINDS, contact_of
-from marks import compiled, parametrize
+from kinds import FORCE, FRICTION, KINDS, dome
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, refusal
 
-from plgwear_jax import Elastic, PowerLawGraded
+from plgwear_jax import Elastic
 from plgwear_jax.contact import CRITERIA, slip_regimes
 from plgwear_jax.loads import Displacement, Force
 
@@ -20,18 +18,14 @@ SHARES = np.array([0.01, 0.2, 0.7, 0.999, 1.0, 1.001, 1.5, 8.0])
 RIGS = [None, 2e7]
 
 
-def law(k):
-    return PowerLawGraded(110e9, 1e-4, k, 0.3)
-
-
 def under(contact, forces=FORCES):
     return dataclasses.replace(contact, normal_force=forces[:, None])
 
 
 @parametrize("rig", RIGS)
-@parametrize("k", [pytest.param(-0.8, marks=compiled), 0.0, 0.5])
+@parametrize("k", [compiled_case(-0.8), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
-    contact = contact_of(law(k))
+    contact = dome(k)
     whole = np.asarray(under(contact).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = np.sort((whole * SHARES).ravel())
     found = slip_regimes(contact, moves, FORCES, rig_stiffness=rig)
@@ -53,18 +47,18 @@ def test_a_map_is_made_of_single_contacts(k, rig):
 
 @parametrize("rig", RIGS)
 def test_nothing_jumps_at_the_onset(rig):
-    onset = float(contact_of(law(0.9)).steady(Force(0.0, rig)).gross_slip_displacement)
+    onset = float(dome(0.9).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
-    found = slip_regimes(contact_of(law(0.9)), moves, [FORCE], rig_stiffness=rig)
+    found = slip_regimes(dome(0.9), moves, [FORCE], rig_stiffness=rig)
     for name in ("energy_ratio", "loop_aperture", "tangential_force"):
         assert_allclose(np.diff(getattr(found, name)[0]), 0.0, atol=1e-5)
     assert_allclose(found.energy_ratio[0, 5], found.gross_slip_energy_ratio[0], rtol=1e-8)
     assert np.all(np.isfinite(found.energy_ratio)) and found.gross_slip[0, -1] and not found.gross_slip[0, 0]
 
 
-@parametrize("indenter", [None, pytest.param(Elastic(210e9, 0.3), marks=compiled)])
+@parametrize("indenter", [None, compiled_case(Elastic(210e9, 0.3))])
 def test_no_displacement_needs_no_force(indenter):
-    force = contact_of(law(np.array([0.2, 0.3])), indenter).steady(Displacement(0.0)).tangential_force
+    force = dome(np.array([0.2, 0.3]), indenter).steady(Displacement(0.0)).tangential_force
     assert str(np.asarray(force)) == "[0. 0.]"  # neither a rounding nor -0
 
 
@@ -72,7 +66,7 @@ def test_no_displacement_needs_no_force(indenter):
 @parametrize("rig", RIGS)
 @parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
-    closed, numeric = contact_of(law(k)), contact_of(law(k), Elastic(1e20, 0.3))
+    closed, numeric = dome(k), dome(k, Elastic(1e20, 0.3))
     onset = float(closed.steady(Force(0.0, rig)).gross_slip_displacement)
     moves = onset * np.geomspace(0.011, 10.0, 61)
     found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
@@ -80,9 +74,9 @@ def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
         assert_allclose(getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name)
 
 
-@parametrize("k", [pytest.param(-0.5, marks=compiled), 0.0, 0.5])
+@parametrize("k", [compiled_case(-0.5), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
-    contact = contact_of(law(k))
+    contact = dome(k)
     onset = float(contact.steady(0.0).gross_slip_displacement)
     found = slip_regimes(contact, onset * np.linspace(0.01, 2.0, 400), [FORCE])
     for name, level in CRITERIA.items():
@@ -94,7 +88,7 @@ def test_criteria_lie_where_the_map_has_their_value(k):
     assert np.isnan(found.displacement_where("energy_ratio", 1e-9)[0])
 
 
-@cases(Path(__file__).with_name("refused.toml"), "regimes")
+@cases("contact/refused.toml", "regimes")
 def test_refusal(case):
     asked = KINDS["closed forms"], case["moves"], case["forces"]
     assert refusal(ValueError, slip_regimes, *asked, **case["more"]) == case["line"]

@@ -3,17 +3,18 @@
 What is asked of all is traced and not computed; the values of some are those of arrays.
 """
 
+import functools
 import pickle
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from dependence import GOOD, PLACES, build, depends, quantities
 from functions import COMPILED, FUNCTIONS, arguments
 from kinds import COEFFICIENT, KINDS, LAW, Linear
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from test_border import GOOD
 
 from plgwear_jax import (
     Cone,
@@ -34,7 +35,6 @@ from plgwear_jax import (
     wear_laws,
 )
 from plgwear_jax import contact as room
-from plgwear_jax.steady.closed import Steady
 
 CLOSED, NUMERIC = KINDS["closed forms"], KINDS["layers under steel"]
 
@@ -73,10 +73,10 @@ def test_what_is_in_a_list_is_checked_by_its_place():
     ):
         with pytest.raises(error, match=told):
             fretting.stick_radius(given, 0.5)
-    for digits in (True, np.bool_(True), 4.0, np.float64(4.0), "4", 0, np.int64(0), np.int64(99)):
-        for function in (fretting.stick_radius, lambda k, phi, digits: CLOSED.steady(phi, digits=digits)):
+    for digits in (True, np.bool_(True), 2.5, np.float64(4.0), "4", 0, np.int64(0), np.int64(99)):
+        for ask in (functools.partial(CLOSED.steady, 0.5), build(GrossSlipContact).steady):
             with pytest.raises(ValueError, match=r"^digits = .* is outside the allowed range 1 <= digits"):
-                function(0.1, 0.5, digits=digits)
+                ask(digits=digits)
 
 
 def test_lists_are_arrays_under_jit_grad_and_vmap():
@@ -92,30 +92,27 @@ def test_lists_are_arrays_under_jit_grad_and_vmap():
 
 # --- contacts, and what they answer -----------------------------------------------------------------------------------
 
-OF_RADIUS = [
-    name for name, one in vars(Steady).items() if name[0] != "_" and "r" in getattr(one, "__annotations__", ())
-]
-PLACES = {**dict.fromkeys(OF_RADIUS, 5e-5), "edge_pressure": 1e-6, "force_at": 1e-8}
-QUANTITIES = [name for name, one in vars(Steady).items() if isinstance(one, property) and name[0] != "_"]
-BEFORE = {"contact_radius", "peak_initial_pressure", *(name for name in QUANTITIES if name.startswith("gross_slip"))}
+ARGUMENTS = {name: places for name, places in quantities(FrettingContact).items() if len(places) < 2}
 
 
-@parametrize("name", [*QUANTITIES, *PLACES])
+@parametrize("name", ARGUMENTS)
 def test_a_steady_state_takes_lists_and_nothing(name):
     def read(force, at):
-        steady = CLOSED.steady(force, digits=np.int64(3))
-        return getattr(steady, name)(at) if name in PLACES else getattr(steady, name)
+        found = getattr(CLOSED.steady(force, digits=np.int64(3)), name)
+        return found(at) if ARGUMENTS[name] else found
 
-    place = PLACES.get(name, 0.0)
-    if name not in BEFORE:
+    (place,) = (1e-8 if key == "displacement_amplitude" else PLACES[key] for key in ARGUMENTS[name] or ["r"])
+    known = depends(FrettingContact, name)
+    if "tangential_force" in known:
         assert shape_of(lambda: read([1.0, 2.0], [place, 1.1 * place])) == (2,)
-        assert shape_of(lambda: read([[1.0], [2.0]], [place])) == (2, 1) or "initial" in name or name == "force_at"
-        assert shape_of(lambda: read(np.zeros((0, 3)), np.zeros((0, 1)))) in ((0, 3), (0, 1))
-    if name in PLACES:
+        assert shape_of(lambda: read([[1.0], [2.0]], [place])) == (2, 1)
+        assert shape_of(lambda: read(np.zeros((0, 3)), np.zeros((0, 1)))) == (0, 3)
+    if ARGUMENTS[name]:
+        assert shape_of(lambda: read(1.0, [[place], [1.1 * place]])) == (2, 1)
         assert shape_of(lambda: read(1.0, [])) == (0,)
 
 
-@pytest.mark.parametrize("worn", [False, True])
+@parametrize("worn", [False, True])
 def test_stresses_at_no_place_are_none(worn):
     assert shape_of(lambda: CLOSED.steady(1.0).stress([], np.zeros((2, 1)), worn=worn).xx) == (2, 0)
 
@@ -129,9 +126,8 @@ def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
     assert steady.pressure(np.zeros((0, 1))).shape == (0, 2)
     assert pickle.loads(pickle.dumps(steady)).wear_volume.shape == (2,)
     nobody = NUMERIC.steady(np.zeros((0, 3)))
-    for name in ("wear_volume", "deepest_wear", "energy_per_cycle", "edge_intensity"):
-        assert getattr(nobody, name).shape == (0, 3), name
-    assert nobody.wear_depth(5e-5).shape == nobody.pressure([5e-5]).shape == (0, 3)
+    asked = nobody.wear_volume, nobody.deepest_wear, nobody.energy_per_cycle, nobody.edge_intensity
+    assert {x.shape for x in (*asked, nobody.wear_depth(5e-5), nobody.pressure([5e-5]))} == {(0, 3)}
 
 
 RUNS = {
@@ -154,7 +150,7 @@ def test_a_run_of_nothing_is_nothing(kind):
 
 def test_blocks_are_a_list_of_their_own_and_numbers_an_array():
     blocks = [loads.Block([1.0, 2.0], 1e4), loads.Block(0.5, [1e4], friction=(0.4, 0.5))]
-    assert CLOSED.over_cycles(blocks, COEFFICIENT).load.of == tuple(blocks)  # pyright: ignore[reportAttributeAccessIssue]
+    assert CLOSED.over_cycles(blocks, COEFFICIENT).load.of == tuple(blocks)
     assert isinstance(blocks[1].friction, np.ndarray)
     with pytest.raises(ValueError, match="one Block or more, not an empty list"):
         CLOSED.over_cycles([], COEFFICIENT)

@@ -15,13 +15,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from dependence import GOOD, PLACES, build
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
-from plgwear_jax._core.catalogue import QUANTITIES
+from plgwear_jax import FrettingContact, GrossSlipContact, fretting, gross_slip, optimise
+from plgwear_jax._core.catalogue import laws_of, read
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 
 EPS = float(np.finfo(np.float64).eps)
@@ -60,16 +61,12 @@ def bulk(name, dtype=np.float64):
     return tuple(np.asarray(at[key], dtype) for key in arguments(name))
 
 
-def scalar(name):
-    return {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}[name]
-
-
 # --- broadcasting and dtypes ----------------------------------------------------------------------------------------
 
 
 @each_function
 def test_scalars_give_zero_dimensional_arrays(name):
-    at = [scalar(key) for key in arguments(name)]
+    at = [GOOD[key] for key in arguments(name)]
     for values in (at, [np.asarray(x) for x in at], [jnp.asarray(x) for x in at]):
         result = FUNCTIONS[name](*values)
         assert isinstance(result, jax.Array) and result.shape == () and result.dtype == jnp.float64
@@ -91,14 +88,14 @@ def test_arguments_broadcast_as_in_numpy(name):
 
 @parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
 def test_shapes_that_do_not_broadcast_are_refused(name):
-    values = [np.full(2 + i, scalar(key)) for i, key in enumerate(arguments(name))]
+    values = [np.full(2 + i, GOOD[key]) for i, key in enumerate(arguments(name))]
     with pytest.raises((TypeError, ValueError), match=r"shape|broadcast"):
         FUNCTIONS[name](*values)
 
 
 @by_one_rule
 def test_dtype_of_the_result(name):
-    function, at = FUNCTIONS[name], [scalar(key) for key in arguments(name)]
+    function, at = FUNCTIONS[name], [GOOD[key] for key in arguments(name)]
     for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
         arrays = [jnp.asarray(np.full(functions.LENGTH, x, dtype)) for x in at]
         assert jax.eval_shape(function, *arrays).dtype == dtype
@@ -172,7 +169,7 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
     assert seen["refused"]  # float32 holds 6 digits
     assert_allclose(seen["volume"], fretting.wear_volume(0.3, 0.4), rtol=32 * EPS32)
     # the exponential of a logarithm of about 10
-    assert_allclose(seen["radius"], reference_contact().steady(0.0).contact_radius, rtol=64 * EPS32)
+    assert_allclose(seen["radius"], build(FrettingContact).steady(0.0).contact_radius, rtol=64 * EPS32)
 
 
 # --- jit, vmap and derivatives --------------------------------------------------------------------------------------
@@ -184,90 +181,55 @@ def special_points(name):
     PHI = [0.0, 1e-300, 1e-16, 1e-8, 0.25, 0.5, 0.9, 1.0 - 1e-12]
     NU = [-1.0 + 1e-12, -0.5, 0.0, 0.3, 0.5]
     R = [0.0, 1e-300, 1e-8, 0.5, 1.0, 2.0**0.5, 2.0, 1e8, 1e16, 1e100, 1e154, 1e300]
+    R += [np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)]
     DISTANCE = [0.0, 1e-90, 1e-12, 0.01, 0.5, 1.0, 2.0, 1e300]
     SOFT = [0.0, 1e-300, 1e-8, 1.0, 1e12]
-    near = [np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)]
-    names, labels = arguments(name), []
-    place = names[0]
-    if place in ("r", "distance") and "phi" in names:
+    lists = {"r": R, "distance": DISTANCE, "k": K, "phi": PHI, "nu": NU, "displacement": PHI, "compliance": SOFT}
+    names = arguments(name)
+    at = [x.ravel() for x in np.meshgrid(*(lists[key] for key in names))]
+    if names[0] in ("r", "distance") and "phi" in names:
         k, phi = (x.ravel() for x in np.meshgrid(K, PHI))
-        c, a = functions.fretting.stick_radius(k, phi), functions.fretting.worn_radius(k, phi)
-        radii = {f"{place} = {r:g}": np.full_like(k, r) for r in (R + near if place == "r" else DISTANCE)}
-        for label, edge in (("c", c), ("a_inf", a)):
-            radii |= {
-                f"{place} = {label}": edge,
-                f"{place} = {label} -": np.nextafter(edge, 0.0),
-                f"{place} = {label} +": np.nextafter(edge, 9e9),
-            }
-        labels = np.repeat(list(radii), k.size)
-        r, k, phi = np.concatenate(list(radii.values())), np.tile(k, len(radii)), np.tile(phi, len(radii))
-        at = {place: r, "k": k, "phi": phi}
-    else:
-        lists = {"r": R + near, "k": K, "phi": PHI, "nu": NU, "displacement": PHI, "compliance": SOFT}
-        at = dict(zip(names, (x.ravel() for x in np.meshgrid(*(lists[key] for key in names))), strict=True))
-        labels = np.array([f"r = {r:g}" for r in at["r"]]) if "r" in at else np.full(at["k"].size, "any r")
-    return labels, tuple(at[key] for key in names)
+        for radius in (functions.fretting.stick_radius, functions.fretting.worn_radius):
+            edge = np.asarray(radius(k, phi))
+            beside = [edge, np.nextafter(edge, 0.0), np.nextafter(edge, 9e9)]
+            at = [np.append(x, y) for x, y in zip(at, (beside, np.tile(k, 3), np.tile(phi, 3)), strict=True)]
+    return at
 
 
 @functools.cache
 def evaluated(name):
-    """(labels, arguments, value, beside a gradient, reverse, forward), the special points first, then the bulk."""
-    labels, special = special_points(name)
-    at = tuple(np.concatenate([a, b]) for a, b in zip(special, bulk(name), strict=True))
-    labels = np.concatenate([labels, np.full(BULK, "bulk")])
-    return labels, at, *functions.derivatives(name, *at)
+    """(Arguments, value, beside a gradient, reverse, forward), the special points first, then the bulk."""
+    at = tuple(np.concatenate(both) for both in zip(special_points(name), bulk(name), strict=True))
+    return at, *functions.derivatives(name, *at)
 
 
 @functools.cache
 def hessians(name):
     """At the same points."""
-    return functions.hessians(name, *evaluated(name)[1])
+    return functions.hessians(name, *evaluated(name)[0])
 
 
 def in_bulk(name):
     """What is evaluated, of the bulk alone."""
-    _, at, *results = evaluated(name)
+    at, *results = evaluated(name)
     return tuple(x[-BULK:] for x in at), *(x[-BULK:] for x in results)
 
 
-def worst(labels, at, bad):
-    """What went wrong, by label, with one point each."""
-    return {
-        str(label): [float(x[np.flatnonzero(bad & (labels == label))[0]]) for x in at]
-        for label in np.unique(labels[bad])
-    }
+def told(at, bad):
+    """Some of the points at which something went wrong."""
+    return np.stack(at, -1)[bad][:5]
 
 
-# The second derivatives of these take seconds to compile and are left to the long run; those of `wear_volume` go
-# through all that the others are made of.
-LONG_TWICE = (
-    "fretting.profile",
-    "fretting.worn_radius",
-    "fretting.deepest_wear",
-    "fretting.edge_pressure",
-    "fretting.wear_depth",
-    "fretting.initial_displacement",
-    "fretting.steady_displacement",
-    "fretting.steady_traction",
-    "fretting.steady_pressure",
-    "gross_slip.initial_displacement",
-    "gross_slip.steady_displacement",
-    "material.h_N",
-    "material.tangential_ratio",
-    "partial_slip.amplitude",
-    "partial_slip.slip_amplitude",
-    "partial_slip.energy_per_cycle",
-    "partial_slip.contact_share",
-    "partial_slip.energy_ratio",
-    "partial_slip.loop_aperture",
-)
+# The second derivatives of all others take seconds to compile; those of `wear_volume` go through all that they are made
+# of.
+TWICE = {f"gross_slip.{name}" for name in ("initial_pressure", "steady_pressure", "volume_change", "force_ratio")}
+TWICE |= {f"fretting.{name}" for name in ("wear_volume", "stick_radius", "edge_intensity", "initial_pressure")}
+TWICE |= {"gross_slip.force_drop", "material.holl_ratio"}
 COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
 slow_twice = parametrize(
     "name",
     [
-        pytest.param(name, marks=getattr(pytest.mark, "long" if name in LONG_TWICE else "compiled"))
-        if name in LONG_TWICE + COMPILED_TWICE
-        else name
+        pytest.param(name, marks=() if name in TWICE else compiled if name in COMPILED_TWICE else long)
         for name in FUNCTIONS
     ],
 )
@@ -283,24 +245,24 @@ def test_second_derivative_of_the_worn_punch_is_finite_at_its_edge():
 
 @each_function
 def test_values_at_the_edges_are_numbers(name):
-    labels, at, value, beside_gradient, *_ = evaluated(name)
+    at, value, beside_gradient, *_ = evaluated(name)
     for found in (value, beside_gradient):
-        assert not np.any(np.isnan(found)), worst(labels, at, np.isnan(found))
+        assert not np.any(np.isnan(found)), told(at, np.isnan(found))
 
 
 @each_function
 def test_gradients_are_finite_wherever_the_value_is(name):
-    labels, at, value, _, reverse, forward = evaluated(name)
+    at, value, _, reverse, forward = evaluated(name)
     for gradient in (reverse, forward):
         bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
-        assert not np.any(bad), worst(labels, at, bad)
+        assert not np.any(bad), told(at, bad)
 
 
 @slow_twice
 def test_second_derivatives_are_finite_wherever_the_value_is(name):
-    labels, at, value, *_ = evaluated(name)
+    at, value, *_ = evaluated(name)
     bad = np.isfinite(value) & ~np.all(np.isfinite(hessians(name)), axis=(-1, -2))
-    assert not np.any(bad), worst(labels, at, bad)
+    assert not np.any(bad), told(at, bad)
 
 
 @each_function
@@ -371,13 +333,12 @@ def test_alone_under_jit_the_bits_are_the_same(name):
 
 
 def single_points(name):
-    """(labels, arguments) in float32, at edges and limits."""
+    """In float32, at edges and limits."""
     K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
     R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
     lists = {"r": R, "distance": [0.0, 1e-8, 0.5, 1.0, 2.0, 1e30], "k": K, "phi": PHI, "nu": NU}
     lists |= {"displacement": PHI, "compliance": [0.0, 1e-8, 1.0, 1e6]}
-    at = [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
-    return np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r"), at
+    return [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
 
 
 CHEAP_IN_SINGLE = ("fretting.stick_radius", "gross_slip.volume_change")
@@ -391,21 +352,21 @@ def long_but_for(names):
 
 @long_but_for(CHEAP_IN_SINGLE + MEASURED_IN_SINGLE)
 def test_gradients_are_finite_in_single_precision(name):
-    labels, at = single_points(name)
+    at = single_points(name)
     value, beside_gradient, reverse, forward = functions.derivatives(name, *at)
     assert value.dtype == beside_gradient.dtype == reverse.dtype == forward.dtype == np.float32
     for gradient in (reverse, forward):
         bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
-        assert not np.any(bad), worst(labels, at, bad)
+        assert not np.any(bad), told(at, bad)
 
 
 @long_but_for(CHEAP_IN_SINGLE)
 def test_second_derivatives_are_finite_in_single_precision(name):
-    labels, at = single_points(name)
+    at = single_points(name)
     value, hessian = functions.values(name, *at), functions.hessians(name, *at)
     assert value.dtype == hessian.dtype == np.float32
     bad = np.isfinite(value) & ~np.all(np.isfinite(hessian), axis=(-1, -2))
-    assert not np.any(bad), worst(labels, at, bad)
+    assert not np.any(bad), told(at, bad)
 
 
 # --- digits ---------------------------------------------------------------------------------------------------------
@@ -413,7 +374,7 @@ def test_second_derivatives_are_finite_in_single_precision(name):
 
 @each_function
 def test_digits_are_accepted_and_the_wrong_ones_refused(name):
-    at = [scalar(key) for key in arguments(name)]
+    at = [GOOD[key] for key in arguments(name)]
     if name in COMPILED:  # test_digits.py has all of them
         assert_allclose(FUNCTIONS[name](*at, digits=5), FUNCTIONS[name](*at), rtol=1e-5)
     for wrong in (0, -1, 16, 2.5, "a", True):
@@ -433,59 +394,25 @@ def test_digits_are_static_under_jit():
 # --- contacts -------------------------------------------------------------------------------------------------------
 
 
-def reference_contact(kind="fretting", nu=0.3, k=0.3):
-    graded = PowerLawGraded(E0=110e9, z0=1e-4, k=k, nu=nu)
-    if kind == "fretting":
-        return FrettingContact(graded, radius=5e-3, normal_force=10.0, friction=0.4)
-    return GrossSlipContact(graded, radius=2e-3, depth=1e-6)
-
-
-KINDS = {"fretting": FrettingContact, "gross_slip": GrossSlipContact}
 FORCE = 2.0
 
 
 def all_results(contact, names=None):
     """All that the steady state answers (or some), with a radius in the middle of it and a middling force."""
-    frets = isinstance(contact, FrettingContact)
-    steady = contact.steady(FORCE) if frets else contact.steady()
-    given = {"r": 4e-5 if frets else 1e-3, "distance": 1e-6, "x": -3e-5, "z": 1e-5, "least": 1e-6, "most": 1e-4}
-    results = {}
-    for name, law in QUANTITIES["fretting" if frets else "gross-slip"].items():
-        if names is None or name in names:
-            at = [given[key] for key in law.arguments if key in given]
-            results[name] = getattr(steady, name)(*at) if at else getattr(steady, name)
-    return results
-
-
-compiled_results = jax.jit(all_results, static_argnames="names")
-
-
-MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "pressure", "displacement_amplitude")
-
-
-@parametrize(
-    "kind, nu, names",
-    [
-        ("fretting", 0.3, MIDDLING),
-        pytest.param("gross_slip", "holl", None, marks=compiled),
-    ],
-)
-def test_contacts_are_arguments_of_compiled_functions(kind, nu, names):
-    contact = reference_contact(kind, nu)
-    eager, jitted = all_results(contact, names), compiled_results(contact, names)
-    assert eager.keys() == jitted.keys() and len(eager) >= len(names or range(8))
-    for name in eager:
-        # the constants are arguments instead of numbers: the exponential of a logarithm of some tens
-        assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
+    known = laws_of(contact)
+    return {name: read(contact, name, FORCE, PLACES) for name in names or known if not name.startswith("transient.")}
 
 
 SOME = ("contact_radius", "stick_radius", "initial_displacement")  # of the contact, its slip, and a radius in it
 
 
-@compiled
-@parametrize("kind, names", [("fretting", SOME), ("gross_slip", None)], ids=KINDS)
-def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
-    scale, contact = np.array([1.0, 1.1, 0.9]), reference_contact(kind, k=np.array([-0.6, 0.0, 0.45]))
+@parametrize(
+    "cls, nu, names",
+    [(FrettingContact, 0.3, SOME), compiled_case(GrossSlipContact, "holl", None)],
+    ids=["fretting", "gross slip"],
+)
+def test_contacts_are_arguments_batched_by_vmap_and_by_array_fields(cls, nu, names):
+    scale, contact = np.array([1.0, 1.1, 0.9]), build(cls, k=np.array([-0.6, 0.0, 0.45]), nu=nu)
     material = dataclasses.replace(contact.material, E0=110e9 * scale)
     contact = dataclasses.replace(contact, radius=contact.radius * scale, material=material)
     by_fields = all_results(contact, names)
@@ -493,75 +420,55 @@ def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     by_vmap = jax.jit(jax.vmap(functools.partial(all_results, names=names)))(batch)
     single = [all_results(jax.tree.map(lambda x, i=i: x[i], batch), names) for i in range(3)]
     for name, value in by_vmap.items():
+        # the constants are arguments instead of numbers: the exponential of a logarithm of some tens
         one_by_one = np.array([one[name] for one in single])
         assert_allclose(value, one_by_one, rtol=256 * EPS, err_msg=name)
         assert_allclose(np.broadcast_to(by_fields[name], (3,)), one_by_one, rtol=256 * EPS, err_msg=name)
 
 
-@long
-@parametrize("nu", [0.3, "holl"])
-@parametrize("kind", KINDS)
-def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
-    contact = reference_contact(kind, nu)
-
-    def quantity(contact):
-        return contact.steady(FORCE).wear_volume if kind == "fretting" else contact.steady().steady_force
-
-    value = jax.jit(quantity)
-    slope = jax.grad(quantity)(contact)
-    assert type(slope) is KINDS[kind] and type(slope.material) is PowerLawGraded
+@compiled
+def test_a_gradient_with_respect_to_a_contact_is_a_contact():
+    """Where Poisson's ratio is Holl's it follows k."""
+    contact = build(GrossSlipContact, nu="holl")
+    slope = jax.grad(lambda contact: contact.steady().steady_force)(contact)
     assert jax.tree.structure(slope) == jax.tree.structure(contact)
     for path, x in paths_of(contact).items():
-        up, down = (value(with_leaf(contact, path, x * (1.0 + side))) for side in (1e-5, -1e-5))
+        up, down = (with_leaf(contact, path, x * (1.0 + side)).steady().steady_force for side in (1e-5, -1e-5))
         # Central differences: h^2 and EPS/h, both 1e-10 times a few tens.
         assert_allclose(x * leaf_of(slope, path), (up - down) / 2e-5, rtol=1e-7, err_msg=path)
 
 
 # --- the optimal exponent -------------------------------------------------------------------------------------------
 
-LOWEST, HIGHEST = -0.95, 0.95
-# On the lower bound, four between, on the upper bound; then what is outside: phi, phi, phi, bounds, lower, upper.
-GOOD_PHI = np.array([0.05, 0.1, 0.2, 0.3, 0.36, 0.97])
-PHI = np.concatenate([GOOD_PHI, [1.0, -0.1, np.nan, 0.5, 0.5, 0.5]])
-LOWER = np.array([LOWEST] * 9 + [0.5, -1.0, LOWEST])
-UPPER = np.array([HIGHEST] * 9 + [-0.5, HIGHEST, np.nan])
-GOOD, BETWEEN = slice(0, 6), slice(1, 5)
+# On the lower bound, four between, on the upper bound; then what is outside: phi, and both bounds.
+PHI = np.array([0.05, 0.1, 0.2, 0.3, 0.36, 0.97, 1.0, 0.5, 0.5])
+LOWER, UPPER = np.append(np.full(7, -0.95), [0.5, -0.95]), np.append(np.full(7, 0.95), [-0.5, np.nan])
 
 
 @jax.jit
-def designs(phi, lower, upper):
-    """Optima, and the slopes of k and of the wear volume in phi, lower and upper."""
+def designs(phi):
+    """k and the wear volume of optima, and the slopes of both by phi and the bounds."""
 
-    def numbers(phi, lower, upper):
-        found = optimise.optimal_exponent(phi, (lower, upper))
-        return (found.k, found.wear_volume), found
+    def numbers(*at):
+        found = optimise.optimal_exponent(at[0], at[1:])
+        return jnp.stack([found.k, found.wear_volume])
 
-    _, back, found = jax.vjp(numbers, phi, lower, upper, has_aux=True)
-    one, zero = jnp.ones_like(phi), jnp.zeros_like(phi)
-    by_both = jax.vmap(back)((jnp.stack([one, zero]), jnp.stack([zero, one])))
-    return found, *(jax.tree.map(lambda slope, row=row: slope[row], by_both) for row in (0, 1))
+    value, back = jax.vjp(numbers, phi, LOWER, UPPER)
+    return value, *(jnp.stack(back(jnp.zeros_like(value).at[row].set(1.0))) for row in range(2))
 
 
 @long
 def test_the_optimum_is_differentiable():
-    found, (by_phi, by_lower, by_upper), by_volume = jax.tree.map(np.asarray, designs(PHI, LOWER, UPPER))
-    volume_by_phi, _, volume_by_upper = by_volume
-    # Outside there is nothing.
-    assert np.all(np.isnan([found.k, found.wear_volume, by_phi, volume_by_phi])[:, 6:])
-    flags = found.converged, found.certified, found.scan_found_nothing_better, found.at_bound
-    assert not np.any(np.stack(flags)[:, 6:])
-    single = optimise.optimal_exponent(np.float32(GOOD_PHI))
-    assert single.k.dtype == single.wear_volume.dtype == jnp.float32
-    assert_allclose(single.k, found.k[GOOD], atol=2e-3)  # eps^(5/8) = 5e-5 of slope; the volume is flat
-    h = 1e-4 * np.where(np.arange(12) < 6, 1.0, 0.0)
-    up, down = (designs(PHI + sign * h, LOWER, UPPER)[0] for sign in (1.0, -1.0))
+    (value, of_k, of_volume), h = map(np.asarray, designs(PHI)), 1e-4 * (np.arange(9) < 6)
+    assert np.all(np.isnan([*value, *of_k[:1], *of_volume[:1]])[:, 6:])
+    by_k, by_volume = (np.asarray(designs(PHI + h)[0]) - designs(PHI - h)[0])[:, :6] / 2e-4
     # h^2 times third derivatives of some tens, and k to 1e-9 over h: 1e-5 both.
-    assert_allclose(by_phi[BETWEEN], (np.asarray(up.k) - down.k)[BETWEEN] / 2e-4, rtol=1e-4)
-    change = (np.asarray(up.wear_volume) - down.wear_volume)[GOOD] / 2e-4
-    assert_allclose(volume_by_phi[GOOD], change, rtol=1e-4)
+    assert_allclose(of_k[0, 1:5], by_k[1:5], rtol=1e-4)
+    assert_allclose(of_volume[0, :6], by_volume, rtol=1e-4)
     # On a bound k follows that bound and nothing else, and so does the volume; elsewhere it knows of none but rounding.
-    assert_array_equal(by_phi[[0, 5]], 0.0)
-    assert_allclose(by_lower[GOOD], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], rtol=0, atol=64 * EPS)
-    assert_allclose(by_upper[GOOD], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], rtol=0, atol=64 * EPS)
-    by_k = float(jax.grad(fretting.wear_volume)(HIGHEST, 0.97))
-    assert_allclose(volume_by_upper[5], by_k, rtol=1e-12)
+    assert_array_equal(of_k[0, [0, 5]], 0.0)
+    assert_allclose(of_k[1:, :6], np.stack([np.arange(6) == 0, np.arange(6) == 5]), rtol=0, atol=64 * EPS)
+    assert_allclose(of_volume[2, 5], jax.grad(fretting.wear_volume)(0.95, 0.97), rtol=1e-12)
+    single = optimise.optimal_exponent(np.float32(PHI[:6]))
+    assert single.k.dtype == single.wear_volume.dtype == jnp.float32
+    assert_allclose(single.k, value[0, :6], atol=2e-3)  # eps^(5/8) = 5e-5 of slope; the volume is flat

@@ -17,7 +17,6 @@ from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
 from plgwear_jax.optimise import evaluation
 
-REFUSED = Path(__file__).with_name("refused.toml")
 RADIUS = 7e-5
 SCENE = """# a connector
 [material]     # today
@@ -40,7 +39,7 @@ tangential_force = 0.4
 CSV = "depth (um),modulus (GPa)\n0,250\n2,240\n5,225\n10,190\n20,165\n40,140\n80,120\n200,110\n"
 
 
-def power_law(depth: np.ndarray, k: float) -> np.ndarray:
+def power_law(depth, k):
     return 150e9 * (depth / 2e-5) ** k
 
 
@@ -59,7 +58,7 @@ def test_a_power_law_is_found_again(k):
 
 
 def test_it_does_not_matter_how_densely_the_table_is_written():
-    def fitted(depth: np.ndarray) -> float:
+    def fitted(depth):
         return coating.fit_power_law(depth, 100e9 + 50e9 * depth / (depth + RADIUS), 0.3, RADIUS).material.k
 
     even = RADIUS * np.geomspace(0.05, 5.0, 400)
@@ -81,7 +80,7 @@ def test_the_confidence_is_that_of_scattered_points():
     assert_allclose(told, spread, rtol=0.3, atol=1e-5)
 
 
-@cases(REFUSED, "power_laws")
+@cases("fitting/refused.toml", "power_laws")
 def test_doubts_and_refusals(case):
     depth, modulus = RADIUS * np.array(case["depth"]), 1e11 * np.array(case["modulus"])
     if "doubt" in case:
@@ -107,7 +106,7 @@ BY_RADIUS = -np.array([0.02, 0.05, 0.1, 0.1, 0.05])  # the slopes of log(contact
 
 
 @pytest.fixture
-def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
+def pretended(monkeypatch):
     """Wear and contact radius in closed form: stiff is good at the surface, and bad below it."""
     wear = np.array([-0.3, -0.1, 0.4, 0.1, 0.1])
 
@@ -141,7 +140,7 @@ def test_a_free_gradient_lies_on_its_bounds():
     assert lines[7].startswith(f"  best power law: k = {found.exponent:.3g}, wear_volume = ")
     assert lines[9:] == ["  20 of 20 descents ended here, minima: 1", "  converged, certified"]
     assert found.doubt is None
-    CONTACT.steady(0.4).deepest_wear = 2e-9  # pyright: ignore[reportAttributeAccessIssue]
+    CONTACT.steady(0.4).deepest_wear = 2e-9
     assert "  the wear is only 2 nm deep: the roughness of most surfaces is larger" in repr(found)
     none = dataclasses.replace(found, power_law_value=math.nan, converged=False)
     assert "best power law: none keeps the limits" in repr(none) and repr(none).endswith("not converged, not certified")
@@ -164,7 +163,7 @@ def test_a_free_gradient_keeps_its_limits():
     assert exponents.size > 1
 
 
-@cases(REFUSED, "profiles")
+@cases("fitting/refused.toml", "profiles")
 def test_bad_profiles(case):
     with pytest.raises(ValueError, match=case["line"]):
         optimise.ModulusProfile(case["at"], case["lower"], case["upper"])
@@ -174,7 +173,7 @@ def test_bad_profiles(case):
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     bounds = ", ".join(["[55e9, 220e9]"] * 5)
     vary = f"vary = {{ modulus = {{ at = [2e-6, 7e-6, 2e-5, 7e-5, 3e-4], between = [{bounds}] }} }}"
@@ -182,7 +181,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("E.csv").write_text(CSV)
 
 
-@cases(REFUSED, "commands")
+@cases("fitting/refused.toml", "commands")
 def test_the_coating_command_refuses_in_a_line(folder, case):
     Path("bad.csv").write_text("depth,modulus\n0,1e11\n1e-6,x\n")
     assert is_told(refused("coating", *case["arguments"], "--scene", "scene.toml"), case)

@@ -1,21 +1,19 @@
 """Wear coefficients from synthetic volumes of tests in gross slip, in blocks and with other wear laws."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases
 
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.optimise import design
-from plgwear_jax.wear_laws import WearLaw, law_of
+from plgwear_jax.wear_laws import law_of
 
-REFUSED = Path(__file__).with_name("refused.toml")
 ONE = contact_of(LAW)
 GROSS = Displacement(1e-5)  # gross slip begins at some 0.8 um
 CYCLES = np.array([1e4, 3e4, 1e5, 2e5, 3e5])
@@ -24,7 +22,7 @@ SCATTER = 0.05
 NOISE = 1.0 + SCATTER * np.random.default_rng(3).standard_normal((40, CYCLES.size))
 
 
-def law_with(exponent: float) -> tuple[float, WearLaw]:
+def law_with(exponent):
     """A coefficient and its law, whose wear is about that of Archard's by a pressure that the contacts here have."""
     K = COEFFICIENT * 5e8 ** (1.0 - exponent)
     return K, law_of(K, exponent)
@@ -36,15 +34,13 @@ def law_with(exponent: float) -> tuple[float, WearLaw]:
         (ONE, GROSS, 1.0),
         (ONE, Force(2.0), 1.0),
         *(
-            pytest.param(one, load, exponent, marks=compiled)
+            compiled_case(one, load, exponent)
             for one, load, exponent in (
                 (ONE, Displacement(1e-5, rig_stiffness=1e7), 1.0),
                 (ONE, Displacement(3e-7), 1.0),
-                (ONE, GROSS, 0.8),
                 (ONE, GROSS, 1.5),
                 (ONE, Force(2.0), 1.5),
                 (ONE, CHANGING, 1.0),
-                (ONE, [Block(1.0, 5e4), Block(3.0, 3e5)], 1.0),
                 (ONE, [Block(2.0, 1e5, friction=0.6), Block(GROSS, 1e5, 5.0), Block(Displacement(5e-7), 1e5)], 1.0),
                 (KINDS["layers under steel"], GROSS, 1.0),
             )
@@ -88,7 +84,7 @@ def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycle
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
     assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
     assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
-    assert found.doubt is not None and "little but the least coefficient" in found.doubt
+    assert "little but the least coefficient" in found.doubt
 
 
 def test_the_most_likely_of_several_minima_is_found():
@@ -115,7 +111,7 @@ def test_a_relative_deviation_stands_for_a_deviation_of_each():
     assert_allclose(share.deviation, SCATTER * begun[1], rtol=1e-15)
 
 
-@cases(REFUSED, "fits")
+@cases("fitting/refused.toml", "fits")
 def test_what_is_no_measurement_is_refused(case):
     given = {"load": GROSS, "cycles": CYCLES, "volume": [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]} | case["given"]
     if given["load"] == "BLOCK":
@@ -124,9 +120,7 @@ def test_what_is_no_measurement_is_refused(case):
         fit_wear_coefficient(ONE, **given)
 
 
-@pytest.mark.parametrize(
-    "ask, given", [(fit_wear_coefficient, (CYCLES, 1e-15 * CYCLES)), (design, ({"k": (0.0, 0.5)},))]
-)
+@parametrize("ask, given", [(fit_wear_coefficient, (CYCLES, 1e-15 * CYCLES)), (design, ({"k": (0.0, 0.5)},))])
 def test_a_fit_and_a_design_are_of_one_contact(ask, given):
     with pytest.raises(ValueError, match=r"contact: friction of shape \(2,\): takes one contact"):
         ask(dataclasses.replace(ONE, friction=[0.4, 0.5]), 2.0, *given)

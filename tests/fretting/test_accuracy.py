@@ -1,6 +1,5 @@
 """The accuracy that is promised, region by region, against the oracle; `make accuracy` prints the whole table."""
 
-import dataclasses
 import runpy
 from pathlib import Path
 
@@ -13,7 +12,8 @@ import oracle
 import pytest
 from hypothesis import given, settings, target
 from hypothesis import strategies as st
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long, long_case, parametrize
+from numpy.testing import assert_allclose
 
 from plgwear_jax import compiler_options, fretting, gross_slip, material
 from plgwear_jax.fretting import deepest, ring
@@ -73,20 +73,12 @@ def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype,
     check(quantity, region, dtype, 20_000 if dtype == "float64" else 5_000, seed + 1, processes=2)
 
 
-@long
-@parametrize("dtype", ["float64", "float32"])
-@parametrize("region", ["bulk", "edges"])
-def test_second_derivatives_of_the_deepest_wear_stay_within_the_promise(region, dtype, seed):
-    (deepest,) = (quantity for quantity in accuracy.QUANTITIES if quantity.name == "fretting.deepest_wear")
-    check(dataclasses.replace(deepest, order=2), region, dtype, 2000, seed, processes=2)
-
-
 def test_the_mixed_derivative_of_the_deepest_wear_is_that_of_differences():
     by_phi = jax.grad(fretting.deepest_wear, 1)
     slope, mixed = (jax.jit(one, compiler_options=compiler_options()) for one in (by_phi, jax.grad(by_phi)))
     for k, phi in ((0.3, 0.6), (-0.4, 0.2)):
         difference = (slope(k + 1e-5, phi) - slope(k - 1e-5, phi)) / 2e-5
-        np.testing.assert_allclose(mixed(k, phi), difference, rtol=1e-7)
+        assert_allclose(mixed(k, phi), difference, rtol=1e-7)
 
 
 # --- the worst point, hunted ----------------------------------------------------------------------------------------
@@ -201,8 +193,8 @@ def test_h_N_at_the_ends_of_poissons_ratio():
 @parametrize(
     "name",
     [
-        *(pytest.param(x, marks=long) for x in ("reciprocal_gamma", "volume_numerator", "edge_even")),
-        pytest.param("edge_odd", marks=compiled),
+        *(long_case(x) for x in ("reciprocal_gamma", "volume_numerator", "edge_even")),
+        compiled_case("edge_odd"),
     ],
 )
 def test_the_gamma_tables_are_those_of_their_program(name):

@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import transient_oracle
-from kinds import FORCE, FRICTION, contact_of
+from kinds import FORCE, FRICTION, dome
 from marks import parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import Elastic, PowerLawGraded, fretting, material, partial_slip
+from plgwear_jax import Elastic, fretting, material, partial_slip
 from plgwear_jax.loads import Displacement, Force
 
 LIMIT = FRICTION * FORCE
@@ -19,19 +19,9 @@ EXPONENTS = np.array([-0.9, -0.5, 0.0, 0.3, 0.9])
 GROSS = r"0 <= displacement_amplitude < .* m, where gross slip begins"
 
 
-def dome(k=0.0):
-    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3))
-
-
 @parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
 def test_theta_is_that_of_the_equations_of_plane_strain(k, nu):
     assert_allclose(material.tangential_ratio(k, nu), transient_oracle.tangential_ratio(k, nu), rtol=1e-9)
-
-
-def test_theta_at_known_points():
-    assert_allclose(material.tangential_ratio(0.0, 0.3), 1.7 / 1.4, rtol=1e-15)
-    assert_allclose(material.tangential_ratio(0.4, 1.0 / 2.4), 1.4 * 3.4 / 2.0, rtol=1e-14)
-    assert_allclose(material.tangential_ratio(-0.4, "holl"), 0.6 * 2.6 / 2.0, rtol=1e-15)
 
 
 def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
@@ -79,7 +69,7 @@ def test_the_displacement_of_the_worn_contact_is_larger(k):
 # --- the loop ---------------------------------------------------------------------------------------------------------
 
 
-def loop(contact, force, rig=0.0, points=4001):
+def loop(contact, force, rig, points=4001):
     """(Energy, displacement at no force on the way back) of the loop that Masing's rule makes of the first loading."""
     # Forces are dense at both ends, where the curve may be steep.
     forces = -force * np.cos(np.pi * np.linspace(0.0, 1.0, points))
@@ -89,11 +79,10 @@ def loop(contact, force, rig=0.0, points=4001):
 
 
 @parametrize("k", EXPONENTS)
-@parametrize("rig", [None, 1e7])
-def test_energy_ratio_and_aperture_are_those_of_the_loop(k, rig):
+def test_energy_ratio_and_aperture_are_those_of_the_loop(k):
     contact, force = dome(k), 0.7 * LIMIT
-    energy, opened = loop(contact, force, 0.0 if rig is None else 1.0 / rig)
-    found = contact.steady(Force(force, rig))
+    energy, opened = loop(contact, force, 1e-7)
+    found = contact.steady(Force(force, 1e7))
     most = float(found.displacement_amplitude)
     expected = energy, energy / (4.0 * force * most), opened / most  # a rig loses nothing
     assert_allclose([found.energy_per_cycle, found.energy_ratio, found.loop_aperture], expected, rtol=1e-5)

@@ -1,12 +1,10 @@
 """The program of `make test-mutants`: which errors it plants."""
 
 import ast
-import importlib.util
 from pathlib import Path
 
 import pytest
-
-FILE = Path(__file__).parents[2] / "tools" / "mutants.py"
+from processes import module_at
 
 SOURCE = b'''
 _STEP = 0.5
@@ -41,11 +39,7 @@ PLANTED = {
 
 @pytest.fixture(scope="module")
 def mutants():
-    spec = importlib.util.spec_from_file_location("mutants", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(Path(__file__).parents[2] / "tools" / "mutants.py")
 
 
 def test_errors_are_planted_in_arithmetic_alone(mutants):

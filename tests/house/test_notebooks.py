@@ -1,7 +1,6 @@
 """The notebooks run from top to bottom, and are committed as they ran: in order, with outputs, without complaints."""
 
 import base64
-import importlib.util
 import re
 import subprocess
 import sys
@@ -10,14 +9,12 @@ from pathlib import Path
 import nbformat
 import pytest
 from marks import compiled, long, parametrize
+from processes import module_at
 
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
-_spec = importlib.util.spec_from_file_location("execute", FOLDER / "execute.py")
-assert _spec is not None and _spec.loader is not None
-execute = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(execute)
+execute = module_at(FOLDER / "execute.py")
 
 
 def read(name):
@@ -98,21 +95,14 @@ def test_committed_as_it_ran(name):
 
 
 @parametrize("name", NAMES)
-def test_nothing_points_at_a_machine(name):
-    text = (FOLDER / f"{name}.ipynb").read_text(encoding="utf-8")
+def test_only_what_everybody_has_is_used(name):
+    """Nothing that only one machine has, public names, and links that lead somewhere."""
+    text = (FOLDER / f"{name}.ipynb").read_text("utf-8")
     text = re.sub(r'"image/png": "[^"]*"', "", text)
     assert not re.search(r"/(home|Users|root|tmp|work|usr|opt|var|private)/|\b[A-Z]:\\\\", text)
-
-
-@parametrize("name", NAMES)
-def test_only_public_names_are_used(name):
     code = "\n".join(cell.source for cell in code_cells(read(name)))
     assert "plgwear_jax" in code
     assert not re.search(r"plgwear_jax(\.\w+)*\._|import _|\b(question|task)\b", code)
-
-
-@parametrize("name", NAMES)
-def test_links_lead_somewhere(name):
     prose = "\n".join(cell.source for cell in read(name).cells if cell.cell_type == "markdown")
     for link in re.findall(r"\]\(([^)#]+)\)", prose):
         assert (FOLDER / link).exists(), link

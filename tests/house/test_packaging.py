@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from marks import parametrize
 
 pytestmark = pytest.mark.long
 
@@ -93,7 +94,7 @@ def test_the_script_says_what_it_lacks(python, tmp_path):
         assert done.stderr.startswith("plgwear: needs the extra cli") and len(done.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize(
+@parametrize(
     "code, extra",
     [
         ("import plgwear_jax; plgwear_jax.sweep", "sweep"),

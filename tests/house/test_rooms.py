@@ -5,7 +5,7 @@ import functools
 import graphlib
 from pathlib import Path
 
-import pytest
+from marks import parametrize
 
 import plgwear_jax
 
@@ -33,7 +33,7 @@ FLOORS = [
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 
 
-def module_of(file: Path) -> str:
+def module_of(file):
     parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -42,10 +42,10 @@ FILES = {module_of(file): file for file in sorted(PACKAGE.rglob("*.py"))}
 
 
 @functools.cache
-def imports_of(module: str) -> set[str]:
+def imports_of(module):
     """The modules of the package that a module imports, also within its functions, and those it names for pyright."""
     found = set()
-    for node in ast.walk(ast.parse(FILES[module].read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(FILES[module].read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("plgwear_jax"):
             for alias in node.names:
                 whole = f"{node.module}.{alias.name}"
@@ -55,7 +55,7 @@ def imports_of(module: str) -> set[str]:
     return found
 
 
-def room_of(module: str) -> str:
+def room_of(module):
     return module.split(".")[1]
 
 
@@ -63,7 +63,7 @@ def test_every_room_has_its_floor():
     assert {room_of(module) for module in FILES if module != "plgwear_jax"} == FLOOR.keys()
 
 
-@pytest.mark.parametrize("module", sorted(FILES.keys() - {"plgwear_jax"}))
+@parametrize("module", sorted(FILES.keys() - {"plgwear_jax"}))
 def test_a_room_uses_those_above_it_alone(module):
     room = room_of(module)
     assert "plgwear_jax" not in imports_of(module)  # the root knows all others
@@ -82,5 +82,5 @@ SUBJECTS = {"plgwear_jax.optimise.evaluation", "plgwear_jax.optimise.search"}
 
 def test_files_have_one_subject():
     """Few are longer: those whose subject the house draws as one file."""
-    long = {module: len(file.read_text(encoding="utf-8").splitlines()) for module, file in FILES.items()}
+    long = {module: len(file.read_text("utf-8").splitlines()) for module, file in FILES.items()}
     assert {module: lines for module, lines in long.items() if lines > 600}.keys() <= SUBJECTS

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from marks import compiled, long, parametrize
+from numpy.testing import assert_array_equal
 
 from plgwear_jax import FrettingContact, scene
 
@@ -18,7 +19,7 @@ SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 def test_scenes_have_the_sizes_of_their_applications(name):
     given = SCENES[name]
     contact = given.build_contact()
-    assert isinstance(contact, FrettingContact) and given.load is not None and given.design_space is not None
+    assert isinstance(contact, FrettingContact)
     force = given.load.largest
     radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
     a_0 = float(contact.steady(0.0).contact_radius)
@@ -33,7 +34,6 @@ def test_scenes_have_the_sizes_of_their_applications(name):
 def test_scenes_can_be_made(name):
     """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space
-    assert design is not None
     window = design.variables.get("modulus") or (design.allowed or {})["modulus"]
     a_0 = float(SCENES[name].build_contact().steady(0.0).contact_radius)
     shallow, deep = (z / a_0 for z in dict(window)["at"])
@@ -58,7 +58,7 @@ def test_scenes_together_show_what_can_be_asked():
 def study(monkeypatch, tmp_path, capsys):
     """Run a study in this process; what it prints."""
 
-    def run(name: str, **small: int) -> str:
+    def run(name, **small):
         monkeypatch.syspath_prepend(DESIGN)
         importlib.import_module(name).main(tmp_path, **small)
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -82,7 +82,7 @@ def test_uncertain_load_is_best_by_its_own_measure(study):
     printed = study("uncertain_load", samples=5)
     assert "a global search found nothing better for any design: True" in printed
     excess = np.array(re.findall(r"\(([-+\d.e]+) %\)", printed), float).reshape(4, 3)
-    np.testing.assert_array_equal(np.diagonal(excess[1:]), 0.0)
+    assert_array_equal(np.diagonal(excess[1:]), 0.0)
     assert np.all(excess >= 0.0)
     assert np.all(excess[0] > 0.1)  # the mean amplitude is not what to design for
 
@@ -112,5 +112,5 @@ def test_all_pictures_begin_on_a_page_of_the_common_style():
     """The size in cm, the resolution and the colours are those of plots.style; nothing has its own."""
     root, own = DESIGN.parent, re.compile(r"\bFigure\(figsize|rcParams\[|#D55E00|#0072B2|font\.family")
     places = [path for folder in ("plgwear_jax", "design", "benchmarks") for path in (root / folder).rglob("*.py")]
-    found = {str(path.relative_to(root)) for path in places if own.search(path.read_text(encoding="utf-8"))}
+    found = {str(path.relative_to(root)) for path in places if own.search(path.read_text("utf-8"))}
     assert found <= {"plgwear_jax/plots/style.py"}

@@ -1,28 +1,22 @@
 """Lives of all exponents, read from runs at a few, against the run of each contact."""
 
-import dataclasses
-from typing import Any
-
 import jax
 import numpy as np
+from coated import LIFE, on
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from kinds import dome
 from marks import compiled
 from numpy.testing import assert_allclose
 from reduced import MANY, coefficient_of
 
-from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax import optimise
 from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of, read_from_runs
 
-CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.1, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-LIFE: dict[str, Any] = {"cycles": 4e5, "law": 1e-14}
+CONTACT = dome(0.1)
 AT = np.linspace(0.0, 1.0, 9)
-
-
-def with_exponents(k: np.ndarray) -> FrettingContact:
-    return dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, k=k))
 
 
 @compiled
@@ -40,8 +34,8 @@ def test_wear_between_the_runs_is_that_of_a_run(ends, phi, reduced):
     assert read_from_runs(question)
     k = np.clip(ends[0] + (ends[1] - ends[0]) * AT, *ends)
     found = evaluate(question, {"k": k})
-    direct = np.asarray(with_exponents(k).over_cycles(force, 1e-14).volume(cycles))
-    final = np.asarray(with_exponents(k).steady(force).wear_volume)
+    direct = np.asarray(dome(k).over_cycles(force, 1e-14).volume(cycles))
+    final = np.asarray(dome(k).steady(force).wear_volume)
     assert_allclose(found.objective / final, direct / final, atol=3e-5)
 
 
@@ -57,13 +51,13 @@ def test_slopes_between_the_runs():
 
 
 def test_a_reference_and_wear_beyond_the_bounds_of_a_design():
-    contact = with_exponents(np.float64(0.8))
+    contact = dome(np.float64(0.8))
     found = optimise.design(contact, 1.0, {"k": (-0.3, 0.2)}, **LIFE)
     each = [one.over_cycles(1.0, 1e-14).volume(4e5) for one in (contact, found.contact)]
     assert_allclose([found.reference_value, found.value], each, rtol=1e-6)
     k = np.array([-0.7, 0.1, 0.6])
     course = optimise.along(found, "k", k)
-    assert_allclose(course.value, with_exponents(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
+    assert_allclose(course.value, dome(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
     assert np.all(course.keeps_limits)
 
 
@@ -80,9 +74,10 @@ def test_what_has_runs_of_its_own_for_each_design():
 
 @compiled
 def test_designs_for_a_life_have_derivatives():
-    def worn(radius: Any) -> Any:
-        contact = dataclasses.replace(CONTACT, radius=radius)
-        return optimise.designs(contact, 1.0, {"k": (-0.6, 0.6)}, hold="contact_radius", **LIFE).value
+    def worn(radius):
+        return optimise.designs(
+            on(CONTACT, radius=radius), 1.0, {"k": (-0.6, 0.6)}, hold="contact_radius", **LIFE
+        ).value
 
     radius, step = 5e-3, 1e-4
     found = jax.jit(jax.grad(worn))(radius)

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimum_oracle
 import pytest
-from marks import compiled, long, parametrize
+from marks import compiled
 from mpmath import mp, mpf
 from numpy.testing import assert_allclose
 
@@ -65,7 +65,7 @@ def with_derivatives(bounds):
 @compiled
 def test_between_any_bounds(bounds, with_derivatives):
     for found, *pair in zip(with_derivatives[1][0].T, *bounds, strict=True):
-        assert max(errors(found, optimum_oracle.critical_amplitudes(pair))) < 5e-14
+        assert max(errors(found, optimum_oracle.critical_amplitudes(tuple(pair)))) < 5e-14
 
 
 @compiled
@@ -120,12 +120,11 @@ def test_traced_bounds_out_of_range_give_nan(with_derivatives):
 # --- what the three numbers say -------------------------------------------------------------------------------------
 
 
-@parametrize("samples", [201, pytest.param(2001, marks=long)])
-def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent(samples):
+def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent():
     """dV/dk over phi has the signs +, -, +."""
-    k = np.linspace(-1.0, 1.0, samples)
+    k = np.linspace(-1.0, 1.0, 201)
     k[0], k[-1] = -1.0 + 2.0**-53, 1.0 - 2.0**-53
-    towards = 10.0 ** np.linspace(-12.0, np.log10(0.5), samples)
+    towards = 10.0 ** np.linspace(-12.0, np.log10(0.5), 201)
     phi = np.unique(np.concatenate([towards, 1.0 - towards]))
     by_k = jax.jit(lambda k, phi: jax.jvp(lambda k: fretting.wear_volume(k, phi), (k,), (jnp.ones_like(k),))[1])
     sign = np.sign(by_k(*np.meshgrid(k, phi, indexing="ij")))
@@ -148,21 +147,3 @@ def test_the_best_exponent_leaves_its_bounds_there():
     best = optimise.optimal_exponent(phi, BOUNDS)
     assert best.at_bound.tolist() == [True, False, False, True, True, True]
     assert_allclose(best.k, np.repeat([-0.95, 0.95, 0.95, -0.95], [2, 2, 1, 1]), atol=1e-4)
-
-
-# --- the best exponents ---------------------------------------------------------------------------------------------
-
-
-@long
-def test_second_derivatives():
-    # A minute or more, in which XLA compiles third derivatives of the wear volume.
-    second = jax.jit(jax.jacfwd(jax.jacfwd(stacked)))((jnp.array(-1.0), jnp.array(1.0)))
-    with mp.workdps(50):
-        step = mpf(10) ** -8
-        lower, upper = (
-            [optimum_oracle.critical_amplitudes((-1 + i * step, 1 - j * step)) for i, j in pairs]
-            for pairs in (((0, 0), (1, 0), (2, 0)), ((0, 0), (0, 1), (0, 2)))
-        )
-        for found, three in ((second[0][0], lower), (second[1][1], upper)):
-            exact = [float((a - 2 * b + c) / step**2) for a, b, c in zip(*three, strict=True)]
-            assert_allclose(found, exact, atol=1e-6)

@@ -1,6 +1,5 @@
 """Which layers and which thickness wear least: one design, in Python and on the command line."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +39,7 @@ def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
     # A tenth around the best, and far from it.
     first, second = (best[name] * np.geomspace(0.5, 2.0, 15) for name in VARY)
     thickness = np.stack(np.broadcast_arrays(first[:, None], second), -1)
-    steady = dataclasses.replace(CONTACT, material=Layered(thickness, CONTACT.material.modulus, 0.3)).steady(FORCE)
+    steady = on(CONTACT, thickness=thickness).steady(FORCE)
     volumes = np.where(np.asarray(steady.contact_radius) >= 7.334e-5, steady.wear_volume, np.inf)
     assert 0.995 * np.min(volumes) <= best["wear_volume"] <= 1.0001 * np.min(volumes)
     of_element = found["sensitivities"]["variables"]["material.modulus[1]"]
@@ -54,12 +53,12 @@ def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
 
 @compiled
 def test_a_thickness_may_be_uncertain(tmp_path):
-    text = LAYERS.read_text(encoding="utf-8")
+    text = LAYERS.read_text("utf-8")
     text = text.replace(', "material.thickness[1]" = [1e-6, 1e-4] }', ' }\nscenarios = "scatter.csv"\nover = "worst"')
-    (tmp_path / "layers.toml").write_text(text, encoding="utf-8")
-    (tmp_path / "scatter.csv").write_text("material.thickness[1]\n4e-6\n5e-6\n7e-6\n", encoding="utf-8")
+    (tmp_path / "layers.toml").write_text(text, "utf-8")
+    (tmp_path / "scatter.csv").write_text("material.thickness[1]\n4e-6\n5e-6\n7e-6\n", "utf-8")
     found = scene.load(tmp_path / "layers.toml").design()
     thickness = np.stack(np.broadcast_arrays(found.variables["material.thickness[0]"], [4e-6, 5e-6, 7e-6]), -1)
-    cases = dataclasses.replace(CONTACT, material=Layered(thickness, CONTACT.material.modulus, 0.3)).steady(FORCE)
+    cases = on(CONTACT, thickness=thickness).steady(FORCE)
     assert_allclose(found.value, np.max(cases.wear_volume), rtol=1e-5)
     assert np.min(cases.contact_radius) >= 7.334e-5 * (1.0 - 1e-5)

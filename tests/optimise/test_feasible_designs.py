@@ -3,12 +3,15 @@
 import dataclasses
 
 import numpy as np
+from coated import on
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from kinds import STEEL, dome
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, optimise
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax.optimise.question import with_variables
 
 NAMES = (
     "wear_volume",
@@ -71,15 +74,11 @@ def asked(draw, variables, points):
         vary[other] = (value if other == "friction" else value / ratio, value * ratio)
         axes.append(np.geomspace(*vary[other], points))
     at = dict(zip(vary, (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")), strict=True))
-    moduli = {"E0": E0, **{name: x for name, x in at.items() if name in ("k", "E0")}}
-    material = dataclasses.replace(contact.material, **moduli)
-    others = {name: x for name, x in at.items() if name in ("radius", "friction")}
-    grid = dataclasses.replace(contact, material=material, **others)
+    grid = with_variables(contact, at)
     force = phi * friction * normal_force
     if hold:  # Eq. (12): a_0^(3+k) is inversely proportional to E0
         ratio = np.asarray(grid.steady(0.0).contact_radius / contact.steady(0.0).contact_radius)
-        material = dataclasses.replace(material, E0=E0 * ratio ** (3.0 + at["k"]))
-        grid = dataclasses.replace(grid, material=material)
+        grid = on(grid, E0=E0 * ratio ** (3.0 + at["k"]))
     distance = log_float(-3.0, -0.5) * float(np.min(grid.steady(force).stick_radius))
     return Asked(contact, force, vary, hold, grid, distance)
 
@@ -134,20 +133,21 @@ def test_many_designs_that_exist_are_found():
     settings(max_examples=100)(asks_at_random(2, 101))()
 
 
+BENT = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)  # the worn radius over k
+
+
 @parametrize("lowest", [0.1, 0.22, 0.3])
 def test_a_limit_that_is_not_monotone(lowest):
     """The worn radius first falls with k; the objective pulls to where no step would lead to contacts that keep it."""
-    contact = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)
-    found = optimise.design(contact, 14.3, {"k": (lowest, 0.7)}, limits={"worn_radius": {"above": 8.15e-4}})
+    found = optimise.design(BENT, 14.3, {"k": (lowest, 0.7)}, limits={"worn_radius": {"above": 8.15e-4}})
     assert found.keeps_limits and found.certified
     assert_allclose(found.variables["k"], 0.61991, atol=1e-5)
     assert_allclose(found.value, 2.66768e-12, rtol=1e-5)
 
 
 def test_a_limit_next_to_the_bound_to_which_the_objective_pulls():
-    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
     vary, limits = {"k": (-0.47, -0.42)}, {"deepest_wear": {"above": 2.07003e-7}}
-    found = optimise.design(contact, 2.8, vary, hold="contact_radius", limits=limits)
+    found = optimise.design(dome(), 2.8, vary, hold="contact_radius", limits=limits)
     assert found.keeps_limits and found.certified
     assert_allclose(found.contact.steady(2.8).deepest_wear, 2.07003e-7, rtol=1e-9)
     assert -0.4203 < found.variables["k"] < -0.42
@@ -155,14 +155,13 @@ def test_a_limit_next_to_the_bound_to_which_the_objective_pulls():
 
 def test_limits_that_few_contacts_keep_are_found_by_a_descent():
     """Between two points of the scan: the peak of a quantity along k, of which one part in 1e5 is allowed."""
-    contact = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)
     k = np.linspace(0.05, 0.7, 20001)
-    grid = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=k))
+    grid = on(BENT, k=k)
     radius = np.asarray(grid.steady(14.3).worn_radius)
     least = int(np.argmin(radius))
     assert 100 < least < 19900
     limits = {"worn_radius": {"below": float(radius[least]) * (1.0 + 2e-6)}}
-    found = optimise.design(contact, 14.3, {"k": (0.05, 0.7)}, limits=limits)
+    found = optimise.design(BENT, 14.3, {"k": (0.05, 0.7)}, limits=limits)
     assert found.keeps_limits
     assert_allclose(found.variables["k"], k[least], atol=5e-3)
 
@@ -172,8 +171,8 @@ def test_limits_that_few_contacts_keep_are_found_by_a_descent():
 @parametrize("above", [False, True])
 @parametrize("name", ["worn_radius", "deepest_wear", "penetration"])
 def test_designs_of_an_elastic_pair_that_exist_are_found(name, above, log_share):
-    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.3))
-    grid = dataclasses.replace(contact, material=PowerLawGraded(110e9, 1e-4, np.linspace(-0.5, 0.1, 61), 0.3))
+    contact = dome(0.0, STEEL)
+    grid = dome(np.linspace(-0.5, 0.1, 61), STEEL)
     question = Asked(contact, 2.8, {"k": (-0.5, 0.1)}, None, grid, 1e-6)
     limit, kept = limited(question, name, above, log_share, most=False)
     compared(question, "wear_volume", {name: limit}, kept, rounding=1e-6)
@@ -181,8 +180,7 @@ def test_designs_of_an_elastic_pair_that_exist_are_found(name, above, log_share)
 
 def test_the_ends_of_a_front_are_chosen_among_equals():
     """At a held radius the pressure before wear does not depend on the friction, the wear does."""
-    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
     vary = {"k": (-0.3, 0.3), "friction": (0.4, 0.8)}
-    curve = optimise.front(contact, 2.0, vary, "peak_initial_pressure", points=3, hold="contact_radius")
+    curve = optimise.front(dome(), 2.0, vary, "peak_initial_pressure", points=3, hold="contact_radius")
     assert curve.converged.all()
     assert_allclose(curve.variables["friction"][0], 0.8)

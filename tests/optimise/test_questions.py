@@ -1,22 +1,20 @@
 """Questions about designs that make no sense are refused in a line, before anything is searched."""
 
-import dataclasses
-from pathlib import Path
-
 import numpy as np
 import pytest
 from coated import HOLD, RIGID, on
+from kinds import contact_of
+from marks import parametrize
 from refusals import cases
 
 from plgwear_jax import GrossSlipContact, Layered, optimise
 from plgwear_jax.loads import Displacement
 
-REFUSED = Path(__file__).with_name("refused.toml")
 NAMED = {
     "NONE": None,
     "PUNCH": GrossSlipContact(RIGID.material, 1e-3, 1e-6),
     "GRADED": on(RIGID, k=0.3),
-    "LAYERS": dataclasses.replace(RIGID, material=Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)),
+    "LAYERS": contact_of(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)),
     "GROSS": Displacement(1e-5),
 }
 DESIGN = {"contact": RIGID, "load": 1.0, "vary": {"k": (-0.9, 0.9)}, "hold": HOLD}
@@ -42,7 +40,7 @@ def refused(ask, case, asked):
     assert "\n" not in str(error.value)
 
 
-@cases(REFUSED, "asked")
+@cases("optimise/refused.toml", "asked")
 def test_what_makes_no_sense_is_refused(case):
     def ask(space=None, **asked):
         if space is not None:
@@ -52,8 +50,8 @@ def test_what_makes_no_sense_is_refused(case):
     refused(ask, case, ASKED.get(case["ask"], {}))
 
 
-@cases(REFUSED, "arguments")
-@pytest.mark.parametrize("more", [{}, {"distance": 1e-6}], ids=["designs", "a front"])
+@cases("optimise/refused.toml", "arguments")
+@parametrize("more", [{}, {"distance": 1e-6}], ids=["designs", "a front"])
 def test_what_an_argument_takes_is_said(more, case):
     asks = (optimise.front,) if more else (optimise.design, optimise.designs)
     for ask in asks:

@@ -1,14 +1,12 @@
 """Designs of uncertain contacts, against the contacts of a dense grid."""
 
 import dataclasses
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on
+from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on, over
 from commands import told
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, is_told, refusal
 from test_designs_of_any_quantity import SCENE
@@ -27,32 +25,20 @@ FORCE = 1.0
 RANDOM = np.random.default_rng(5)
 MU, PRESSED = 0.4 * np.exp(0.2 * RANDOM.standard_normal(12)), 10.0 * np.exp(0.1 * RANDOM.standard_normal(12))
 WEIGHT = RANDOM.uniform(0.5, 1.5, 12)
-UNCERTAIN = dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED)
+UNCERTAIN = on(RIGID, friction=MU, normal_force=PRESSED)
 SCENARIOS = Scenarios(UNCERTAIN, WEIGHT)
 
 
-def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:
-    """The mean of the worst 1 - level, of scenarios along the first axis."""
-    found = []
-    for column in amounts.reshape(len(amounts), -1).T:
-        order = np.argsort(-column)
-        share, left, total = weight[order] / weight.sum(), 1.0 - level, 0.0
-        for value, part in zip(column[order], share, strict=True):
-            total, left = total + value * min(part, left), left - min(part, left)
-        found.append(column.max() if level == 1.0 else total / (1.0 - level))
-    return np.array(found).reshape(amounts.shape[1:])
-
-
-def scenarios_with(k: np.ndarray, **fields: Any) -> Any:
+def scenarios_with(k, **fields):
     """All scenarios along the first axis, with exponents along the next ones."""
     axes = (slice(None), *(None,) * np.ndim(k))
-    return on(dataclasses.replace(RIGID, friction=MU[axes], normal_force=PRESSED[axes]), k=k, **fields)
+    return on(RIGID, friction=MU[axes], normal_force=PRESSED[axes], k=k, **fields)
 
 
 K = np.linspace(-0.6, 0.6, 601)
 
 
-@parametrize("level", [*(pytest.param(x, marks=compiled) for x in (0.0, 0.7)), 1.0])
+@parametrize("level", [*(compiled_case(x) for x in (0.0, 0.7)), 1.0])
 def test_the_best_over_uncertain_friction_and_force(level):
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, level=level, scenarios=SCENARIOS)
     volumes = np.asarray(scenarios_with(K, E0=held(K).material.E0).steady(FORCE).wear_volume)
@@ -68,15 +54,13 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     """Both wear as much there, one of them less on stiffer surfaces, the other on more compliant ones."""
     friction = np.array([0.11, 3.0])
     stiff = np.array([1.0, 6e-4])
-    scenarios = on(dataclasses.replace(RIGID, friction=friction), E0=110e9 * stiff)
+    scenarios = on(RIGID, friction=friction, E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
     volumes = np.asarray(
-        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K)
-        .steady(FORCE)
-        .wear_volume
+        on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
     )
     is_least(found, volumes.max(0), within=0.01)
-    there = dataclasses.replace(scenarios, material=dataclasses.replace(scenarios.material, k=found.variables["k"]))
+    there = on(scenarios, k=found.variables["k"])
     assert_allclose(there.steady(FORCE).wear_volume, float(found.value), rtol=1e-8)
     assert found.at_bound["k"] is None and not found.scan_found_nothing_better
 
@@ -85,7 +69,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
 def test_limits_hold_in_every_scenario():
     limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "penetration": {"below": 1.6e-6}}
     bounds = {"k": (-0.6, 0.6), "E0": (60e9, 240e9)}
-    asked: dict[str, Any] = {"vary": bounds, "level": 0.7, "scenarios": SCENARIOS}
+    asked = {"vary": bounds, "level": 0.7, "scenarios": SCENARIOS}
     found = optimise.design(RIGID, FORCE, **asked, limits=limits)
     k, modulus = np.meshgrid(np.linspace(-0.6, 0.6, 121), np.geomspace(60e9, 240e9, 121), indexing="ij")
     steady = scenarios_with(k, E0=modulus).steady(FORCE)
@@ -109,8 +93,8 @@ def test_limits_hold_in_every_scenario():
     "contact, asked",
     [
         (RIGID, {"hold": HOLD, "limits": {"edge_pressure": {"below": 6e8, "distance": 1e-6}}}),
-        pytest.param(RIGID, {"hold": HOLD, **LIFE}, marks=compiled),
-        pytest.param(STEEL, {"hold": HOLD}, marks=compiled),
+        compiled_case(RIGID, {"hold": HOLD, **LIFE}),
+        compiled_case(STEEL, {"hold": HOLD}),
     ],
 )
 def test_one_scenario_is_the_plain_design(contact, asked):
@@ -126,7 +110,7 @@ def test_one_scenario_is_the_plain_design(contact, asked):
 @compiled
 def test_scenarios_and_amplitudes_count_together():
     force, share = np.array([0.5, 1.0]), np.array([0.7, 0.3])
-    asked: dict[str, Any] = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
+    asked = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
     found = optimise.design(RIGID, force, **asked)
     volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
@@ -149,11 +133,11 @@ def test_what_varies_keeps_its_scatter():
 @compiled
 def test_uncertain_wear_coefficients_and_friction_in_a_life():
     coefficient = np.array([3e-15, 1e-14, 3e-14])
-    uncertain = dataclasses.replace(RIGID, friction=np.array([0.3, 0.4, 0.6]))
+    uncertain = on(RIGID, friction=np.array([0.3, 0.4, 0.6]))
     scenarios = Scenarios(uncertain, [1.0, 2.0, 1.0], coefficient)
     found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, level=0.5, scenarios=scenarios, **LIFE)
     k = np.linspace(-0.5, 0.5, 41)
-    grid = on(dataclasses.replace(RIGID, friction=uncertain.friction[:, None]), k=k)
+    grid = on(RIGID, friction=uncertain.friction[:, None], k=k)
     volumes = np.asarray(grid.over_cycles(FORCE, coefficient[:, None]).volume(4e5))
     is_least(found, over(volumes, np.array([1.0, 2.0, 1.0]), 0.5), within=0.01)
 
@@ -162,10 +146,10 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
 def test_uncertain_punches():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
     depth = np.array([0.5e-6, 1e-6, 2e-6])
-    scenarios = dataclasses.replace(punch, depth=depth)
+    scenarios = on(punch, depth=depth)
     found = optimise.design(punch, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
     k = np.linspace(-0.5, 0.5, 201)
-    grid = dataclasses.replace(punch, depth=depth[:, None], material=PowerLawGraded(1e9, 1e-3, k, 0.3))
+    grid = on(punch, depth=depth[:, None], k=k)
     is_least(found, np.asarray(grid.steady().volume_change).max(0), within=1e-3)
 
 
@@ -173,12 +157,12 @@ def test_uncertain_punches():
     "scenarios, said",
     [
         (STEEL, "scenarios: takes contacts of the same bodies"),
-        (dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED[:3]), r"one leading axis \(n,\), or none; their"),
+        (on(RIGID, friction=MU, normal_force=PRESSED[:3]), r"one leading axis \(n,\), or none; their"),
         (Scenarios(UNCERTAIN, WEIGHT[:3]), r"their shapes are normal_force \(12,\), friction \(12,\), weight \(3,\)"),
         (Scenarios(UNCERTAIN, -WEIGHT), "scenarios: weight = .* is outside"),
         (Scenarios(UNCERTAIN, 0.0 * WEIGHT), "scenarios: weight: all weights are zero"),
         (Scenarios(UNCERTAIN, law=1e-14), "law takes the kind of law of the design"),
-        (dataclasses.replace(RIGID, friction=np.array([0.05, 0.4])), "scenarios: tangential_force.* = .* is outside"),
+        (on(RIGID, friction=np.array([0.05, 0.4])), "scenarios: tangential_force.* = .* is outside"),
     ],
 )
 def test_what_is_no_scenario(scenarios, said):
@@ -196,7 +180,7 @@ SCATTER = """friction,normal_force,E0,k,weight
 """
 
 
-def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
+def write(folder, scatter, *changes):
     text = SCENE.partition("[design.limits]")[0].replace(
         "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }",
         'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }',
@@ -204,8 +188,8 @@ def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    (folder / "scatter.csv").write_text(scatter, encoding="utf-8")
-    (folder / "any.toml").write_text(text, encoding="utf-8")
+    (folder / "scatter.csv").write_text(scatter, "utf-8")
+    (folder / "any.toml").write_text(text, "utf-8")
 
 
 @compiled
@@ -213,8 +197,10 @@ def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write(tmp_path, SCATTER)
     found = told("design any.toml")
-    uncertain = dataclasses.replace(
-        on(RIGID, E0=np.array([100e9, 110e9, 130e9]), k=np.array([-0.05, 0.0, 0.05])),
+    uncertain = on(
+        RIGID,
+        E0=np.array([100e9, 110e9, 130e9]),
+        k=np.array([-0.05, 0.0, 0.05]),
         friction=np.array([0.35, 0.4, 0.55]),
         normal_force=np.array([9.0, 10.0, 12.0]),
     )
@@ -235,7 +221,7 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     assert_allclose(found.value, best.value, rtol=1e-9)
 
 
-@cases(Path(__file__).with_name("refused.toml"), "scatter")
+@cases("optimise/refused.toml", "scatter")
 def test_errors_in_a_table_of_scenarios(tmp_path, case):
     write(tmp_path, case["content"])
     line = refusal(scene.SceneError, lambda: scene.load(tmp_path / "any.toml").asked())
@@ -260,10 +246,10 @@ design = {{ minimise = "wear_volume", vary = {{ k = [-0.3, 0.3] }}, scenarios = 
 FRICTION = (0.3, 0.5, 0.7)
 
 
-def moved(folder: Path, friction: float, displacement: float, cycles: str = ", cycles = 1e6") -> scene.Scene:
-    (folder / "scatter.csv").write_text("\n".join(["friction", *map(str, FRICTION)]), encoding="utf-8")
+def moved(folder, friction, displacement, cycles=", cycles = 1e6"):
+    (folder / "scatter.csv").write_text("\n".join(["friction", *map(str, FRICTION)]), "utf-8")
     text = MOVED.format(friction=friction, moved=displacement, cycles=cycles)
-    (folder / "moved.toml").write_text(text, encoding="utf-8")
+    (folder / "moved.toml").write_text(text, "utf-8")
     return scene.load(folder / "moved.toml")
 
 
@@ -290,9 +276,9 @@ def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
     "friction, displacement, cycles",
     [
         (0.5, 2e-7, ""),
-        pytest.param(0.5, 2e-7, ", cycles = 1e6", marks=compiled),
-        pytest.param(0.5, 1e-6, ", cycles = 1e6", marks=compiled),  # the reference slips as a whole
-        pytest.param(0.7, 1e-6, ", cycles = 1e6", marks=compiled),
+        compiled_case(0.5, 2e-7, ", cycles = 1e6"),
+        compiled_case(0.5, 1e-6, ", cycles = 1e6"),  # the reference slips as a whole
+        compiled_case(0.7, 1e-6, ", cycles = 1e6"),
     ],
 )
 def test_scenarios_wear_what_the_scene_of_each_wears(tmp_path, friction, displacement, cycles):

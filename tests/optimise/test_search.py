@@ -17,24 +17,16 @@ from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, te
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
 
-class Polynomial:
-    """A random polynomial of degree 4 in each of n variables, that is to stay in a ball about a random point."""
+def polynomial(n, seed):
+    """(Values, slopes) of one of degree 4 in each of n variables and of the excess over a ball about a random point."""
+    rng = np.random.default_rng([seed, n])
+    along, centre = rng.uniform(-1.0, 1.0, (n, 5)), rng.uniform(-0.5, 0.5, n)
 
-    def __init__(self, n: int, seed: int) -> None:
-        rng = np.random.default_rng([seed, n])
-        self.along = [np.polynomial.Polynomial(rng.uniform(-1.0, 1.0, 5)) for _ in range(n)]
-        self.centre = rng.uniform(-0.5, 0.5, n)
+    def both(u):
+        goal = sum(map(jnp.polyval, along, u)) + jnp.prod(u)
+        return jnp.stack([goal, jnp.sum((u - centre) ** 2) - 0.25])
 
-    def values(self, u):
-        """The objective and the excess of the limit, (lanes, 2)."""
-        goal = sum(f(x) for f, x in zip(self.along, u.T, strict=True)) + np.prod(u, axis=1)
-        return np.stack([goal, np.sum((u - self.centre) ** 2, axis=1) - 0.25], axis=1)
-
-    def slopes(self, u):
-        """Those of the values, (lanes, 2, n)."""
-        others = [np.prod(np.delete(u, i, axis=1), axis=1) for i in range(len(self.along))]
-        goal = [f.deriv()(x) + other for f, x, other in zip(self.along, u.T, others, strict=True)]
-        return np.stack([np.stack(goal, axis=1), 2.0 * (u - self.centre)], axis=1)
+    return jax.jit(jax.vmap(both)), jax.jit(jax.vmap(jax.jacfwd(both)))
 
 
 def ended(plan, problem, state, next_state):
@@ -46,20 +38,20 @@ def ended(plan, problem, state, next_state):
         assert len(phases) < plan.passes + plan.max_steps + 10
         # It knows nothing of the problem but these numbers.
         u = np.asarray(state.points)
-        state = next_state(state, problem.values(u), problem.slopes(u))
+        state = next_state(state, *(np.asarray(told(u)) for told in problem))
     return state, sorted(set(phases))
 
 
 @parametrize("n", [1, 2])
 def test_it_needs_no_more_than_to_be_told(n, seed):
-    problem, plan = Polynomial(n, seed), plan_of(n, 1, samples=33)
+    problem, plan = polynomial(n, seed), plan_of(n, 1, samples=33)
     state, phases = ended(plan, problem, begin(plan), functools.partial(tell, plan))
     found = conclude(plan, state)
-    assert phases == [0, 1, 2] and bool(found.converged) and bool(found.certified)
+    assert phases == [0, 1, 2] and found.converged and found.certified
     assert all(isinstance(leaf, np.ndarray | np.generic) for leaf in jax.tree.leaves((state, found)))
     # Nothing on a dense grid that keeps the limit lies lower.
     grid = np.stack(np.meshgrid(*n * [np.linspace(-1.0, 1.0, 401)], indexing="ij"), axis=-1).reshape(-1, n)
-    goal, excess = problem.values(grid).T
+    goal, excess = np.asarray(problem[0](grid)).T
     assert found.values[0, 1] <= plan.tolerance and found.values[0, 0] <= np.min(goal[excess <= 0.0]) + 1e-9
     if n == 1:
         return
@@ -86,7 +78,7 @@ def test_values_that_are_not_finite_are_dealt_with():
     while state.phase != DONE:
         state = tell(plan, state, *told(state.points))
     found = conclude(plan, state)
-    assert found.u[0] == 1.0 and bool(found.converged)
+    assert found.u[0] == 1.0 and found.converged
 
 
 # --- one by one and in one program ------------------------------------------------------------------------------------

@@ -1,23 +1,19 @@
 """The figures of the paper: what is drawn is what the paper's equations give, and what is said of it is checked."""
 
 import re
-from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import oracle
 import paper_numbers
 import pytest
-from marks import compiled, long, parametrize
+from commands import plgwear
+from marks import compiled, long, long_case, parametrize
 from matplotlib import image
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from typer.testing import CliRunner
+from numpy.testing import assert_allclose
 
 from plgwear_jax import gross_slip
-from plgwear_jax.cli import app
 from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.plots import figures
 from plgwear_jax.plots.figures import section_2, section_3
@@ -38,10 +34,8 @@ def known(monkeypatch):
 
 # --- what is drawn --------------------------------------------------------------------------------------------------
 
-Curve = tuple[Line2D, tuple[float, float], Callable[[Any], Any]]
 
-
-def curves(key: str, panels: list[Axes]) -> Iterator[Curve]:
+def curves(key, panels):
     """Curves of a figure, the abscissae between which they are compared, and the paper's equations."""
     named = {(axes, line.get_label()): line for axes in panels for line in axes.lines}
     first, *beside = panels
@@ -86,7 +80,7 @@ def curves(key: str, panels: list[Axes]) -> Iterator[Curve]:
             yield line, tuple(within), lambda r, k=k, phi=phi: field(r, k, phi)
 
 
-LONG = [pytest.param(key, marks=long) for key in ("3", "5", "8", "9", "10")]
+LONG = [long_case(key) for key in ("3", "5", "8", "9", "10")]
 
 
 @pytest.mark.usefixtures("known")
@@ -97,7 +91,7 @@ def test_curves_are_those_of_the_equations(key):
         x, y = np.asarray(line.get_data(), float)
         inside = np.flatnonzero((x > lower) & (x < upper))
         places = inside[np.linspace(0, inside.size - 1, 4).astype(int)]  # also next to both ends
-        np.testing.assert_allclose(y[places], [float(equation(x[n])) for n in places], rtol=1e-11)
+        assert_allclose(y[places], [float(equation(x[n])) for n in places], rtol=1e-11)
     if key == "2":
         lower, upper = figure.axes[0].get_ylim()
         assert lower > upper  # downwards
@@ -128,20 +122,16 @@ def test_a_wrong_library_would_not_agree(monkeypatch):
         assert check()[0].verdict == "differs"
 
 
-@pytest.fixture(scope="module")
-def exact():
-    return paper_numbers.from_oracle()
-
-
 @long
-def test_numbers_are_those_of_the_oracle(exact):
-    library = figures.numbers()
+def test_numbers_are_those_of_the_oracle():
+    library, exact = figures.numbers(), paper_numbers.from_oracle()
     assert library.keys() == exact.keys() == figures.NUMBERS.keys()
     for name, value in library.items():
         assert value == pytest.approx(float(exact[name]), rel=1e-11), name
 
 
-def test_numbers_are_printed_as_the_paper_prints_them(exact):
+def test_numbers_are_printed_as_the_paper_prints_them():
+    exact = paper_numbers.from_oracle()
     for name, asked in figures.NUMBERS.items():
         if re.fullmatch(r"\d\.\d+", asked.printed) and asked.where != "Table 1":
             digits = len(asked.printed.partition(".")[2])
@@ -162,7 +152,7 @@ def test_equations_agree_but_for_two_misprints(number, words, ratio):
 
 @long
 def test_the_page_holds_what_the_program_prints():
-    page = PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text("utf-8")
     tables = {"numbers": paper_numbers.number_table(), "equations": paper_numbers.equation_table()}
     assert paper_numbers.renewed(page, tables) == page
     assert "off by" not in page
@@ -171,8 +161,8 @@ def test_the_page_holds_what_the_program_prints():
 # --- the command ----------------------------------------------------------------------------------------------------
 
 
-def run(*arguments: str):
-    return CliRunner().invoke(app, ["figures", *arguments])
+def run(*arguments):
+    return plgwear("figures", *arguments)
 
 
 def test_the_command_knows_the_figures_without_their_module():
@@ -191,7 +181,7 @@ def test_command_writes_pictures_and_a_report(tmp_path, monkeypatch):
     assert written == sorted([*(f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")), "figures.md"])
     assert image.imread("drawn/fig-04.png").shape[1] == int(8.6 / 2.54 * 300)
     assert Path("drawn/fig-04.pdf").read_bytes().startswith(b"%PDF")
-    report = Path("drawn/figures.md").read_text(encoding="utf-8")
+    report = Path("drawn/figures.md").read_text("utf-8")
     for link in re.findall(r"\]\((.*?)\)", report):
         assert Path("drawn", link).is_file()
     assert "| 0.169 | 0.16890194 |" in report and "Fig. 9:" not in report

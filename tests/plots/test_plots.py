@@ -1,48 +1,48 @@
 """Pictures: what they show, in which units, and that a file is whole or not there."""
 
-import dataclasses
 import os
 from pathlib import Path
 from types import SimpleNamespace
 
 import jax.numpy as jnp
+import known
 import numpy as np
 import pytest
+from kinds import dome
 from marks import compiled, parametrize
 from matplotlib import image
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, loads, optimise, plots
+from plgwear_jax import GrossSlipContact, PowerLawGraded, gross_slip, loads, optimise, plots
 
 FORCE = 0.32
-REFERENCE = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
+REFERENCE = dome()
 PUNCH = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
 
 
-def curve(axes: Axes, n: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def curve(axes, n=0):
     """Abscissae and ordinates of a curve of a panel."""
     x, y = axes.lines[n].get_data()
     return np.asarray(x, float), np.asarray(y, float)
 
 
-def labels(figure: Figure) -> list[tuple[str, str]]:
+def labels(figure):
     return [(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes]
 
 
-def legend(figure: Figure) -> list[str]:
+def legend(figure):
     (found,) = figure.legends
     return [text.get_text() for text in found.get_texts()]
 
 
 @pytest.fixture(scope="module")
-def best() -> optimise.Design:
+def best():
     return optimise.design(REFERENCE, FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius")
 
 
 @pytest.fixture(scope="module")
-def held(best) -> Figure:
+def held(best):
     return plots.design_picture(best)
 
 
@@ -89,8 +89,7 @@ def test_a_picture_costs_one_batch_of_contacts(best, monkeypatch):
 
 @compiled
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
-    reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
-    wear = plots.design_picture(optimise.design(reference, [0.2, FORCE], {"z0": (1e-5, 1e-3)})).axes[1]
+    wear = plots.design_picture(optimise.design(dome(0.3), [0.2, FORCE], {"z0": (1e-5, 1e-3)})).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
     assert wear.get_ylabel().startswith("change of mean wear volume (%)")
     z0, _ = curve(wear)
@@ -115,7 +114,7 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     limits = {"contact_radius": {"above": 7e-5}}
     wear = plots.design_picture(optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5)}, limits=limits)).axes[1]
     (k, _), (_, kept) = curve(wear), curve(wear, 1)
-    radius = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(0.0).contact_radius
+    radius = dome(k).steady(0.0).contact_radius
     assert np.array_equal(np.isfinite(kept), np.asarray(radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
     assert legend(wear.figure)[-1] == "breaks a limit"
@@ -141,7 +140,6 @@ def test_a_worn_punch_is_drawn():
     drop = np.asarray(gross_slip.force_drop(k)) / gross_slip.force_drop(-0.5)
     assert_allclose(change, 100.0 * (drop - 1.0), atol=1e-9)
     r, worn = curve(figure.axes[2])
-    assert isinstance(design.contact, GrossSlipContact)
     exact = 1e-6 - design.contact.steady().steady_displacement(r)
     assert_allclose(worn, exact, rtol=1e-5, atol=1e-20)  # enough for a picture
 
@@ -151,7 +149,6 @@ def test_the_end_of_a_run_is_drawn_as_its_steady_state():
     run = REFERENCE.over_cycles(FORCE, 1e-14)
     figure = plots.wear_picture(run, np.geomspace(1e3, 1e7, 20), [1e5])
     by_ordinate = {axes.get_ylabel().split(" (")[0]: axes for axes in figure.axes}
-    assert run.steady is not None
     for label, field in (("wear depth", run.steady.wear_depth), ("pressure", run.steady.pressure)):
         (end,) = (line for line in by_ordinate[label].lines if line.get_label() == "steady state")
         r, drawn = np.asarray(end.get_data(), float)
@@ -171,20 +168,11 @@ def test_no_radius_of_a_block_is_cut_off():
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
-    front = optimise.Front(
-        x=jnp.array([1e8, 2e8, 4e8]),
-        y=jnp.array([5e-18, 3e-18, 2e-18]),
-        variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
-        at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
+    variables = {"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])}
+    front = known.front(
+        variables=variables,
+        at_bound=dict.fromkeys(variables, jnp.array([1, 0, 0])),
         active={"contact_radius_lowest": jnp.array([False, False, True])},
-        converged=jnp.array([True, True, True]),
-        certified=jnp.array([True, False, True]),
-        reference_x=jnp.array(3e8),
-        reference_y=jnp.array(4e-18),
-        x_places={"distance": 1e-6},
-        y_places={},
-        x_name="edge_pressure",
-        y_name="wear_volume",
     )
     figure = plots.front_picture(front)
     assert figure.get_supxlabel() == "pressure 1 µm inside the stick-slip boundary (MPa)"
@@ -225,7 +213,7 @@ def test_readable_units(size, unit, expected):
 
 
 @pytest.fixture
-def small() -> Figure:
+def small():
     figure = Figure(figsize=(1, 1))
     figure.add_subplot().plot([0, 1])
     return figure

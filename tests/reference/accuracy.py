@@ -13,8 +13,7 @@ each seed; the regions are
 
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import functions
 import jax
@@ -24,19 +23,16 @@ import oracle
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, material, partial_slip
 
-Points = tuple[np.ndarray, ...]
-
-
 # --- points ---------------------------------------------------------------------------------------------------------
 
 
-def _mixed(rng: np.random.Generator, count: int, *samplers: Callable[[int], np.ndarray]) -> np.ndarray:
+def _mixed(rng, count, *samplers):
     """Points from all samplers in equal parts, shuffled."""
     parts = [sampler(count // len(samplers) + 1) for sampler in samplers]
     return rng.permutation(np.concatenate(parts))[:count]
 
 
-def exponents(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
+def exponents(rng, count, region):
     if "edges" not in region:
         return rng.uniform(-0.97, 0.97, count)
     return _mixed(
@@ -48,7 +44,7 @@ def exponents(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
     ).clip(-1.0 + 1e-9, 1.0 - 1e-9)
 
 
-def amplitudes(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
+def amplitudes(rng, count, region):
     decades, least = (12.0, 1e-12) if "edges" in region else (2.3, 0.005)
     return _mixed(
         rng,
@@ -59,53 +55,53 @@ def amplitudes(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
     ).clip(least, 1.0 - least)
 
 
-def only_k(rng: np.random.Generator, count: int, region: str) -> Points:
+def only_k(rng, count, region):
     return (exponents(rng, count, region),)
 
 
-def k_nu(rng: np.random.Generator, count: int, region: str) -> Points:
+def k_nu(rng, count, region):
     finest = 12.0 if region == "edges" else 2.0
     nu = _mixed(rng, count, lambda n: rng.uniform(-0.9, 0.5, n), lambda n: 0.5 - 10.0 ** -rng.uniform(0.0, finest, n))
     return exponents(rng, count, region), nu.clip(-0.9, 0.5 - 1e-12)
 
 
-def k_phi(rng: np.random.Generator, count: int, region: str) -> Points:
+def k_phi(rng, count, region):
     return exponents(rng, count, region), amplitudes(rng, count, region)
 
 
-def k_phi_and_rig(rng: np.random.Generator, count: int, region: str) -> Points:
+def k_phi_and_rig(rng, count, region):
     """(k, phi or displacement, compliance), that of what is in series from far stiffer to far more compliant."""
     decades = 12.0 if region == "edges" else 3.0
     return *k_phi(rng, count, region), 10.0 ** rng.uniform(-decades, decades, count)
 
 
-def beside_indenter(rng: np.random.Generator, count: int, region: str) -> Points:
+def beside_indenter(rng, count, region):
     """(r, k) with r from 1.01 to 1000."""
     return 1.0 + 10.0 ** rng.uniform(-2.0, 3.0, count).clip(-1.9999), exponents(rng, count, region)
 
 
-def _of_stick(rng: np.random.Generator, region: str, part: np.ndarray) -> Points:
+def _of_stick(rng, region, part):
     """(r, k, phi) with r a part of c."""
     k, phi = k_phi(rng, part.size, region)
     return part * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
 
 
-def beside_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+def beside_stick(rng, count, region):
     """(r, k, phi) with r from 1.01 c to 1000 c."""
     return _of_stick(rng, region, beside_indenter(rng, count, region)[0])
 
 
-def near_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+def near_stick(rng, count, region):
     """(r, k, phi) within 1 % of c on both sides, down to 1e-12."""
     return _of_stick(rng, region, 1.0 + rng.choice([-1.0, 1.0], count) * 10.0 ** -rng.uniform(2.0, 12.0, count))
 
 
-def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+def under_stick(rng, count, region):
     """(r, k, phi) with r from 0 to 0.95 c."""
     return _of_stick(rng, region, rng.uniform(0.0, 0.95, count))
 
 
-def inside_edge(rng: np.random.Generator, count: int, region: str) -> Points:
+def inside_edge(rng, count, region):
     """(distance, k, phi) with the distance from 0.001 c (edges: 1e-12 c) to 2 c, a sixth of them beyond the centre."""
     part = _mixed(
         rng,
@@ -117,9 +113,7 @@ def inside_edge(rng: np.random.Generator, count: int, region: str) -> Points:
     return _of_stick(rng, region, part)
 
 
-def in_ring(
-    rng: np.random.Generator, count: int, region: str, most: float = 1.0, power: float = 0.4, outer: Any = None
-) -> Points:
+def in_ring(rng, count, region, most=1.0, power=0.4, outer=None):
     """(r, k, phi) with r between c and a_inf or another radius, crowded at both ends."""
     k, phi = k_phi(rng, count, region)
     inner = (1.0 - phi) ** (1.0 / (k + 3.0))
@@ -136,7 +130,7 @@ worn_side = functools.partial(in_ring, most=0.9, power=1.0)
 in_slip = functools.partial(in_ring, outer=1.0)
 
 
-def dome(rng: np.random.Generator, count: int, region: str) -> Points:
+def dome(rng, count, region):
     """(E0, z0, k, nu, R, F_N, mu, F_x)."""
     k, phi = k_phi(rng, count, "bulk")
     decades = (6.0, 12.0), (-7.0, -2.0), (-4.0, 1.0), (-3.0, 5.0), (-2.0, 0.5)
@@ -144,7 +138,7 @@ def dome(rng: np.random.Generator, count: int, region: str) -> Points:
     return E0, z0, k, rng.uniform(-0.9, 0.5, count), R, F_N, mu, phi * mu * F_N
 
 
-def punch(rng: np.random.Generator, count: int, region: str) -> Points:
+def punch(rng, count, region):
     """(r, k) from 0 to 1000, crowded at both sides of the edge r = 1 down to 1e-12."""
     finest = 12.0 if region == "edges" else 3.0
     return _mixed(
@@ -157,7 +151,7 @@ def punch(rng: np.random.Generator, count: int, region: str) -> Points:
     ), exponents(rng, count, region)
 
 
-def under_punch(rng: np.random.Generator, count: int, region: str) -> Points:
+def under_punch(rng, count, region):
     r, k = punch(rng, count, region)
     return np.where(r > 1.0, 1.0 / r, r), k
 
@@ -171,7 +165,7 @@ class Quantity:
 
     name: str
     function: Callable[..., jax.Array]
-    sampler: Callable[[np.random.Generator, int, str], Points]
+    sampler: Callable[[np.random.Generator, int, str], tuple[np.ndarray, ...]]
     oracle: str
     order: int = 1
     regions: tuple[str, ...] = ("bulk", "edges")
@@ -179,27 +173,27 @@ class Quantity:
     with_unit: tuple[str, ...] = ()  # arguments that have one, so that the value is no measure of derivatives by them
 
     @property
-    def arguments(self) -> tuple[str, ...]:
-        return oracle.QUANTITIES[self.oracle].names  # pyright: ignore[reportFunctionMemberAccess]
+    def arguments(self):
+        return oracle.QUANTITIES[self.oracle].names
 
 
-def wear_volume_in_si(*at: jax.Array) -> jax.Array:
+def wear_volume_in_si(*at):
     *material, R, F_N, mu, F_x = at
     return FrettingContact(PowerLawGraded(*material), R, F_N, mu).steady(F_x).wear_volume
 
 
-def _of(module: Any, sampler: Callable[..., Points], *names: str, twin: str = "{}", **how: Any) -> list[Quantity]:
+def _of(module, sampler, *names, twin="{}", **how):
     room = module.__name__.rpartition(".")[2]
     return [Quantity(f"{room}.{name}", getattr(module, name), sampler, twin.format(name), **how) for name in names]
 
 
 NEAR = ("near", "near edges")
-_FAR: dict[str, Any] = {"derivatives_from": 0.1}
-_NEAR: dict[str, Any] = {"regions": NEAR}
-_SI: dict[str, Any] = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
+_FAR = {"derivatives_from": 0.1}
+_NEAR = {"regions": NEAR}
+_SI = {"regions": ("SI",), "with_unit": ("E0", "z0", "R", "F_N", "mu", "F_x")}  # mu multiplies F_N
 QUANTITIES = (
-    *_of(fretting, k_phi, "wear_volume", order=2),
-    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "deepest_wear", "edge_intensity"),
+    *_of(fretting, k_phi, "wear_volume", "deepest_wear", order=2),
+    *_of(fretting, k_phi, "worn_radius", "stick_radius", "penetration", "edge_intensity"),
     *_of(fretting, inside_edge, "edge_pressure"),
     *_of(fretting, beside_indenter, "initial_displacement", **_FAR),
     *_of(fretting, beside_stick, "steady_displacement", **_FAR),
@@ -256,7 +250,7 @@ class Worst:
     point: tuple[float, ...]
     points: int
 
-    def __str__(self) -> str:
+    def __str__(self):
         what = ("value", "1st derivative", "2nd derivative")[self.order]
         at = ", ".join(f"{x:.17g}" for x in self.point)
         mark = "" if self.error <= self.promised else "   <-- short" if self.error <= self.kept else "   <-- broken"
@@ -266,9 +260,7 @@ class Worst:
         )
 
 
-def measure(
-    quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1, order: int = 2
-) -> list[Worst]:
+def measure(quantity, region, dtype, count, seed, processes=1, order=2):
     """Worst errors of a quantity and its derivatives, up to an order, at `count` fresh points of a region."""
     rng = np.random.default_rng([seed, *quantity.oracle.encode(), *region.encode()])
     # Half as many again, since some are dropped.
@@ -281,7 +273,7 @@ def measure(
     at = np.stack(points, 1).astype(float).tolist()
     exact = oracle.map_points(quantity.oracle, at, processes, order=max(order, 1))  # near an edge a value needs a slope
 
-    worst: list[Worst] = []
+    worst = []
     measured = np.array([name not in quantity.with_unit for name in quantity.arguments], float)  # by the value
     value = np.array([point.value for point in exact])
     size = np.abs(value[:, 0])
@@ -306,34 +298,29 @@ def measure(
     return worst
 
 
-def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
+def _representable(quantity, points, dtype):
     """The points in a dtype, without those it cannot tell from an edge: k = +-1, phi = 1, r = c, r = a_inf."""
-    rounded = dict(zip(quantity.arguments, (x.astype(dtype) for x in points), strict=True))
-    kept = np.ones(points[0].shape, bool)
-    for name, limit in (("k", 1.0), ("phi", 1.0), ("displacement", 1.0), ("nu", 0.5)):
-        if name in rounded:
-            kept &= np.abs(rounded[name]) < limit
-    rounded = {name: x[kept] for name, x in rounded.items()}
-    if "distance" in rounded:
-        distance, *slip = (x.astype(float) for x in rounded.values())
-        kept = np.abs(distance / np.asarray(functions.fretting.stick_radius(*slip)) - 1.0) > 32.0 * np.finfo(dtype).eps
-        rounded = {name: x[kept] for name, x in rounded.items()}
-    if "r" in rounded:
-        kept = np.ones(rounded["r"].shape, bool)
-        exact = {name: x.astype(float) for name, x in rounded.items()}
-        slip = {name: exact[name] for name in ("k", "phi") if name in exact}
-        radii = (functions.fretting.stick_radius, functions.fretting.worn_radius) if "phi" in slip else ()
-        for edge in [np.asarray(radius(**slip)) for radius in radii] or [1.0]:
-            kept &= np.abs(exact["r"] - edge) > 32.0 * np.spacing(rounded["r"])
-        rounded = {name: x[kept] for name, x in rounded.items()}
-    return tuple(rounded.values())
+    rounded, edges = np.stack([x.astype(dtype) for x in points]), {"k": 1.0, "phi": 1.0, "displacement": 1.0, "nu": 0.5}
+    names, eps = list(quantity.arguments), np.finfo(dtype).eps
+    inside = [abs(x) < edges[name] for name, x in zip(names, rounded, strict=True) if name in edges]
+    rounded = rounded[:, np.all(inside, axis=0)]
+    if names[0] not in ("r", "distance"):
+        return tuple(rounded)
+    place, *slip = rounded.astype(float)
+    if names[0] == "distance":
+        kept = np.abs(place / np.asarray(functions.fretting.stick_radius(*slip)) - 1.0) > 32.0 * eps
+    else:
+        radii = functions.fretting.stick_radius, functions.fretting.worn_radius
+        at = [np.asarray(radius(*slip)) for radius in radii] if "phi" in names else [1.0]
+        kept = np.all([np.abs(place - edge) > 32.0 * np.spacing(rounded[0]) for edge in at], axis=0)
+    return tuple(rounded[:, kept])
 
 
-def _derivatives(quantity: Quantity, points: Points, order: int) -> list[np.ndarray]:
+def _derivatives(quantity, points, order):
     """[value, gradient, hessian] up to `order`, the last axis over their entries."""
     if quantity.name not in functions.FUNCTIONS:
         return list(functions.in_rounds(_with_gradient(quantity), *points))[: order + 1]
-    made: list[Any] = [functions.at_one_length(quantity.function)(*points)[:, None]]
+    made = [functions.at_one_length(quantity.function)(*points)[:, None]]
     if order > 0:
         made.append(functions.derivatives(quantity.name, *points)[2])
     if order > 1:
@@ -342,17 +329,17 @@ def _derivatives(quantity: Quantity, points: Points, order: int) -> list[np.ndar
 
 
 @functools.cache
-def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
+def _with_gradient(quantity):
     """One program for a quantity that is no public function."""
 
-    def point(*at: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def point(*at):
         value, slopes = functions.with_gradient(quantity.function, *at)
         return value[:, None], jnp.stack(slopes, -1)
 
     return functions.by_numpy(point)
 
 
-def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:
+def _flat(point, order):
     if order == 0:
         return [point.value]
     return point.gradient if order == 1 else [entry for row in point.hessian for entry in row]

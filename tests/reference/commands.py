@@ -4,36 +4,35 @@ import itertools
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 from typer.testing import CliRunner
 
 from plgwear_jax import cli
 
 
-def plgwear(*arguments: str) -> Any:
+def plgwear(*arguments):
     """The result of a command, whose arguments may be the words of one text."""
     return CliRunner().invoke(cli.app, [word for text in arguments for word in text.split(" ") if word])
 
 
-def printed(*arguments: str) -> str:
+def printed(*arguments):
     """What a command prints that succeeds and warns of nothing."""
     result = plgwear(*arguments)
     assert (result.exit_code, result.stderr) == (0, ""), result.output
     return result.stdout
 
 
-def told(*arguments: str) -> dict[str, Any]:
+def told(*arguments):
     """What a command tells programs, if it succeeds and warns of nothing."""
     return json.loads(printed(*arguments, "--json"))
 
 
-def write(text: str) -> None:
+def write(text):
     """Write the input file that most tests of a command ask about."""
     Path("mine.toml").write_text(text)
 
 
-def refused(*arguments: str) -> str:
+def refused(*arguments):
     """The one line with which bad input is refused; nothing else is printed, and no file written."""
     before = sorted(Path().rglob("*"))
     result = plgwear(*arguments)
@@ -42,7 +41,7 @@ def refused(*arguments: str) -> str:
     return line
 
 
-def table_rows(printed: str) -> list[list[str]]:
+def table_rows(printed):
     """The lines of all tables that a command printed, as cells without their headings.
 
     Columns are told apart by three places or more that are empty in all lines. A line that only continues the cells

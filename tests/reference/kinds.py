@@ -1,7 +1,5 @@
 """Contacts of every kind: what one test asks of both engines, of all bodies and shapes, it asks of these."""
 
-from typing import Any
-
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape, WearLaw
 
 FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
@@ -12,8 +10,13 @@ LAYERS = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
 TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
 
 
-def contact_of(body: Any, indenter: Any = None, shape: Any = None, force: Any = FORCE) -> FrettingContact:
+def contact_of(body, indenter=None, shape=None, force=FORCE):
     return FrettingContact(body, RADIUS, force, FRICTION, indenter, shape)
+
+
+def dome(k=0.0, indenter=None, shape=None):
+    """On a power law."""
+    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3), indenter, shape)
 
 
 KINDS = {

@@ -8,7 +8,7 @@ from plgwear_jax import optimise
 LENGTH = 500
 
 
-def optima(phi, bounds=(-0.95, 0.95)) -> optimise.OptimalExponent:
+def optima(phi, bounds=(-0.95, 0.95)):
     phi = jnp.atleast_1d(jnp.asarray(phi))
     filled = jnp.pad(phi, (0, -phi.size % LENGTH), constant_values=0.5)
     lower, upper = (jnp.resize(jnp.asarray(bound, phi.dtype), filled.size) for bound in bounds)

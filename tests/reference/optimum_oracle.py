@@ -4,12 +4,10 @@ Every root is a change of sign of 60-digit numbers, seen on both sides of it. Th
 scanning: dV/dk is positive for small amplitudes and close to gross slip, and negative in between.
 """
 
-from collections.abc import Callable
-from functools import partial
+import functools
 
 import oracle
 from mpmath import mp, mpf
-from oracle import Number
 
 DIGITS = 60  # of what changes its sign
 ROOT_DIGITS = 50  # of where it does so
@@ -17,7 +15,7 @@ STEP_DIGITS = 40  # a difference step is 10^-40 of the distance to the nearest e
 NEAR = mpf(10) ** -30  # so near to -1 and 1 the limits are evaluated, which are analytic: off by as much
 
 
-def slope(k: Number, phi: Number) -> mpf:
+def slope(k, phi):
     """dV/dk of Eq. (28), by a central difference."""
     with mp.workdps(2 * DIGITS):
         k, phi = mp.convert(k), mp.convert(phi)
@@ -25,11 +23,11 @@ def slope(k: Number, phi: Number) -> mpf:
     lost = 3 * max(0, -int(mp.log10(near)))
     with mp.workdps(DIGITS + STEP_DIGITS + oracle.GUARD_DIGITS + lost):
         step = (1 - abs(k)) * mpf(10) ** -STEP_DIGITS
-        wear_volume = partial(oracle.wear_volume.formula, phi=phi, start=oracle._ring(k, phi))
+        wear_volume = functools.partial(oracle.wear_volume.formula, phi=phi, start=oracle._ring(k, phi))
         return (wear_volume(k + step) - wear_volume(k - step)) / (2 * step)
 
 
-def difference(lower: Number, upper: Number, phi: Number) -> mpf:
+def difference(lower, upper, phi):
     """V(upper) - V(lower)."""
     with mp.workdps(2 * DIGITS):
         digits = DIGITS - int(mp.log10(mp.convert(upper) - mp.convert(lower)))
@@ -37,28 +35,18 @@ def difference(lower: Number, upper: Number, phi: Number) -> mpf:
         return oracle.wear_volume(upper, phi, digits=digits) - oracle.wear_volume(lower, phi, digits=digits)
 
 
-def root(f: Callable[[mpf], mpf], low: Number, high: Number) -> mpf:
-    """Where f changes its sign between two points: by Illinois' secants, proved by its signs a unit to either side."""
+def root(f, low, high):
+    """Where f changes its sign between two points, proved by its signs a unit to either side."""
     with mp.workdps(DIGITS):
-        behind, here, unit = mp.convert(low), mp.convert(high), mpf(10) ** -ROOT_DIGITS
-        at_behind, at_here, step = f(behind), f(here), here - behind
-        if not at_behind * at_here < 0:
-            raise ArithmeticError(f"no change of sign between {low} and {high}")
-        while at_here and abs(step) > unit / 10:
-            step = at_here * (here - behind) / (at_here - at_behind)
-            there = here - step
-            at_there = f(there)
-            if at_there * at_here > 0:
-                at_behind /= 2
-            else:
-                behind, at_behind = here, at_here
-            here, at_here = there, at_there
+        ends, unit = (mp.convert(low), mp.convert(high)), mpf(10) ** -ROOT_DIGITS
+        here = mp.findroot(f, ends, solver="anderson", tol=abs(f(ends[0])) * unit / 1000, verify=False)
         if not f(here - unit) * f(here + unit) < 0:
             raise ArithmeticError(f"no change of sign at {here}")
         return here
 
 
-def critical_amplitudes(bounds: tuple[Number, Number] = (-1, 1)) -> tuple[mpf, mpf, mpf]:
+@functools.cache
+def critical_amplitudes(bounds=(-1, 1)):
     """The amplitudes at which dV/dk = 0 at the lower and at the upper bound, and at which both wear alike again."""
     with mp.workdps(2 * DIGITS):
         lower, upper = (min(max(mp.convert(k), NEAR - 1), 1 - NEAR) for k in bounds)

@@ -10,33 +10,28 @@ the nearness of the arguments to an edge of the domain, see `_lost_digits`.
     map_points("worn_radius", points, processes=2, order=1)     the same over many points, as pairs of doubles
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Sequence
 from functools import partial, wraps
 from inspect import signature
 from multiprocessing import get_context
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from mpmath import mp, mpf
-
-Number: TypeAlias = float | int | str | mpf
 
 DIGITS = 50  # of a quantity
 DERIVATIVE_DIGITS = 32  # aimed at in derivatives
 GUARD_DIGITS = 30  # beyond _lost_digits: zeros inside the domain (wear depth near a_inf) and cancelling terms
 STEP_BITS = 60  # a difference step is 2^-60 of the distance to the nearest edge of the domain
 
-QUANTITIES: dict[str, Callable] = {}
+QUANTITIES = {}
 
 
-def quantity(formula: Callable) -> Callable:
+def quantity(formula):
     """Make `formula`, which works at the ambient precision, a function correct to `digits` digits."""
     parameters = signature(formula).parameters
     names = tuple(name for name in parameters if name != "start")
 
     @wraps(formula)
-    def rounded(*arguments: Number, digits: int = DIGITS, **options: Any) -> Any:
+    def rounded(*arguments, digits=DIGITS, **options):
         with mp.workdps(digits):
             extra = _lost_digits(_read(names, arguments))
         with mp.workdps(digits + GUARD_DIGITS + extra):
@@ -49,7 +44,7 @@ def quantity(formula: Callable) -> Callable:
     return rounded
 
 
-def _read(names: Sequence[str], arguments: Sequence[Number]) -> dict[str, mpf]:
+def _read(names, arguments):
     """The arguments by name, exactly (strings at the ambient precision), inside the domain of the paper."""
     at = {name: mp.convert(x) for name, x in zip(names, arguments, strict=True)}
     if not -1 < at.get("k", 0) < 1:
@@ -62,12 +57,12 @@ def _read(names: Sequence[str], arguments: Sequence[Number]) -> dict[str, mpf]:
     return at
 
 
-def _amplitude(at: dict[str, mpf]) -> mpf:
+def _amplitude(at):
     """phi, given as such, by a displacement or in SI units; 0 where there is no tangential force."""
     return at["F_x"] / (at["mu"] * at["F_N"]) if "F_x" in at else at.get("phi", at.get("displacement", mpf(0)))
 
 
-def _lost_digits(at: dict[str, mpf]) -> int:
+def _lost_digits(at):
     """Digits that may cancel here: three times those of the nearness to k = -1, 1, phi = 0, 1, r = c, oo."""
     phi = _amplitude(at)
     near = [phi, 1 - phi]
@@ -80,7 +75,7 @@ def _lost_digits(at: dict[str, mpf]) -> int:
     return 1 + sum(-mp.mag(x) for x in near if x and mp.mag(x) < 0)
 
 
-def _inner_edge(at: dict[str, mpf]) -> mpf:
+def _inner_edge(at):
     """The radius at which fields are singular: c of Eq. (16), or the edge of the initial contact or of the punch."""
     return (1 - at["phi"]) ** (1 / (at["k"] + 3)) if "phi" in at else mpf(1)
 
@@ -89,7 +84,7 @@ def _inner_edge(at: dict[str, mpf]) -> mpf:
 
 
 @quantity
-def h_N(k: Number, nu: Number) -> mpf:
+def h_N(k, nu):
     """Eqs. (29)-(31), dimensionless."""
     beta = mp.sqrt((1 + k) * (1 - k * nu / (1 - nu)))
     C = 2 ** (1 + k) * mp.gamma((3 + k + beta) / 2) * mp.gamma((3 + k - beta) / 2) / (mp.pi * mp.gamma(2 + k))
@@ -100,7 +95,7 @@ def h_N(k: Number, nu: Number) -> mpf:
 
 
 @quantity
-def holl_ratio(k: Number) -> mpf:
+def holl_ratio(k):
     """Poisson's ratio of exact uncoupling, 1/(2+k)."""
     return 1 / (2 + k)
 
@@ -109,19 +104,19 @@ def holl_ratio(k: Number) -> mpf:
 
 
 @quantity
-def gross_initial_pressure(r: Number, k: Number) -> mpf:
+def gross_initial_pressure(r, k):
     """Eq. (2) over the mean pressure F_N0/(pi a^2) of Eq. (8)."""
     return _inside(r, 1, lambda x: (1 + k) / 2 * x ** ((k - 1) / 2))
 
 
 @quantity
-def gross_steady_pressure(r: Number, k: Number) -> mpf:
+def gross_steady_pressure(r, k):
     """The uniform pressure F_Ninf/(pi a^2) of Eq. (9) over F_N0/(pi a^2) of Eq. (8)."""
     return force_ratio.formula(k) if r <= 1 else mpf(0)
 
 
 @quantity
-def gross_initial_displacement(r: Number, k: Number) -> mpf:
+def gross_initial_displacement(r, k):
     """Eq. (3), in d."""
     if r <= 1:
         return mpf(1)
@@ -130,7 +125,7 @@ def gross_initial_displacement(r: Number, k: Number) -> mpf:
 
 
 @quantity
-def gross_steady_displacement(r: Number, k: Number) -> mpf:
+def gross_steady_displacement(r, k):
     """Eq. (5), in d. The continuation of both series to the edge divides by k: one more precision pays for it."""
     working = mp.dps
     with mp.workdps(working + (working if not k else max(0, -mp.mag(k)))):
@@ -142,31 +137,31 @@ def gross_steady_displacement(r: Number, k: Number) -> mpf:
 
 
 @quantity
-def volume_change(k: Number) -> mpf:
+def volume_change(k):
     """Eq. (7), in pi a^2 d."""
     return 1 - mp.hyp2f1((k - 1) / 2, (1 + k) / 2, 2, 1)
 
 
 @quantity
-def force_ratio(k: Number) -> mpf:
+def force_ratio(k):
     """Eq. (10)."""
     return mp.pi * (1 - k) * (1 + k) / (4 * mp.cospi(k / 2))
 
 
 @quantity
-def force_drop(k: Number) -> mpf:
+def force_drop(k):
     """1 minus Eq. (10)."""
     return 1 - force_ratio.formula(k)
 
 
 @quantity
-def gross_initial_force(E0: Number, z0: Number, k: Number, nu: Number, a: Number, d: Number) -> mpf:
+def gross_initial_force(E0, z0, k, nu, a, d):
     """Eq. (8), SI."""
     return 2 * E0 * d * a * h_N.formula(k, nu) / ((1 - nu**2) * (1 + k)) * (a / z0) ** k
 
 
 @quantity
-def gross_steady_force(E0: Number, z0: Number, k: Number, nu: Number, a: Number, d: Number) -> mpf:
+def gross_steady_force(E0, z0, k, nu, a, d):
     """Eq. (9), SI."""
     return 2 * E0 * d * a * mp.pi * h_N.formula(k, nu) * (1 - k) / (4 * (1 - nu**2) * mp.cospi(k / 2)) * (a / z0) ** k
 
@@ -175,20 +170,20 @@ def gross_steady_force(E0: Number, z0: Number, k: Number, nu: Number, a: Number,
 
 
 @quantity
-def tangential_ratio(k: Number, nu: Number) -> mpf:
+def tangential_ratio(k, nu):
     """Tangential compliance over the normal one: the mean of that along a wave of traction and that across it."""
     along = (1 + k) / (1 - k * nu / (1 - nu))
     return (along + h_N.formula(k, nu) / ((1 - nu) * mp.cospi(k / 2))) / 2
 
 
 @quantity
-def displacement_amplitude(k: Number, phi: Number, compliance: Number) -> mpf:
+def displacement_amplitude(k, phi, compliance):
     """Of the contact and of a spring in series, over that at which gross slip begins."""
     return (1 - stick_radius.formula(k, phi) ** 2 + compliance * phi) / (1 + compliance)
 
 
 @quantity
-def force_amplitude(k: Number, displacement: Number, compliance: Number) -> mpf:
+def force_amplitude(k, displacement, compliance):
     """phi at which `displacement_amplitude` is the displacement, by Newton's method in c^2, in which it is convex."""
     power, C = (3 + k) / 2, 1 - displacement
     while True:
@@ -200,7 +195,7 @@ def force_amplitude(k: Number, displacement: Number, compliance: Number) -> mpf:
 
 
 @quantity
-def slip_amplitude(r: Number, k: Number, phi: Number) -> mpf:
+def slip_amplitude(r, k, phi):
     """The gap beside the contact of radius c under the parabola, in a_0^2/R; 0 where that sticks and beyond r = 1."""
     c = stick_radius.formula(k, phi)
     if r <= c or r > 1:
@@ -209,26 +204,26 @@ def slip_amplitude(r: Number, k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def energy_per_cycle(k: Number, phi: Number) -> mpf:
+def energy_per_cycle(k, phi):
     """Four slip amplitudes under mu p_0 of Eq. (13), integrated by powers of r^2, in mu^2 theta F_N a_0^2/R."""
     s, C = (1 + k) / 2, stick_radius.formula(k, phi) ** 2
     falls = [(1 - C ** (s + j)) / (s + j) for j in range(3)]
     return 2 * (1 + s) * ((1 + C) * falls[1] - C * falls[0] - falls[2])
 
 
-def _moved(k: mpf, phi: mpf) -> mpf:
+def _moved(k, phi):
     """Displacement of the first loading, over that at which gross slip begins."""
     return 1 - stick_radius.formula(k, phi) ** 2
 
 
 @quantity
-def contact_share(k: Number, phi: Number, compliance: Number) -> mpf:
+def contact_share(k, phi, compliance):
     """Share of the contact in the displacement of the contact and of a spring in series."""
     return _moved(k, phi) / (_moved(k, phi) + compliance * phi)
 
 
 @quantity
-def energy_ratio(k: Number, phi: Number) -> mpf:
+def energy_ratio(k, phi):
     """Area of the loop that Masing's rule makes of the first loading, 4 phi u - 8 int_0^phi u, over 4 phi u."""
     power = 2 / (3 + k)
     below = phi - (1 - (1 - phi) ** (1 + power)) / (1 + power)
@@ -236,7 +231,7 @@ def energy_ratio(k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def loop_aperture(k: Number, phi: Number) -> mpf:
+def loop_aperture(k, phi):
     """Displacement at no force on the way back, by Masing's rule, over the displacement amplitude."""
     return 1 - 2 * _moved(k, phi / 2) / _moved(k, phi)
 
@@ -245,19 +240,19 @@ def loop_aperture(k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def contact_radius(E0: Number, z0: Number, k: Number, nu: Number, R: Number, F_N: Number) -> mpf:
+def contact_radius(E0, z0, k, nu, R, F_N):
     """a_0 from Eq. (12), SI."""
     return (F_N * (1 - nu**2) * z0**k * (k + 1) ** 2 * (k + 3) * R / (4 * h_N.formula(k, nu) * E0)) ** (1 / (k + 3))
 
 
 @quantity
-def stick_radius(k: Number, phi: Number) -> mpf:
+def stick_radius(k, phi):
     """Eqs. (16), (23), in a_0."""
     return (1 - phi) ** (1 / (k + 3))
 
 
 @quantity
-def penetration(k: Number, phi: Number) -> mpf:
+def penetration(k, phi):
     """d_inf, in a_0^2/R: Eq. (11) for a parabola to radius c, then Eqs. (8), (12) for the translation by F_N - F_1.
 
     Eq. (12) makes F_1/F_N = c^(k+3) = 1 - phi, so Eq. (8) at radius c moves the punch by
@@ -268,13 +263,13 @@ def penetration(k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def initial_pressure(r: Number, k: Number) -> mpf:
+def initial_pressure(r, k):
     """Eq. (13), in F_N/(pi a_0^2)."""
     return _inside(r, 1, lambda x: (k + 3) / 2 * x ** ((1 + k) / 2))
 
 
 @quantity
-def steady_pressure(r: Number, k: Number, phi: Number) -> mpf:
+def steady_pressure(r, k, phi):
     """Eq. (17) with b = c, F_1 = (1 - phi) F_N, in F_N/(pi a_0^2)."""
     c = stick_radius.formula(k, phi)
     parabola, punch = (k + 3) * (1 - phi) / (2 * c**2), edge_intensity.formula(k, phi)
@@ -282,19 +277,19 @@ def steady_pressure(r: Number, k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def steady_traction(r: Number, k: Number, phi: Number) -> mpf:
+def steady_traction(r, k, phi):
     """Eq. (19) with b = c, in mu F_N/(pi a_0^2)."""
     return _inside(r, stick_radius.formula(k, phi), lambda x: edge_intensity.formula(k, phi) * x ** ((k - 1) / 2))
 
 
 @quantity
-def edge_intensity(k: Number, phi: Number) -> mpf:
+def edge_intensity(k, phi):
     """The factor of (2 delta)^((k-1)/2) in Eqs. (20), (21), in F_N/(pi a_0^2) and mu F_N/(pi a_0^2)."""
     return (k + 1) * phi / (2 * stick_radius.formula(k, phi) ** 2)
 
 
 @quantity
-def initial_displacement(r: Number, k: Number) -> mpf:
+def initial_displacement(r, k):
     """Eq. (14) outside the contact, d_0 - r^2/2 inside with d_0 of Eq. (11), in a_0^2/R."""
     if r <= 1:
         return 1 / (k + 1) - r**2 / 2
@@ -304,7 +299,7 @@ def initial_displacement(r: Number, k: Number) -> mpf:
 
 
 @quantity
-def steady_displacement(r: Number, k: Number, phi: Number) -> mpf:
+def steady_displacement(r, k, phi):
     """Eq. (24) outside the stick area, d_inf - r^2/2 inside, in a_0^2/R."""
     c = stick_radius.formula(k, phi)
     if r <= c:
@@ -318,7 +313,7 @@ def steady_displacement(r: Number, k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def wear_depth(r: Number, k: Number, phi: Number) -> mpf:
+def wear_depth(r, k, phi):
     """f_inf - f_0 of Eqs. (25), (28), in a_0^2/R: positive in the ring c < r < a_inf, where Eq. (28) changes sign."""
     if r <= stick_radius.formula(k, phi):
         return mpf(0)
@@ -326,29 +321,29 @@ def wear_depth(r: Number, k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def profile(r: Number, k: Number, phi: Number) -> mpf:
+def profile(r, k, phi):
     """f_inf of Eq. (25), in a_0^2/R."""
     return r**2 / 2 + wear_depth.formula(r, k, phi)
 
 
 @quantity
-def worn_radius(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
+def worn_radius(k, phi, *, start=None):
     """a_inf, the root of Eq. (26) outside c, in a_0. `start` is a first guess of (a_inf/c)^2 - 1."""
     return stick_radius.formula(k, phi) * mp.sqrt(1 + _ring(k, phi, start))
 
 
 @quantity
-def wear_volume(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
+def wear_volume(k, phi, *, start=None):
     """Eq. (28), in a_0^4/R, by its antiderivative. `start` is as in `worn_radius`."""
     return _wear_volume(k, phi, _ring(k, phi, start))
 
 
 @quantity
-def wear_volume_by_quadrature(k: Number, phi: Number) -> mpf:
+def wear_volume_by_quadrature(k, phi):
     """Eq. (28), in a_0^4/R, by tanh-sinh quadrature of the wear depth over y = (r/c)^2 - 1, 2 r dr = c^2 dy."""
     working, y_inf = mp.dps, _ring(k, phi)
 
-    def depth(y: mpf) -> mpf:
+    def depth(y):
         with mp.workdps(3 * working):  # y comes down to 10^-working, and 1 + y must still tell
             return wear_depth.formula(stick_radius.formula(k, phi) * mp.sqrt(1 + y), k, phi)
 
@@ -357,7 +352,7 @@ def wear_volume_by_quadrature(k: Number, phi: Number) -> mpf:
 
 
 @quantity
-def deepest_wear(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
+def deepest_wear(k, phi, *, start=None):
     """The maximum of `wear_depth` over r, in a_0^2/R. `start` is a first guess of (r/c)^2 - 1 there."""
     if not phi:
         return mpf(0)
@@ -365,23 +360,23 @@ def deepest_wear(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
 
 
 @quantity
-def edge_pressure(distance: Number, k: Number, phi: Number) -> mpf:
+def edge_pressure(distance, k, phi):
     """Eq. (17) at `distance` inside the stick-slip boundary, at most at the centre, in F_N/(pi a_0^2)."""
     return steady_pressure.formula(max(mpf(0), stick_radius.formula(k, phi) - distance), k, phi)
 
 
 @quantity
 def wear_volume_in_si(
-    E0: Number, z0: Number, k: Number, nu: Number, R: Number, F_N: Number, mu: Number, F_x: Number,
-    *, start: Number | None = None,
-) -> mpf:  # fmt: skip
+    E0, z0, k, nu, R, F_N, mu, F_x,
+    *, start = None,
+):  # fmt: skip
     """Eqs. (12) and (28), in m^3. `start` is as in `worn_radius`."""
     return (
         contact_radius.formula(E0, z0, k, nu, R, F_N) ** 4 / R * wear_volume.formula(k, F_x / (mu * F_N), start=start)
     )
 
 
-def _inside(r: mpf, edge: mpf, field: Callable[[mpf], mpf]) -> mpf:
+def _inside(r, edge, field):
     """`field` of 1 - (r/edge)^2 within `edge`, 0 outside, its limit on it (field(0) or infinity)."""
     if r > edge:
         return mpf(0)
@@ -391,14 +386,14 @@ def _inside(r: mpf, edge: mpf, field: Callable[[mpf], mpf]) -> mpf:
         return mp.inf
 
 
-def _incomplete_beta(t: mpf, p: mpf, q: mpf) -> mpf:
+def _incomplete_beta(t, p, q):
     """B(t; p, q), Eq. (15), by the 2F1 of DLMF 8.17.7, reflected to an argument of at most 1/2."""
     if 2 * t > 1:
         return mp.beta(p, q) - _incomplete_beta(1 - t, q, p)
     return t**p / p * mp.hyp2f1(p, 1 - q, p + 1, t)
 
 
-def _tail(y: mpf, k: mpf) -> mpf:
+def _tail(y, k):
     """Q = 1 - sigma B(1/(1+y); (1+k)/2, (1-k)/2) with sigma = cos(k pi/2)/pi, which makes Q(0) = 0, Q(oo) = 1."""
     sigma = mp.cospi(k / 2) / mp.pi
     if y > 1:
@@ -406,7 +401,7 @@ def _tail(y: mpf, k: mpf) -> mpf:
     return sigma * _incomplete_beta(y / (1 + y), (1 - k) / 2, (1 + k) / 2)
 
 
-def _ring(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
+def _ring(k, phi, start=None):
     """y_inf = (a_inf/c)^2 - 1: the root of Eq. (26) outside c.
 
     The recurrence B(t; s+1, 1-s) = s B(t; s, 1-s) - t^s (1-t)^(1-s), s = (1+k)/2, makes the depth of Eq. (28)
@@ -436,7 +431,7 @@ def _ring(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
         y = y - step if low < y - step < high else (low + high) / 2
 
 
-def _deepest(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
+def _deepest(k, phi, start=None):
     """(r/c)^2 - 1 where d_inf - w_inf - r^2/2 is greatest.
 
     By Eqs. (15) and (24) with t = c^2/r^2 = 1/(1+y) its derivative in r is r times P y^-s/(1+y) - C,
@@ -458,7 +453,7 @@ def _deepest(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
             return y
 
 
-def _wear_volume(k: mpf, phi: mpf, y: mpf) -> mpf:
+def _wear_volume(k, phi, y):
     """Eq. (28) to (a_inf/c)^2 - 1 = y. With the depth as in `_ring`, rise - L = M - y - u and M = rise + 1/s - 1,
 
         V = pi c^4/2 int_0^y ((M - y) Q - sigma y^(1-s)/s) dy,
@@ -486,9 +481,7 @@ class Derivatives(NamedTuple):
     hessian: tuple[tuple[Any, ...], ...] | None
 
 
-def derivatives(
-    f: Callable | str, point: Sequence[Number], wrt: Sequence[int] | None = None, order: int = 1
-) -> Derivatives:
+def derivatives(f, point, wrt=None, order=1):
     """Derivatives of a quantity by central differences, correct to about 30 digits.
 
     `wrt` holds positions in `point` (all of them by default), `order` is 1 or 2. Steps are 2^-60 of the distance to
@@ -509,7 +502,7 @@ def derivatives(
             at, root = dict(zip(f.names, centre, strict=True)), _deepest if f is deepest_wear else _ring
             formula = partial(formula, start=root(at["k"], _amplitude(at)))
 
-        def moved(*moves: tuple[int, int]) -> mpf:
+        def moved(*moves):
             x = list(centre)
             for i, sign in moves:
                 x[i] += sign * step[i]
@@ -520,7 +513,7 @@ def derivatives(
         pairs = [(i, j) for i in wrt for j in wrt if i < j] if order == 2 else []
         corners = {(i, j): (moved((i, 1), (j, 1)), moved((i, -1), (j, -1))) for i, j in pairs}
 
-        def second(i: int, j: int) -> mpf:
+        def second(i, j):
             i, j = min(i, j), max(i, j)
             bends = {m: ahead[m] - 2 * middle + behind[m] for m in (i, j)}
             if i == j:
@@ -533,7 +526,7 @@ def derivatives(
         return Derivatives(middle, gradient, hessian)
 
 
-def _distances_to_edge(f: Callable, at: dict[str, mpf]) -> list[mpf]:
+def _distances_to_edge(f, at):
     """How far each argument may move on the scale of the nearest singularity; moving k or phi moves the radii too."""
     edge, gap = _inner_edge(at), mpf(1)
     if "r" in at:
@@ -556,19 +549,13 @@ def _distances_to_edge(f: Callable, at: dict[str, mpf]) -> list[mpf]:
 # -------------------------------------------------------------------------------------------------- many points
 
 
-def map_points(
-    name: str,
-    points: Iterable[Sequence[Number]],
-    processes: int = 2,
-    wrt: Sequence[int] | None = None,
-    order: int = 0,
-) -> list[Any]:
+def map_points(name, points, processes=2, order=0):
     """A quantity (order 0) or its `derivatives` at many points, each number x as doubles (hi, lo) with x = hi + lo.
 
     The error of a double y is then (y - hi) - lo. Processes are spawned and import this module only; a script that
     calls this needs the usual `if __name__ == "__main__":`.
     """
-    work = partial(_pairs_at, name, None if wrt is None else tuple(wrt), order)
+    work = partial(_pairs_at, name, order)
     points = [tuple(point) for point in points]
     if processes == 1:
         return [work(point) for point in points]
@@ -576,11 +563,11 @@ def map_points(
         return pool.map(work, points, chunksize=max(1, min(64, len(points) // (4 * processes))))
 
 
-def _pairs_at(name: str, wrt: tuple[int, ...] | None, order: int, point: tuple[Number, ...]) -> Any:
-    return as_pairs(derivatives(name, point, wrt, order) if order else QUANTITIES[name](*point))
+def _pairs_at(name, order, point):
+    return as_pairs(derivatives(name, point, order=order) if order else QUANTITIES[name](*point))
 
 
-def as_pairs(x: Any) -> Any:
+def as_pairs(x):
     """Every mpf x of a result as doubles (hi, lo), x = hi + lo to 31 digits."""
     if isinstance(x, tuple):
         return type(x)(*map(as_pairs, x)) if hasattr(x, "_fields") else tuple(map(as_pairs, x))

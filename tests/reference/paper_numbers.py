@@ -9,9 +9,7 @@ The oracle's column and all checks of equations use mpmath and `oracle.py` alone
 import argparse
 import functools
 import os
-from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TypeAlias
 
 import jax
 import oracle
@@ -27,7 +25,7 @@ HALF = mpf(1) / 2
 
 
 @functools.cache
-def from_oracle() -> dict[str, mpf]:
+def from_oracle():
     """The numbers of `figures.NUMBERS`, by name, from Eqs. (1)-(31) as printed."""
     with mp.workdps(DIGITS + 10):
         almost, soft = mpf(1.0 - 1e-9), HALF  # the double, as in the library's column
@@ -66,46 +64,46 @@ def from_oracle() -> dict[str, mpf]:
         } | crossings
 
 
-def change(k: mpf) -> mpf:
+def change(k):
     return oracle.volume_change(k, digits=DIGITS + 10)
 
 
-def slope_of_change(k: mpf) -> mpf:
+def slope_of_change(k):
     return oracle.derivatives("volume_change", (k,)).gradient[0]
 
 
-def slope_at_zero(phi: mpf) -> mpf:
+def slope_at_zero(phi):
     return oracle.derivatives("wear_volume", (0, phi), wrt=(0,)).gradient[0]
 
 
-def crossing(quantity: Callable[..., mpf], one: mpf | int, other: mpf | int, lower: str, upper: str) -> mpf:
+def crossing(quantity, one, other, lower, upper):
     """The amplitude at which a quantity is the same for both exponents, by bisection and secants."""
 
-    def excess(phi: mpf) -> mpf:
+    def excess(phi):
         return mp.log(quantity(one, phi, digits=DIGITS) / quantity(other, phi, digits=DIGITS))
 
     return mp.findroot(excess, (mpf(lower), mpf(upper)), solver="anderson", tol=mpf(10) ** -DIGITS)
 
 
-def holl(k: mpf) -> mpf:
+def holl(k):
     return oracle.holl_ratio(k, digits=DIGITS)
 
 
-def stiffness(k: mpf, nu: mpf) -> mpf:
+def stiffness(k, nu):
     """F_N0/(2 E0 d a) of Eq. (8) for z0 = a."""
     return oracle.gross_initial_force(1, 1, k, nu, 1, 1, digits=DIGITS) / 2
 
 
-def modulus_factor(k: mpf, nu: mpf) -> mpf:
+def modulus_factor(k, nu):
     """E0/(1-nu^2) that gives the force of Eq. (12) at a_0 = z0, over that of k = 0."""
 
-    def load(k: mpf) -> mpf:  # for E0/(1-nu^2) = R = a_0 = z0 = 1
+    def load(k):  # for E0/(1-nu^2) = R = a_0 = z0 = 1
         return 4 * oracle.h_N(k, nu, digits=DIGITS) / ((k + 1) ** 2 * (k + 3))
 
     return load(mpf(0)) / load(k)
 
 
-def number_table() -> str:
+def number_table():
     library, exact = figures.numbers(), from_oracle()
     rows = []
     for name, asked in figures.NUMBERS.items():
@@ -124,7 +122,7 @@ def number_table() -> str:
     return table(head, rows)
 
 
-def ok(off: float) -> str:
+def ok(off):
     return "the same to 1e-10" if off < 1e-10 else f"off by {off:.0e}"
 
 
@@ -135,43 +133,42 @@ E0, Z0, A, D, R = mpf(7), mpf("0.6"), mpf("1.7"), mpf("0.05"), mpf(23)
 POINTS = (("-0.7", "0.15", "0.2"), ("-0.2", "0.5", "0.5"), ("0.4", "0.9", "0.3"))
 TINY = mpf(10) ** -300
 
-Check: TypeAlias = Callable[[mpf, mpf, mpf], mpf]
-EQUATIONS: list[tuple[str, str, Check]] = []
+EQUATIONS = []
 
 
-def equation(number: str, words: str) -> Callable[[Check], Check]:
+def equation(number, words):
     """Enter the ratio of two things that the paper calls the same, at k, phi and nu."""
 
-    def enter(ratio: Check) -> Check:
+    def enter(ratio):
         EQUATIONS.append((number, words, ratio))
         return ratio
 
     return enter
 
 
-def over_disc(pressure: Callable[[mpf], mpf], radius: mpf, k: mpf) -> mpf:
+def over_disc(pressure, radius, k):
     """The force of a pressure that is z^((k-1)/2) times a smooth function of z = 1 - (r/radius)^2."""
     power = 2 / (1 + k)  # z = u^power takes the singularity away
     return mp.pi * radius**2 * mp.quad(lambda u: pressure(u**power) * power * u ** (power - 1), [0, 1])
 
 
-def punch_force(k: mpf, nu: mpf) -> mpf:
+def punch_force(k, nu):
     """Eq. (8)."""
     return 2 * E0 * D * A * oracle.h_N.formula(k, nu) / ((1 - nu**2) * (1 + k)) * (A / Z0) ** k
 
 
-def punch_pressure(z: mpf, k: mpf, nu: mpf) -> mpf:
+def punch_pressure(z, k, nu):
     """Eq. (2)."""
     right = oracle.h_N.formula(k, nu) / (2 * (1 - nu**2) * Z0**k * (A**2 * z) ** ((1 - k) / 2))
     return 2 * E0 * D / (mp.pi * A) * right
 
 
-def load(a: mpf, k: mpf, nu: mpf) -> mpf:
+def load(a, k, nu):
     """Eq. (12)."""
     return 4 * oracle.h_N.formula(k, nu) * E0 * a ** (k + 3) / ((1 - nu**2) * Z0**k * (k + 1) ** 2 * (k + 3) * R)
 
 
-def beside(r: mpf, b: mpf, k: mpf, sunk: mpf | int = 0) -> mpf:
+def beside(r, b, k, sunk=0):
     """Eq. (14) for a_0 = b, and by how much a punch of that radius sinks in besides, as in Eq. (18)."""
     s, t = (1 + k) / 2, (b / r) ** 2
     first, second = (mp.betainc(s + n, 1 - s, 0, t) for n in (0, 1))
@@ -179,13 +176,13 @@ def beside(r: mpf, b: mpf, k: mpf, sunk: mpf | int = 0) -> mpf:
     return b**2 * cos / ((k + 1) * mp.pi * R) * (first - second / t) + sunk * cos / mp.pi * first
 
 
-def worn_pressure(z: mpf, k: mpf, phi: mpf) -> mpf:
+def worn_pressure(z, k, phi):
     """Eq. (17) over F_N, where F_1 = (1 - phi) F_N."""
     both = (k + 3) * (1 - phi) * z ** ((1 + k) / 2) + (k + 1) * phi * z ** ((k - 1) / 2)
     return both / (2 * mp.pi * edge(k, phi) ** 2)
 
 
-def edge(k: mpf, phi: mpf) -> mpf:
+def edge(k, phi):
     """b = c of Eqs. (16), (23)."""
     return A * oracle.stick_radius.formula(k, phi)
 
@@ -351,13 +348,13 @@ BESIDE_AN_EDGE = (
 EQUAL = mpf(10) ** -20
 
 
-def ratios(ratio: Check) -> list[mpf]:
+def ratios(ratio):
     """At `POINTS`."""
     with mp.workdps(700 if ratio in BESIDE_AN_EDGE else 40):
         return [ratio(*map(mpf, point)) for point in POINTS]
 
 
-def equation_table() -> str:
+def equation_table():
     rows = []
     for number, words, ratio in EQUATIONS:
         found = ratios(ratio)
@@ -366,7 +363,7 @@ def equation_table() -> str:
     return table(("equation", "compared", ""), rows)
 
 
-def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+def table(head, rows):
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
 
@@ -374,7 +371,7 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 # --- the page -------------------------------------------------------------------------------------------------------
 
 
-def renewed(page: str, tables: Mapping[str, str]) -> str:
+def renewed(page, tables):
     """The page with each table between its marks."""
     for name, text in tables.items():
         first, last = f"<!-- {name} -->\n", f"\n<!-- end of {name} -->"
@@ -386,7 +383,7 @@ def renewed(page: str, tables: Mapping[str, str]) -> str:
     return page
 
 
-def main() -> None:
+def main():
     jax.config.update("jax_enable_x64", True)
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", type=Path, metavar="PAGE.md", help="the page to put the tables into")
@@ -395,7 +392,7 @@ def main() -> None:
     print("\n\n".join(tables.values()))
     if page is not None:
         sibling = page.with_name(f".{page.name}.{os.getpid()}.part")
-        sibling.write_text(renewed(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+        sibling.write_text(renewed(page.read_text("utf-8"), tables), "utf-8")
         sibling.replace(page)
 
 

@@ -5,11 +5,11 @@ Radii are in units of a_0, depths in a_0^2/R, volumes in a_0^4/R, pressures in F
 
 import jax
 import jax.numpy as jnp
+from kinds import FORCE, FRICTION, RADIUS, dome
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip
+from plgwear_jax import fretting, partial_slip
 from plgwear_jax.loads import Block, Displacement
 
-RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.4
 MANY = 1e9  # cycles for n = 1, as many as make nobody doubt the wear coefficient
 
 
@@ -33,7 +33,7 @@ class Reduced:
     """The run of a constant force, of the displacement that it needs before any wear, or of blocks of n of forces."""
 
     def __init__(self, k, phi, digits=None, held=False, blocks=None):
-        one = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+        one = dome(k)
         if jnp.result_type(k) == jnp.float32:
             one = jax.tree.map(jnp.float32, one)
         self.contact = one

@@ -2,24 +2,25 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+TESTS = Path(__file__).parents[1]
 
-def cases(file: str | Path, kind: str, called: str = "line") -> Any:
-    """A decorator that gives a test the cases of a kind, one by one, as the argument `case`."""
-    found = tomllib.loads(Path(file).read_text("utf-8"))[kind]
+
+def cases(file, kind, called="line"):
+    """A decorator that gives a test the cases of a kind in a file of tests, one by one, as the argument `case`."""
+    found = tomllib.loads((TESTS / file).read_text("utf-8"))[kind]
     return pytest.mark.parametrize("case", found, ids=[case[called][:60] for case in found])
 
 
-def is_told(line: str, case: dict[str, Any], file: str = "") -> bool:
+def is_told(line, case, file=""):
     """Whether a line is that of the case, after the name of a file; "…" at its end stands for anything."""
     expected = f"{file}: {case['line']}" if file else case["line"]
     return line == expected or (expected.endswith("…") and line.startswith(expected[:-1]))
 
 
-def refusal(error: type[ValueError], ask: Any, *given: Any, **more: Any) -> str:
+def refusal(error, ask, *given, **more):
     """The one line of the error with which a question is refused."""
     with pytest.raises(error) as caught:
         ask(*given, **more)

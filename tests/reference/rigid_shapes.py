@@ -4,23 +4,24 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from kinds import FORCE, FRICTION, dome
+from kinds import RADIUS as R
 from mpmath import mp, mpf
 from scipy.interpolate import PchipInterpolator
 from shape_oracle import Oracle, Piece
 
-from plgwear_jax import Cone, FrettingContact, PowerLawGraded, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
+from plgwear_jax import Cone, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
 
-R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
 RADII = np.array([0.0, 2e-5, 4.5e-5, 7e-5, 1e-4, 1.5e-4, 2.2e-4, 4e-4])
 HEIGHTS = RADII**2 / (2.0 * R) * (1.0 + 0.1 * np.sin(RADII * 3e4))
 
 
-def contact_with(shape: Shape, k: Any = 0.2, indenter: Any = None) -> FrettingContact:
-    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), R, FORCE, FRICTION, indenter, shape)
+def contact_with(shape, k=0.2, indenter=None):
+    return dome(k, indenter, shape)
 
 
-def cubics() -> list[Piece]:
+def cubics():
     """f' of the table by SciPy's PCHIP, by powers of r."""
     third, second, first, _ = PchipInterpolator(RADII, HEIGHTS).c
     found = []
@@ -30,7 +31,7 @@ def cubics() -> list[Piece]:
     return found
 
 
-def power(coefficient: Any, n: Any, begin: Any = 0.0, constant: Any = 0.0) -> list[Piece]:
+def power(coefficient, n, begin=0.0, constant=0.0):
     return [Piece(mpf(begin), [(mpf(coefficient), mpf(n)), (mpf(constant), mpf(0))])]
 
 
@@ -62,7 +63,7 @@ class Blend(Shape):
         return (self.flat,)
 
 
-def blended(flat: float = 0.0, cone: float = 0.0, fourth: float = 0.0) -> tuple[Blend, list[Piece], float]:
+def blended(flat=0.0, cone=0.0, fourth=0.0):
     quartic = (4 * mpf(fourth), mpf(3))
     beyond = [(1 / mpf(R), mpf(1)), (mpf(cone) - mpf(flat) / mpf(R), mpf(0)), quartic]
     below = [Piece(mpf(0), [quartic])] if fourth and flat else []
@@ -76,13 +77,13 @@ OWN = {
 }
 
 
-def steady(contact: FrettingContact, force: Any) -> np.ndarray:
+def steady(contact, force):
     """STEADY of a contact."""
     state = contact.steady(force)
     return np.array([getattr(state, name) for name in STEADY])
 
 
-def exact(name: str, k: float, phi: float) -> list[float]:
+def exact(name, k, phi):
     """STEADY of a shape under phi FRICTION FORCE."""
     shape, pieces, _ = (SHAPES | OWN)[name]
     contact = contact_with(shape, k)

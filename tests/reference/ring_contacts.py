@@ -39,25 +39,25 @@ class Kind(NamedTuple):
     exponent: float  # of f(r) = r^n/n
     own: Callable[[], surface_oracle.Compliance]
 
-    def contact(self, force: float) -> FrettingContact:
+    def contact(self, force):
         shape = None if self.exponent == 2.0 else PowerShape(self.exponent)
         return FrettingContact(self.half_space, 1.0, force, FRICTION, self.indenter, shape)
 
     @property
-    def parts(self) -> tuple[surface_oracle.Compliance, surface_oracle.Compliance]:
+    def parts(self):
         """The compliance of the half-space, and of the indenter."""
         body = self.indenter or RIGID
         return self.own(), surface_oracle.Compliance([(2.0 * (1.0 - body.nu**2) / body.E, 0.0)])
 
     @property
-    def ratios(self) -> tuple[float, float]:
+    def ratios(self):
         """Of tangential to normal compliance, for both."""
         k, nu = getattr(self.half_space, "k", None), self.half_space.nu
         own = mindlin(nu) if k is None else float(material.tangential_ratio(k, nu))
         return own, mindlin((self.indenter or RIGID).nu)
 
 
-def graded_compliance(modulus: Any, nu: float, bottom: float, jumps: list[float]) -> surface_oracle.Compliance:
+def graded_compliance(modulus, nu, bottom, jumps):
     """2 (1 + m) (1-nu^2)/(E(0) q) with m on a fine mesh of wavenumbers, up to where it is nothing."""
     logs = np.linspace(np.log(1e-4), np.log(240.0), 90)
     m = CubicSpline(logs, [surface_oracle.excess(modulus, nu, bottom, jumps, np.exp(x) / A) for x in logs])
@@ -70,12 +70,12 @@ def graded_compliance(modulus: Any, nu: float, bottom: float, jumps: list[float]
     return surface_oracle.Compliance([(own, 0.0)], q / A, weighted)
 
 
-def mindlin(nu: float) -> float:
+def mindlin(nu):
     return (2.0 - nu) / (2.0 - 2.0 * nu)
 
 
-def power_law(k: float) -> Kind:
-    def own() -> surface_oracle.Compliance:
+def power_law(k):
+    def own():
         g = surface_oracle.power_compliance(110e9, 1e-4, k, float(material.h_N(k, 0.3)), 0.3)
         return surface_oracle.Compliance([(g, k)])
 
@@ -85,17 +85,17 @@ def power_law(k: float) -> Kind:
 _DEPTH, _MODULUS = np.array([0.3, 0.3, 1.0, 1.0]) * A, np.array([50e9, 300e9, 300e9, 100e9])
 
 
-def _layers() -> surface_oracle.Compliance:
+def _layers():
     moduli = np.array([50e9, 300e9, 100e9])
     return graded_compliance(lambda z: moduli[np.searchsorted(_DEPTH[1:3], z, "right")], 0.2, A, list(_DEPTH[1:3]))
 
 
-def table(depth: list[float], modulus: list[float]) -> Kind:
+def table(depth, modulus):
     """On a rigid indenter's half-space whose moduli are given at some depths, in A and GPa."""
     places, values = np.array(depth) * A, np.array(modulus) * 1e9
     cubic = PchipInterpolator(places, values)
 
-    def own() -> surface_oracle.Compliance:
+    def own():
         at = functools.partial(np.clip, a_min=places[0], a_max=places[-1])
         return graded_compliance(lambda z: float(cubic(at(z))), 0.25, places[-1], list(places))
 
@@ -113,33 +113,26 @@ KINDS = {
 }
 
 
-def steps(pressures: np.ndarray) -> np.ndarray:
-    """Pressures of rings as those of discs."""
-    return pressures - np.append(pressures[1:], 0.0)
-
-
-def tangential_ratio(kind: Kind, parts: Any, a: float, count: int) -> float:
+def tangential_ratio(kind, parts, a, count):
     """theta: both bodies share in it as in the energy of a flat punch of the radius a."""
-    edges = a * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-    middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
+    edges, middle, area = surface_oracle.rings(a, count)
     discs = [part.of_discs(edges[1:], middle) for part in parts]
     both = discs[0] + discs[1]
     both[:, 1:] -= both[:, :-1].copy()
     pressures = np.linalg.solve(both, np.ones(count))
-    shares = [area * pressures @ (disc @ steps(pressures)) for disc in discs]
+    shares = [area * pressures @ (disc @ surface_oracle.steps(pressures)) for disc in discs]
     return float(np.dot(shares, kind.ratios) / np.sum(shares))
 
 
-def edge_intensity(both: surface_oracle.Compliance, c: float, F_N: float, n: float, count: int = 480) -> float:
+def edge_intensity(both, c, F_N, n, count=480):
     """The factor of z^-1/2, z = 1 - (r/c)^2, in the pressure of the worn contact on a surface of finite modulus."""
     inner = surface_oracle.contact_of(both, c, count, n)
     more = inner.held(F_N)[0] - inner.held(inner.force)[0]
-    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-    z, near = 1.0 - (0.5 * (edges[1:] + edges[:-1]) / c) ** 2, slice(-count // 4, -count // 20)
+    z, near = 1.0 - (surface_oracle.rings(c, count)[1] / c) ** 2, slice(-count // 4, -count // 20)
     return float(np.polyfit(z[near], (more * np.sqrt(z))[near], 2)[-1])
 
 
-def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
+def computed(kind, count=240):
     """What the rings give, in SI units."""
     parts, n, c = kind.parts, kind.exponent, STICK * A
     one, other = parts
@@ -147,25 +140,23 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     end = surface_oracle.steady(both, A, c, count, n)
     F_N, mu = float(end.force), FRICTION
     F_x = mu * F_N * end.phi
-    whole, inner = (surface_oracle.contact_of(both, radius, count, n) for radius in (A, c))
+    whole, inner = surface_oracle.contact_of(both, A, count, n), end.inner
     theta = tangential_ratio(kind, parts, A, count)
     before, _ = whole.held(F_N)
     worn, depth = inner.held(F_N)
     first, _ = inner.held(inner.force)
 
-    def sunk(discs: np.ndarray, pressures: np.ndarray, r: np.ndarray) -> np.ndarray:
-        return both.of_discs(discs, r) @ steps(pressures)
+    def sunk(discs, pressures, r):
+        return both.of_discs(discs, r) @ surface_oracle.steps(pressures)
 
-    def at(pressures: np.ndarray, radius: float, power: float, r: np.ndarray) -> np.ndarray:
+    def at(pressures, radius, power, r):
         # Over a power of the distance to the edge the pressures of rings are a smooth function of their middles.
-        edges = radius * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-        middle = 0.5 * (edges[1:] + edges[:-1])
+        middle = surface_oracle.rings(radius, count)[1]
         smooth = PchipInterpolator(middle[:-1], (pressures * (1.0 - (middle / radius) ** 2) ** -power)[:-1])
         return smooth(r) * (1.0 - (r / radius) ** 2) ** power
 
     ring = c + BESIDE * (end.worn_radius - c)
     around = np.linspace(c, end.worn_radius, 2001)[1:]
-    depths = end.penetration - around**n / n - sunk(inner.discs, worn, around)
     slipping = c + BESIDE * (A - c)
     slip = slipping**n / n - (inner.depth - sunk(inner.discs, first, slipping))
 
@@ -178,10 +169,10 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     forces, moved = mu * (loads[-1] - loads)[::-1], mu * theta * (depths_of[-1] - depths_of)[::-1]
     u = PchipInterpolator(forces, moved)
 
-    def ratio(force: float) -> float:
+    def ratio(force):
         return float(1.0 - 2.0 * u.integrate(0.0, force) / force / u(force))
 
-    def aperture(force: float) -> float:
+    def aperture(force):
         return float(1.0 - 2.0 * u(0.5 * force) / u(force))
 
     amplitude = mu * theta * (whole.depth - inner.depth)
@@ -202,7 +193,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
             "worn_radius": end.worn_radius,
             "penetration": end.penetration,
             "wear_volume": end.volume,
-            "deepest_wear": np.max(depths),
+            "deepest_wear": np.max(end.worn(around)),
             "peak_initial_pressure": np.max(before),
             "gross_slip_displacement": mu * theta * whole.depth,
             "displacement_amplitude": amplitude,
@@ -220,7 +211,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
             "pressure": at(worn, c, -0.5, RADII * A),
             "traction": mu * at(worn - first, c, -0.5, RADII * A),
             "initial_displacement": sunk(whole.discs, before, A * np.array([0.5, 1.5, 3.0])),
-            "wear_depth": end.penetration - ring**n / n - sunk(inner.discs, worn, ring),
+            "wear_depth": end.worn(ring),
             "slip_amplitude": mu * theta * slip,
         },
         "cycles": TIMES / per_cycle,
@@ -229,7 +220,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     }
 
 
-def listed(found: Any) -> Any:
+def listed(found):
     """With lists in place of arrays."""
     return jax.tree.map(lambda x: x.tolist() if isinstance(x, np.ndarray) else float(x), found)
 
@@ -237,12 +228,12 @@ def listed(found: Any) -> Any:
 FILE = Path(__file__).with_suffix(".json")
 
 
-def recorded() -> dict[str, Any]:
+def recorded():
     """By the kind of contact, what `computed` gives."""
-    return json.loads(FILE.read_text(encoding="utf-8"))
+    return json.loads(FILE.read_text("utf-8"))
 
 
 if __name__ == "__main__":
     jax.config.update("jax_enable_x64", True)
     found = jax.tree.map(lambda x: float(f"{x:.7g}"), {name: listed(computed(kind)) for name, kind in KINDS.items()})
-    FILE.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    FILE.write_text(json.dumps(found, indent=1) + "\n", "utf-8")

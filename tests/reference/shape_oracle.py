@@ -11,7 +11,7 @@ With f' = sum of coefficients times powers of r in each piece between radii, s =
 Lengths are in any unit, forces in units of 2 c_N times lengths to the power 2 + k.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from mpmath import mp, mpf
@@ -27,17 +27,17 @@ class Piece(NamedTuple):
 class Oracle:
     """One shape at one k."""
 
-    def __init__(self, pieces: Sequence[Piece], k: float) -> None:
+    def __init__(self, pieces, k):
         self.pieces, self.k, self.s = list(pieces), mpf(k), (1 + mpf(k)) / 2
         self.kinks = [piece.begin for piece in self.pieces if piece.begin > 0]
-        self._known: dict[mpf, mpf] = {}
+        self._known = {}
 
-    def g(self, x: mpf) -> mpf:
+    def g(self, x):
         if x not in self._known:
             self._known[x] = self._g(x)
         return self._known[x]
 
-    def _g(self, x: mpf) -> mpf:
+    def _g(self, x):
         total, s = mpf(0), self.s
         for place, piece in enumerate(self.pieces):
             if piece.begin >= x:
@@ -49,34 +49,34 @@ class Oracle:
                 total += coefficient * x**power * mp.betainc((power + 1) / 2, s, lower, upper) / 2
         return x * total
 
-    def pressed(self, a: mpf) -> mpf:
+    def pressed(self, a):
         """F(a)/(2 c_N)."""
         n = 1 + self.k
         at = self.g(a)
         ends = [mpf(0), *(b**n for b in self.kinks if b < a), a**n]
         return mp.quad(lambda y: at - self.g(y ** (1 / n)), ends) / n
 
-    def radius(self, force: mpf, start: mpf) -> mpf:
+    def radius(self, force, start):
         """a with F(a) = 2 c_N times a number, by its logarithm, from the flat face on."""
         flat = self.pieces[0].begin if self.pieces else mpf(0)
 
-        def left(u: mpf) -> mpf:
+        def left(u):
             return mp.log(self.pressed(flat + mp.exp(u)) / force)
 
         return flat + mp.exp(_root(left, mp.log(start)))
 
-    def beside(self, r: mpf, c: mpf, d: mpf, power: mpf) -> mpf:
+    def beside(self, r, c, d, power):
         """The integral of T^(s-1) (r^2-T)^(power-1) (d - g), by v = (r^2-T)^power."""
         r2 = r * r
 
-        def over(v: mpf) -> mpf:
+        def over(v):
             T = r2 - v ** (1 / power)
             return T ** (self.s - 1) * (d - self.g(mp.sqrt(T))) / power
 
         ends = [(r2 - b * b) ** power for b in reversed(self.kinks) if c < b < r]
         return mp.quad(over, [mpf(0), *ends, (r2 - c * c) ** power])
 
-    def steady(self, force: mpf, phi: float, start: mpf) -> tuple[mpf, ...]:
+    def steady(self, force, phi, start):
         """(a_0, c, a_inf, d_inf, V) under a force over 2 c_N; `start` is about a_0, less the flat face."""
         phi = mpf(phi)
         a = self.radius(force, start)
@@ -85,7 +85,7 @@ class Oracle:
         q = 1 - self.s
         start = mp.log(a * a * (1 + phi / 10) - c * c)
 
-        def depth(u: mpf) -> mpf:
+        def depth(u):
             y = mp.exp(u)
             return -self.beside(mp.sqrt(c * c + y), c, d, q) / y**q
 
@@ -95,7 +95,7 @@ class Oracle:
         return a, c, end, d, volume
 
 
-def _root(function: Callable[[mpf], mpf], start: mpf) -> mpf:
+def _root(function, start):
     """The zero of a function that rises from below zero to above it, bracketed before it is refined.
 
     A secant from the start alone leaves the domain where the slope is small.

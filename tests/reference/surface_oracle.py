@@ -16,34 +16,22 @@ from scipy.optimize import brentq
 from scipy.special import gamma, j0, j1
 
 
-def power_compliance(E0: float, z0: float, k: float, h_N: float, nu: float) -> float:
+def power_compliance(E0, z0, k, h_N, nu):
     """g of G(q) = g q^(k-1)."""
     c_N = E0 * h_N / ((1.0 - nu**2) * z0**k)
     return np.sin(0.5 * np.pi * (1.0 + k)) / c_N * 2.0 ** (1.0 - k) * gamma(0.5 - 0.5 * k) / gamma(0.5 + 0.5 * k)
 
 
-def under_discs(k: float, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+def under_discs(k, b, r):
     """The displacement for G = q^(k-1) at r, of discs of radius b under unit pressure."""
     at_centre = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k) / gamma(1.5 - 0.5 * k) * b ** (1.0 - k)
     return at_centre * transient_oracle.disc(r[:, None] / b, k)
 
 
-def excess(modulus: Callable[[float], float], nu: float, depth: float, jumps: list[float], q: float) -> float:
+def excess(modulus, nu, depth, jumps, q):
     """m of G(q) = 2 (1 + m) (1-nu^2)/(E(0) q) by the Riccati equation, from `depth` on, where E is constant."""
-    ratio, begin = nu / (1.0 - nu), min(18.0 / q, depth)
-
-    def slope(z: float, s: np.ndarray) -> list[float]:
-        mu = 0.5 * modulus(z) / (1.0 + nu)
-        s11, s12, s22 = s
-        stiff = 2.0 * mu * q * q / (1.0 - nu)
-        return [
-            2.0 * q * s12 + 1.0 / mu - stiff * s11 * s11,
-            q * s22 - ratio * q * s11 - stiff * s11 * s12,
-            -2.0 * ratio * q * s12 + (0.5 - nu) / (1.0 - nu) / mu - stiff * s12 * s12,
-        ]
-
-    mu = 0.5 * modulus(begin) / (1.0 + nu)
-    state = np.array([-(1.0 - nu), 0.5 - nu, -(1.0 - nu)]) / (mu * q)
+    begin, (slope, homogeneous) = min(18.0 / q, depth), transient_oracle.riccati(modulus, nu, q)
+    state = homogeneous(modulus(begin))
     stops = [begin, *sorted((z for z in jumps if z < begin), reverse=True), 0.0]
     for start, end in itertools.pairwise(stops):
         # The half-open intervals of a modulus with jumps.
@@ -60,11 +48,17 @@ class Compliance(NamedTuple):
     q: np.ndarray = np.zeros(0)
     weighted: np.ndarray = np.zeros(0)  # weights times g_0 m
 
-    def of_discs(self, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+    def of_discs(self, b, r):
         total = sum(g * under_discs(k, b, r) for g, k in self.terms)
         if self.q.size:
             total = total + (j0(np.outer(r, self.q)) * (self.weighted / self.q)) @ (j1(np.outer(self.q, b)) * b)
         return total
+
+
+def rings(c, count):
+    """Edges, middles and areas of rings up to a radius, which crowd at it."""
+    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
+    return edges, 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
 
 
 class Contact(NamedTuple):
@@ -74,23 +68,26 @@ class Contact(NamedTuple):
     depth: float
     held: Callable[[float], tuple[np.ndarray, float]]  # of a force: (pressures, depth) with the radius held
     discs: np.ndarray
-    rings: np.ndarray
 
 
-def contact_of(compliance: Compliance, c: float, count: int = 240, n: float = 2.0) -> Contact:
+def steps(pressures):
+    """Pressures of rings as those of discs."""
+    return pressures - np.append(pressures[1:], 0.0)
+
+
+def contact_of(compliance, c, count=240, n=2.0):
     """The contact of an indenter r^n/n, of radius c."""
-    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
-    middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
+    edges, middle, area = rings(c, count)
     matrix = compliance.of_discs(edges[1:], middle)
     matrix[:, 1:] -= matrix[:, :-1].copy()
     one, bowl = np.linalg.solve(matrix, np.stack([np.ones(count), middle**n / n], -1)).T
 
-    def held(force: float) -> tuple[np.ndarray, float]:
+    def held(force):
         depth = (force + area @ bowl) / (area @ one)
         return depth * one - bowl, depth
 
     depth = bowl[-1] / one[-1]
-    return Contact(area @ (depth * one - bowl), depth, held, edges[1:], area)
+    return Contact(area @ (depth * one - bowl), depth, held, edges[1:])
 
 
 class Steady(NamedTuple):
@@ -99,16 +96,18 @@ class Steady(NamedTuple):
     worn_radius: float
     penetration: float
     volume: float
+    inner: Contact  # of the radius c
+    worn: Callable[[np.ndarray], np.ndarray]  # depths at radii
 
 
-def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: float = 2.0) -> Steady:
+def steady(compliance, a, c, count=240, n=2.0):
     """The steady state of the contact with these radii before any wear and of the stick area, R = 1."""
     force, inner = contact_of(compliance, a, count, n).force, contact_of(compliance, c, count, n)
     pressures, depth = inner.held(force)
-    weights = pressures - np.append(pressures[1:], 0.0)
+    weights = steps(pressures)
 
-    def worn(r: np.ndarray) -> np.ndarray:
-        return depth - r**n / n - compliance.of_discs(inner.discs, np.atleast_1d(r)) @ weights
+    def worn(r):
+        return depth - r**n / n - compliance.of_discs(inner.discs, r) @ weights
 
     edge = brentq(lambda r: worn(np.array([r]))[0], 1.02 * c, 40.0 * a, xtol=1e-12 * a)
     x, weight = np.polynomial.legendre.leggauss(60)
@@ -116,13 +115,14 @@ def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: floa
     share = (0.5 + 0.5 * x) ** 3
     r = c + (edge - c) * share
     weight = 0.5 * weight * 3.0 * (0.5 + 0.5 * x) ** 2 * (edge - c)
-    return Steady(force, 1.0 - inner.force / force, edge, depth, 2.0 * np.pi * (weight * r) @ worn(r))
+    volume = 2.0 * np.pi * (weight * r) @ worn(r)
+    return Steady(force, 1.0 - inner.force / force, edge, depth, volume, inner, worn)
 
 
-class Wearing(transient_oracle.Rings):
+class Wearing(transient_oracle.OneForce):
     """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^n, R = 1."""
 
-    def __init__(self, compliance: Compliance, a: float, c: float, end: Steady, count: int, n: float = 2.0):
+    def __init__(self, compliance, a, c, end, count, n=2.0):
         self.c, self.outer = c / a, end.worn_radius / a
         edges = self.edges(count)
         self.r = 0.5 * (edges[1:] + edges[:-1])
@@ -131,8 +131,8 @@ class Wearing(transient_oracle.Rings):
         self.influence = np.diff(discs, axis=1)
         self.load = np.diff(edges**2)
         self.shape = self.r**n / n
-        inner = contact_of(compliance, c, n=n)
+        inner = end.inner
         pressures, depth = inner.held(inner.force)
-        weights = pressures - np.append(pressures[1:], 0.0)
+        weights = steps(pressures)
         gap = self.shape - (depth - compliance.of_discs(inner.discs, a * self.r) @ weights) / a**n
         self.gap = np.where(self.r > self.c, gap, 0.0)

@@ -33,7 +33,7 @@ def influence(k, edges):
     return np.diff(discs, axis=1)
 
 
-class Rings:
+class OneForce:
     """The rings of one contact: where they are, how they displace each other, the gap and the shape."""
 
     def __init__(self, k, phi, count):
@@ -99,7 +99,7 @@ class Rings:
 def worn_shares(k, phi, times, rings=80, steps=40):
     """Worn volume over the final one at the times, extrapolated in the step."""
     final = float(oracle.wear_volume(k, phi, digits=20))
-    return volumes_at(Rings(k, phi, rings), times, steps) / final
+    return volumes_at(OneForce(k, phi, rings), times, steps) / final
 
 
 def volumes_at(contact, times, steps):
@@ -115,29 +115,41 @@ def volumes_at(contact, times, steps):
     return (8.0 * four - 6.0 * two + one) / 3.0
 
 
+def riccati(modulus, nu, q):
+    """(Slopes along z of the compliance of waves of the wavenumber q, that of a homogeneous half-space of modulus E).
+
+    Of the matrix S with displacements u = S t as (S_11, S_12, S_22), and of the same across the wave: antiplane shear.
+    """
+    ratio = nu / (1.0 - nu)
+
+    def slope(z, state):
+        mu = 0.5 * modulus(z) / (1.0 + nu)
+        s11, s12, s22, across = state
+        stiff = 2.0 * mu * q * q / (1.0 - nu)
+        return np.array(
+            [
+                2.0 * q * s12 + 1.0 / mu - stiff * s11 * s11,
+                q * s22 - ratio * q * s11 - stiff * s11 * s12,
+                -2.0 * ratio * q * s12 + (0.5 - nu) / (1.0 - nu) / mu - stiff * s12 * s12,
+                1.0 / mu - mu * q * q * across * across,
+            ]
+        )
+
+    return slope, lambda E: np.array([-(1.0 - nu), 0.5 - nu, -(1.0 - nu), -1.0]) * 2.0 * (1.0 + nu) / (E * q)
+
+
 def tangential_ratio(k, nu):
     """theta from the surface compliances of waves in the graded half-space, z^k deep, at wavenumber 1.
 
-    The Riccati equation of the compliance matrix S, with displacements u = S t, from deep down up to the surface, in
-    x with z = x^m so that the singular modulus at the surface does not matter; and the same for antiplane shear.
+    From deep down up to the surface, in x with z = x^m so that the singular modulus at the surface does not matter.
     """
     m, deep = 4.0 / (1.0 - abs(k)), 20.0
-    r, bulk = nu / (1.0 - nu), (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu))
+    slope, homogeneous = riccati(lambda z: z**k, nu, 1.0)
 
-    def slope(x, state):
-        s11, s12, s22, anti = state
-        z = x**m
-        modulus = z**k / (2.0 * (1.0 + nu))
-        # u' = A u + B t, t' = C u + D t with u = (U, W), t = (tau, sigma).
-        a, b = np.array([[0.0, 1.0], [-r, 0.0]]), np.diag([1.0 / modulus, bulk / modulus])
-        c, d = np.diag([2.0 * modulus / (1.0 - nu), 0.0]), np.array([[0.0, r], [-1.0, 0.0]])
-        S = np.array([[s11, s12], [s12, s22]])
-        rate = a @ S + b - S @ c @ S - S @ d
-        return m * x ** (m - 1.0) * np.array([rate[0, 0], rate[0, 1], rate[1, 1], 1.0 / modulus - modulus * anti**2])
+    def along(x, state):
+        return m * x ** (m - 1.0) * slope(x**m, state)
 
-    # Far below, a homogeneous half-space of the modulus there.
-    modulus = deep**k / (2.0 * (1.0 + nu))
-    begin = np.array([-(1.0 - nu), -(0.5 - nu), -(1.0 - nu), -1.0]) / modulus
-    found = solve_ivp(slope, (deep ** (1.0 / m), 1e-12), begin, method="DOP853", rtol=1e-11, atol=1e-13)
+    ends = deep ** (1.0 / m), 1e-12
+    found = solve_ivp(along, ends, homogeneous(deep**k), method="DOP853", rtol=1e-11, atol=1e-13, max_step=0.02)
     in_plane, _, normal, anti = found.y[:, -1]
     return 0.5 * (in_plane + anti) / normal

@@ -21,7 +21,6 @@ material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
 contact = { kind = "gross-slip", radius = 0.005, depth = 1e-6 }
 """
 MOVED = "load = { displacement = 5e-8 }"
-REFUSED = Path(__file__).with_name("refused.toml")
 OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
 
 
@@ -149,7 +148,7 @@ def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
 # --- what is refused --------------------------------------------------------------------------------------------------
 
 
-@cases(REFUSED, "rig")
+@cases("scene/refused.toml", "rig")
 def test_refusal(case):
     line = refusal(scene.SceneError, read, case["more"], forces="tangential_force\n0.3\n")
     assert is_told(line, case, "scene.toml")
@@ -179,7 +178,7 @@ def test_a_history_changes_the_normal_force_and_the_friction():
     assert line.startswith("[load] history: changes normal_force and friction, so that no ")
 
 
-@cases(REFUSED, "histories")
+@cases("scene/refused.toml", "histories")
 def test_refusal_of_a_history_that_changes_forces(case):
     assert is_told(refusal(scene.SceneError, read, "load = { history = 'h.csv' }", h=case["content"]), case)
 

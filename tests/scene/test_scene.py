@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from marks import compiled, parametrize
+from kinds import dome
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, loads, optimise, scene, sweep
 from plgwear_jax._core import catalogue
 from plgwear_jax._core.catalogue import QUANTITIES as LAWS
+from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.question import question_of
 
 FRETTING = """
 [material]
@@ -97,15 +100,13 @@ QUANTITIES = 'quantities = ["wear_volume", "profile"]'
 HOLD = 'hold = "contact_radius"\n'
 MINIMISE = 'minimise = "wear_volume"'
 
-REFUSED = Path(__file__).with_name("refused.toml")
 
-
-@cases(REFUSED, "fretting")
+@cases("scene/refused.toml", "fretting")
 def test_refusal_says_file_section_key_value_and_what_is_allowed(case):
     assert is_told(complaint(changed(FRETTING, (case["old"], case["new"]))), case, "scene.toml")
 
 
-@cases(REFUSED, "punch")
+@cases("scene/refused.toml", "punch")
 def test_refusal_for_gross_slip(case):
     text = GROSS_SLIP.replace("depth = 1e-6", case.get("depth", "depth = 1e-6"))
     assert is_told(complaint(f"{text}{case['more']}"), case, "scene.toml")
@@ -122,7 +123,7 @@ LOADS = "tangential_force,weight\n0.1,2\n0.4,1\n# broken\n0.6,0\n0.2,5\n"
 CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
 
 
-@cases(REFUSED, "loads")
+@cases("scene/refused.toml", "loads")
 def test_refusal_of_a_table_names_its_file_and_row(case):
     assert complaint(with_files(FRETTING, case["load"], loads=case["content"])) == case["line"]
 
@@ -155,7 +156,7 @@ def test_refusal_of_what_does_not_go_with_a_load():
     assert complaint(changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: [design] {line}"
 
 
-@cases(REFUSED, "files")
+@cases("scene/refused.toml", "files")
 def test_refusal_of_what_is_not_toml(case):
     assert is_told(complaint(case["content"]), case, "scene.toml")
 
@@ -206,8 +207,7 @@ def test_windows_text_is_read():
 
 
 def test_contact_has_the_numbers_of_the_file():
-    material = PowerLawGraded(110e9, 1e-4, 0.25, 0.3)
-    assert read(FRETTING).build_contact() == FrettingContact(material, 0.005, 10.0, 0.4)
+    assert read(FRETTING).build_contact() == dome(0.25)
     material = PowerLawGraded(1e9, 1e-3, -0.5, "holl")
     assert read(GROSS_SLIP).build_contact() == GrossSlipContact(material, 2e-3, 1e-6)
 
@@ -333,7 +333,7 @@ def test_a_table_is_solved_for_its_mean():
     "text, names",
     [
         (FRETTING, UNSTRESSED),
-        pytest.param(FRETTING, sorted(catalogue.STRESSES), marks=compiled),
+        compiled_case(FRETTING, sorted(catalogue.STRESSES)),
         (GROSS_SLIP, [*PUNCH_LAWS]),
     ],
 )
@@ -420,7 +420,7 @@ def test_the_punch_has_its_pressure_beside_its_edge():
     assert_allclose(given.solve()["initial_pressure"].edge_value, expected, rtol=1e-10)
 
 
-@cases(REFUSED, "solved")
+@cases("scene/refused.toml", "solved")
 def test_refusal_of_what_cannot_be_solved(case):
     """By what computes it alone: a design doesn't care."""
     Path("loads.csv").write_text(LOADS)
@@ -481,7 +481,7 @@ def test_any_bytes_are_refused_in_one_line(content):
 
 
 def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
-    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4)
+    contact = dome(0.2)
     alone, load = contact.steady(0.0), loads.Displacement(1e-7, rig_stiffness=1e7)
     names = "gross_slip_displacement", "gross_slip_energy_ratio"
     onset, ratio = (catalogue.read(contact, name, load, {}) for name in names)
@@ -493,9 +493,9 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
     steady = contact.steady(load)
     limits = {name: {"below": 1.0} for name in ("gross_slip_displacement", "displacement_amplitude", "energy_ratio")}
     asked = loads.Force(float(steady.tangential_force), 1e7)
-    found = optimise.design(contact, asked, {"k": (0.2, 0.2 + 1e-9)}, limits=limits)
-    for name, limit in found.limits.items():
-        assert_allclose(limit.value, getattr(steady, name), rtol=1e-7)
+    question = question_of(contact, asked, {"k": (0.1, 0.3)}, limits=limits)
+    found = evaluate(question, {"k": np.array([0.2])}).values[0, 1:]
+    assert_allclose(np.exp(found), [getattr(steady, one.quantity) for one in question.limits], rtol=1e-7)
 
 
 @parametrize("varies", ["h.csv", "scatter", "vary"])

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from marks import long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import tables
 
 TABLE = "tangential_force,weight\n0.1,2\n0.4,1\n0.2,0\n"
-REFUSED = Path(__file__).with_name("refused_tables.toml")
 
 
 def read(content, form=tables.LOADS):
@@ -52,7 +52,7 @@ def test_scenarios_name_their_units():
     assert_allclose(np.ravel([*found.values()]), [0.4, 5e-3, 110e9, 210e9, 1e3], rtol=1e-15)
 
 
-@cases(REFUSED, "measured")
+@cases("scene/refused_tables.toml", "measured")
 def test_refusal_of_measured_volumes(case):
     assert is_told(complaint(case["content"], tables.MEASURED), case, "loads.csv")
 
@@ -66,7 +66,7 @@ def test_round_trip(rows):
     assert_array_equal(numbers(found), rows)
 
 
-@pytest.mark.parametrize("rows", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+@parametrize("rows", [100_000, long_case(1_000_000)])
 def test_large_tables_are_read(rows):
     expected = np.random.default_rng(1).random((rows, 2))
     content = "tangential_force,weight\n" + "".join(f"{force!r},{weight!r}\n" for force, weight in expected.tolist())
@@ -80,7 +80,7 @@ def test_large_tables_are_read(rows):
 WEIGHT = "must be a finite number >= 0"
 
 
-@cases(REFUSED, "loads")
+@cases("scene/refused_tables.toml", "loads")
 def test_refusal_says_file_row_column_value_and_what_is_allowed(case):
     assert is_told(complaint(case["content"]), case, "loads.csv")
 
@@ -90,7 +90,7 @@ def test_refusal_of_a_cell_that_is_too_long():
     assert line == "loads.csv: row 2: is not valid CSV: field larger than field limit (131072)"
 
 
-@cases(REFUSED, "history")
+@cases("scene/refused_tables.toml", "history")
 def test_refusal_of_a_history(case):
     assert is_told(complaint(case["content"], tables.HISTORY), case, "loads.csv")
 

@@ -1,24 +1,27 @@
 """First derivatives at single known numbers, which NumPy computes: they are those of the compiled programs."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from dependence import GOOD
 from functions import FUNCTIONS, arguments
+from kinds import contact_of, dome
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import FrettingContact, Layered, PowerLawGraded, fretting
+from plgwear_jax import Layered, fretting
 from plgwear_jax._core.startup import programs
 
 EPS = float(np.finfo(np.float64).eps)
-AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displacement": 0.4, "distance": 0.05}
 
 
 @pytest.fixture
-def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+def ran(monkeypatch):
     """Of each derivative at known numbers whether NumPy was to compute it."""
-    found: list[bool] = []
+    found = []
     plain = programs.Program.by
 
     def by(itself, static, numbers):
@@ -38,7 +41,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     ],
 )
 def test_they_are_those_of_the_compiled_program(name, ran):
-    at, every = tuple(AT[key] for key in arguments(name)), tuple(range(len(arguments(name))))
+    at, every = tuple(GOOD[key] for key in arguments(name)), tuple(range(len(arguments(name))))
     ask = jax.value_and_grad(FUNCTIONS[name], every)
     value, slopes = ask(*at)
     assert ran == [True]
@@ -128,8 +131,7 @@ def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
         return plain(itself, *given)
 
     def read(friction, cycles):
-        coating = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
-        run = FrettingContact(coating, 5e-3, 10.0, friction).over_cycles(1.0, 1e-14)
+        run = dataclasses.replace(dome(0.2), friction=friction).over_cycles(1.0, 1e-14)
         return 1e16 * run.volume(cycles) + 1e4 * run.contact_radius(cycles) + run.cycles_to(0.4) / cycles
 
     monkeypatch.setattr(programs.Program, "__call__", call)
@@ -145,6 +147,6 @@ def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
 def test_over_cycles_they_can_be_left_to_jax(monkeypatch):
     """The parts that follow each other for known numbers are not reversed."""
     monkeypatch.setenv("PLGWEAR_STARTUP", "")
-    contact = FrettingContact(Layered([2e-6], [400e9, 110e9], 0.3), 5e-3, 10.0, 0.4)
+    contact = contact_of(Layered([2e-6], [400e9, 110e9], 0.3))
     slope = jax.grad(lambda force: contact.over_cycles(force, 1e-14).volume(1e5))
     assert jax.eval_shape(slope, 1.0).shape == ()

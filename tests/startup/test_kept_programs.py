@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from marks import parametrize
 from processes import python
 
 import plgwear_jax
@@ -15,7 +16,7 @@ from plgwear_jax._core.startup import programs
 
 
 @pytest.fixture(autouse=True)
-def afterwards(monkeypatch: pytest.MonkeyPatch):
+def afterwards(monkeypatch):
     monkeypatch.setenv("PLGWEAR_STARTUP", "kept,levels,derivatives")  # or NumPy would run these small programs
     least = jax.config.jax_persistent_cache_min_compile_time_secs
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1e9)  # what JAX's cache has read cannot be kept
@@ -24,12 +25,12 @@ def afterwards(monkeypatch: pytest.MonkeyPatch):
 
 
 @programs.program(static=1)
-def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
+def scaled(name, of, by):
     return jnp.sin(of[name]) * by
 
 
 @programs.program()
-def factored(matrix: jax.Array) -> jax.Array:
+def factored(matrix):
     """By LAPACK, which a process that only loads programs has not looked for."""
     return jnp.linalg.cholesky(matrix)
 
@@ -49,7 +50,7 @@ def test_the_same_numbers_with_and_without(tmp_path):
 def test_each_kind_of_arguments_has_one_program(tmp_path):
     programs.keep_in(tmp_path, 2**20)
 
-    def made(*given) -> int:
+    def made(*given):
         scaled(*given)
         return len(list(tmp_path.iterdir()))
 
@@ -96,7 +97,7 @@ def test_what_was_not_used_for_longest_makes_room(tmp_path):
     def kept():
         return {file.name for file in tmp_path.iterdir()}
 
-    def ask(size: int) -> set[str]:
+    def ask(size):
         before = kept()
         programs.keep_in(tmp_path, most)
         scaled("x", {"x": np.ones(size)}, 1.0)
@@ -117,7 +118,7 @@ def test_what_was_not_used_for_longest_makes_room(tmp_path):
     assert kept() == set()  # too large itself
 
 
-@pytest.mark.parametrize("name", ["write_bytes", "mkdir", "read_bytes"])
+@parametrize("name", ["write_bytes", "mkdir", "read_bytes"])
 def test_a_disk_that_refuses_changes_nothing(tmp_path, monkeypatch, name):
     def refuses(*_, **__):
         raise OSError(28, "No space left on device")

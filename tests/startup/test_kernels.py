@@ -23,9 +23,7 @@ from plgwear_jax._core import formula
 from plgwear_jax.fretting import ring
 from plgwear_jax.special import elementary
 
-PINNED = re.search(
-    r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text(encoding="utf-8"), re.MULTILINE
-)[1]
+PINNED = re.search(r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text("utf-8"), re.MULTILINE)[1]
 pytestmark = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the numbers are those of JAX {PINNED}"),
     pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
@@ -44,12 +42,12 @@ class Size(NamedTuple):
 
 
 @functools.cache
-def plain_size(function, *ends) -> Size:
+def plain_size(function, *ends):
     """The size with all tricks, always at the same length, so that it is compiled once."""
     return size_of(function, *ends, lanes=22)
 
 
-def size_of(function, *ends, lanes: int) -> Size:
+def size_of(function, *ends, lanes):
     """The size for arrays that run between these ends."""
     at = (jnp.linspace(low, high, lanes) for low, high in ends)
     text = jax.jit(lambda *at: function(*at)).lower(*at).compile(compiler_options=AS_USERS_BUT_FOR_LLVM).as_text()

@@ -49,7 +49,7 @@ print(json.dumps({name: list(map(float, values)) for name, values in numbers.ite
 ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 
-def told(folder: Path, **variables: str) -> dict[str, list[float]]:
+def told(folder, **variables):
     scenes = Path(__file__).parents[2] / "design"
     return json.loads(output("-c", QUESTIONS, folder, scenes, without=("JAX_", "PLGWEAR_", "XLA_"), **variables))
 

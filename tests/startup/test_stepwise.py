@@ -111,7 +111,7 @@ CASES += [
 CASES.append(pytest.param(powers, np.geomspace(1e-3, 30.0, 40), 4 * EPS, 0.0, id="powers"))
 
 
-def steps_of(function, *at) -> SteppedProgram | None:
+def steps_of(function, *at):
     return stepwise(jax.jit(function).trace(*at))
 
 
@@ -180,7 +180,7 @@ def test_xla_has_the_rest(function):
 
 
 @programs.program(static=1)
-def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
+def scaled(name, of, by):
     return jnp.sqrt(of[name]) * by
 
 

@@ -1,15 +1,14 @@
 """Indenters of any shape: rigid on a power law against an oracle, and what they promise elsewhere."""
 
 import dataclasses
-from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL
-from marks import compiled, long, parametrize
+from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL, contact_of
+from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_with, exact, steady
@@ -40,9 +39,9 @@ BODIES = {
 }
 
 
-def on(body: str, shape: Shape) -> FrettingContact:
+def on(body, shape):
     material, indenter = BODIES[body]
-    return dataclasses.replace(contact_with(shape, indenter=indenter), material=material)
+    return contact_of(material, indenter, shape)
 
 
 # --- against the oracle -----------------------------------------------------------------------------------------------
@@ -53,7 +52,7 @@ def on(body: str, shape: Shape) -> FrettingContact:
     [
         *(pytest.param(name, 0.3, 0.4, marks=compiled if name in SLOW else ()) for name in SHAPES | OWN),
         *(
-            pytest.param(name, -0.7 if (name, k) == ("truncated sphere", -0.9) else k, phi, marks=long)
+            long_case(name, -0.7 if (name, k) == ("truncated sphere", -0.9) else k, phi)
             for name in SHAPES | OWN
             for k in (-0.9, -0.4, 0.0, 0.5, 0.9)
             for phi in (0.01, 0.5, 0.99)
@@ -110,9 +109,7 @@ def test_the_pressure_at_the_tip_of_a_cone(dtype, error):
     [
         (Cone(0.1), 0.15, 0.97785, 0.15350, [0.11451, 0.078303, 0.054888, 0.034589], 3e-3),
         # The pressure has a peak above the edge of the flat face, at 0.6, which the cells round off.
-        pytest.param(
-            *(RoundedFlat(0.6), 0.4, 0.99372, 0.23645, [0.093193, 0.10391, 0.14366, 0.16558], 6e-3), marks=compiled
-        ),
+        compiled_case(*(RoundedFlat(0.6), 0.4, 0.99372, 0.23645, [0.093193, 0.10391, 0.14366, 0.16558], 6e-3)),
     ],
     ids=["cone", "rounded flat"],
 )
@@ -189,7 +186,7 @@ def work_of_friction(state):
 
 @parametrize(
     "shape",
-    [KINKED[0], *(pytest.param(shape, marks=compiled) for shape in KINKED[1:])],
+    [KINKED[0], *(compiled_case(shape) for shape in KINKED[1:])],
     ids=lambda shape: type(shape).__name__,
 )
 def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(shape):
@@ -222,9 +219,9 @@ NARROW = np.array([1e-3, 1e-6, 1e-9])
     "k, indenter, known",
     [
         (-0.3, Elastic(1e22, 0.3), (None, None)),
-        pytest.param(-0.3, STEEL, (STEEL, 5), marks=compiled),
-        pytest.param(0.2, Elastic(1e22, 0.3), (None, None), marks=compiled),
-        pytest.param(0.2, STEEL, (STEEL, 5), marks=compiled),
+        compiled_case(-0.3, STEEL, (STEEL, 5)),
+        compiled_case(0.2, Elastic(1e22, 0.3), (None, None)),
+        compiled_case(0.2, STEEL, (STEEL, 5)),
     ],
 )
 def test_narrow_rings_keep_their_digits(k, indenter, known):
@@ -305,11 +302,11 @@ def test_pressures_under_a_flat_face_have_slopes_and_single_precision():
 
     flat = 5e-5
     found, slope = jax.jvp(pressure, (flat,), (flat,))
-    np.testing.assert_allclose(slope, (pressure(1.001 * flat) - pressure(0.999 * flat)) / 2e-3, rtol=1e-4)
-    np.testing.assert_allclose(pressure(np.float32(flat), jnp.float32), found, rtol=1e-4)
+    assert_allclose(slope, (pressure(1.001 * flat) - pressure(0.999 * flat)) / 2e-3, rtol=1e-4)
+    assert_allclose(pressure(np.float32(flat), jnp.float32), found, rtol=1e-4)
 
 
-@pytest.mark.parametrize("shape, k", [(Profile(RADII, HEIGHTS), 0.3), (TruncatedSphere(5e-5), -0.3)])
+@parametrize("shape, k", [(Profile(RADII, HEIGHTS), 0.3), (TruncatedSphere(5e-5), -0.3)])
 def test_pressures_between_kinks_carry_the_normal_force(shape, k):
     """Of the table three are inside the contact; at the edge of a face the pressure is infinite."""
     steady = contact_with(shape, k).steady(0.0)
@@ -328,7 +325,7 @@ def ball(rows):
     return Profile(r, r**2 / (2.0 * R))
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@parametrize("dtype", [np.float32, np.float64])
 def test_only_a_tip_has_infinite_pressure_and_no_rounding_is_one(dtype):
     """The slope of a ball's table at r = 0 is a rounding, compiled another one than not."""
     r = (np.linspace(0.0, 3e-4, 60)).astype(dtype)
@@ -442,6 +439,7 @@ def test_shapes_that_no_contact_can_have(shape, told):
         contact_with(shape).steady(0.0).contact_radius
 
 
+@compiled
 def test_traced_shapes_that_are_none_give_nan():
     short = contact_with(SHORT)
     assert np.isnan(jax.jit(lambda force: short.steady(force).wear_volume)(2.0))
@@ -454,7 +452,7 @@ def test_a_shape_is_a_frozen_record():
     shape = Blend(flat=1e-5)
     assert shape == Blend(1e-5) and jax.tree.leaves(shape) == [1e-5, 0.0, 0.0, 1.0]
     with pytest.raises(dataclasses.FrozenInstanceError):
-        shape.flat = 2e-5  # pyright: ignore[reportAttributeAccessIssue]
+        shape.flat = 2e-5
 
 
 # --- input files ------------------------------------------------------------------------------------------------------
@@ -505,7 +503,7 @@ def test_input_files_take_tables(tmp_path):
     assert_allclose(found.heights, 0.1e-9 * (1e6 * np.asarray(found.r)) ** 2, rtol=1e-14)
 
 
-@cases(Path(__file__).with_name("refused.toml"), "scene")
+@cases("steady/refused.toml", "scene")
 def test_input_files_are_refused(case, tmp_path):
     with pytest.raises(scene.SceneError) as error:
         built(tmp_path, case.get("shape", PROFILE), case.get("table", ""))

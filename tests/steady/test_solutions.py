@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads
@@ -21,9 +21,7 @@ F_X, CYCLES = 1.5, 1e5
 RADII = np.array([0.0, 3e-5, 7e-5])
 CLOSED, LAYERED = KINDS["closed forms"], KINDS["layers under steel"]
 each_engine = parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
-each_engine_one_compiled = parametrize(
-    "contact", [CLOSED, pytest.param(LAYERED, marks=compiled)], ids=["closed forms", "numeric"]
-)
+each_engine_one_compiled = parametrize("contact", [CLOSED, compiled_case(LAYERED)], ids=["closed forms", "numeric"])
 
 
 @pytest.fixture
@@ -69,8 +67,8 @@ ASKED = {
         (CLOSED, "steady", 1e-9),
         (LAYERED, "steady", 1e-9),  # searches for radii end at a step of 1e-10
         (CLOSED, "run", 1e-10),
-        pytest.param(LAYERED, "run", 1e-9, marks=compiled),
-        pytest.param(CLOSED, "march", 1e-10, marks=compiled),
+        compiled_case(LAYERED, "run", 1e-9),
+        compiled_case(CLOSED, "march", 1e-10),
     ],
     ids=["closed forms", "numeric", "a run", "a numeric run", "a march"],
 )
@@ -175,8 +173,8 @@ def test_coefficients_of_one_contact_share_its_run():
     assert_allclose(many.volume(CYCLES)[1], CLOSED.over_cycles(F_X, COEFFICIENT).volume(CYCLES), rtol=1e-12)
 
 
+@compiled
 def test_traced_bad_input_gives_nan():
-    assert np.isnan(jax.jit(lambda force: CLOSED.steady(force).wear_volume)(5.0))
     assert np.isnan(jax.jit(lambda K: CLOSED.over_cycles(F_X, K).volume(CYCLES))(-1.0))
     assert np.isnan(jax.jit(CLOSED.over_cycles(F_X, COEFFICIENT).volume)(-1.0))
 

@@ -1,15 +1,14 @@
 """Elastic indenters, layers and any E(z): against the plane-strain equations, similarity and closed forms."""
 
 import dataclasses
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import surface_oracle
-from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
-from marks import compiled, long, parametrize
+from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of, dome
+from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 from refusals import cases, is_told
@@ -76,7 +75,7 @@ def test_springs_act_between_cells_by_their_distance_and_so_do_their_slopes():
     expected = size[:, None] * kernel * size + np.diag(size * (whole - kernel @ size))
     assert_allclose(between(numbers), share @ expected @ share.T, rtol=1e-5, atol=1e-5)
     slopes = jax.jacfwd(between)(numbers) * numbers
-    np.testing.assert_allclose(slopes, by_differences(between, numbers, 1e-4), rtol=1e-6, atol=1e-9)
+    assert_allclose(slopes, by_differences(between, numbers, 1e-4), rtol=1e-6, atol=1e-9)
 
 
 def test_the_compliance_and_its_slopes_are_those_of_the_equations():
@@ -160,7 +159,7 @@ def test_layers_are_a_table_with_jumps():
 
 @parametrize(
     "layers",
-    [pytest.param(Layered([], [110e9], NU), marks=compiled), Layered([1e-5, 3e-5], [110e9] * 3, NU)],
+    [compiled_case(Layered([], [110e9], NU)), Layered([1e-5, 3e-5], [110e9] * 3, NU)],
 )
 def test_one_modulus_is_a_homogeneous_half_space(layers):
     closed = every(contact_of(Elastic(110e9, NU), STEEL))
@@ -253,8 +252,7 @@ def test_a_measured_contact_with_alumina_and_glass():
 @long
 def test_second_derivatives():
     def volume(x):
-        coating = PowerLawGraded(110e9, 1e-4, x[0], 0.3)
-        return jnp.log(contact_of(coating, Elastic(210e9 * jnp.exp(x[1]), 0.3)).steady(1.5).wear_volume)
+        return log_volume(dome(x[0], Elastic(210e9 * jnp.exp(x[1]), 0.3)), 1.5)
 
     at, step = np.array([0.3, 0.1]), 1e-3
     slope = jax.jit(jax.grad(volume))
@@ -267,7 +265,7 @@ def test_second_derivatives():
 @compiled
 def test_a_narrow_ring_beside_a_kink():
     """Its derivative is that of differences: the slope of what a kink adds is singular."""
-    contact = contact_of(PowerLawGraded(110e9, 1e-4, 0.26, 0.3), STEEL, TruncatedSphere(8.76e-5))
+    contact = dome(0.26, STEEL, TruncatedSphere(8.76e-5))
 
     def volume(log_force):
         return jnp.log(contact.steady(jnp.exp(log_force)).wear_volume)
@@ -280,7 +278,7 @@ def test_a_narrow_ring_beside_a_kink():
     assert {x.dtype for x in jax.tree.leaves(state)} == {jnp.dtype("float32")}
 
 
-@cases(Path(__file__).with_name("refused.toml"), "record")
+@cases("steady/refused.toml", "record")
 def test_what_is_refused(case):
     """Half-spaces, and shapes of indenters."""
     with pytest.raises((TypeError, ValueError)) as error:
@@ -290,7 +288,7 @@ def test_what_is_refused(case):
 
 def test_an_indenter_that_is_none_is_refused():
     with pytest.raises(TypeError, match="takes an Elastic"):
-        FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, "rigid")  # pyright: ignore[reportArgumentType]
+        FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, "rigid")
 
 
 def test_closed_forms_pay_nothing_for_numerical_solutions():

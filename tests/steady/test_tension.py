@@ -14,7 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled, parametrize
+from kinds import contact_of, dome
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, Shape, optimise
@@ -44,7 +45,7 @@ class Dimple(Shape):
         return A * (r**4 - self.q * r**2)
 
 
-def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
+def dimpled(body, q):
     """(A contact of the radius 1e-4 m, p(0) over its mean pressure), for q over its square."""
     material, indenter = BODIES[body]
     plane = 1.0 / ((1.0 - NU**2) * (1.0 / E + (1.0 / STEEL.E if indenter else 0.0)))
@@ -53,7 +54,7 @@ def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
     return FrettingContact(material, 5e-3, force, 0.4, indenter, Dimple(q * RADIUS**2)), share
 
 
-@parametrize("body", ["a power law", pytest.param("a power law under steel", marks=compiled), "layers"])
+@parametrize("body", ["a power law", compiled_case("a power law under steel"), "layers"])
 def test_a_dimple_is_refused_once_its_middle_would_pull(body):
     presses, share = dimpled(body, 0.87)
     assert 0.0 < share < 0.1
@@ -77,6 +78,7 @@ def test_where_less_force_would_pull_nothing_is_said_of_more(body):
         contact.steady(0.7 * 0.4 * contact.normal_force).wear_volume
 
 
+@compiled
 def test_a_traced_dimple_is_nan():
     contact, _ = dimpled("layers", 0.97)
     found = jax.jit(lambda force: (contact.steady(0.0).contact_radius, contact.steady(force).wear_volume))(0.1)
@@ -109,7 +111,7 @@ def test_members_of_batches_are_nan():
 
 @compiled
 def test_traced_tension_is_nan():
-    def asked(force: Any) -> Any:
+    def asked(force):
         steady = SKIN.steady(force)
         return steady.wear_volume, steady.pressure(1e-5), steady.energy_per_cycle
 
@@ -126,8 +128,8 @@ def test_runs_in_rings_are_refused():
 @parametrize(
     "load",
     [
-        pytest.param(Force(0.9 * LIMIT), marks=compiled),
-        pytest.param(Displacement(1.4e-6), marks=compiled),
+        compiled_case(Force(0.9 * LIMIT)),
+        compiled_case(Displacement(1.4e-6)),
         [Block(0.9 * LIMIT, 1e7)],
     ],
     ids=("force", "displacement", "block"),
@@ -140,7 +142,7 @@ def test_marches_find_the_tension_by_themselves(load):
 @compiled
 def test_marches_of_the_stiffest_surfaces_are_followed():
     """Pressures of single cells swing there, next to the stick-slip boundary and in the middle."""
-    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, -0.85, 0.3), 5e-3, 10.0, 0.4)
+    contact = dome(-0.85)
     for phi in (0.5, 0.975):
         run = contact.over_cycles(phi * 4.0, PressurePower(1e-14, 1.0))
         assert_allclose(run.volume(run.lasting_cycles), contact.steady(phi * 4.0).wear_volume, rtol=0.05)
@@ -161,6 +163,6 @@ def test_sweeps_mark_tension_and_go_on():
 
 def test_derivatives_in_single_precision_can_be_traced():
     """Places and flags of the least pressures have the precision of the contact: the rule of derivatives needs it."""
-    one = jax.tree.map(jnp.float32, FrettingContact(Layered([2e-5], [50e9, 100e9], 0.3), 5e-3, 10.0, 0.4))
+    one = jax.tree.map(jnp.float32, contact_of(Layered([2e-5], [50e9, 100e9], 0.3)))
     found = jax.eval_shape(lambda one: jax.jvp(lambda x: x.steady(1.0).wear_volume, (one,), (one,)), one)
     assert {x.dtype for x in found} == {jnp.dtype("float32")}

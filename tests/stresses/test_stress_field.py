@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from marks import compiled, parametrize
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from scipy.special import gamma, jv
 
@@ -27,6 +27,10 @@ TABLE = DepthGraded([0.0, 0.2 * A, 0.5 * A, A], [400e9, 300e9, 250e9, 210e9], 0.
 
 def steady_of(material, phi, **more):
     return FrettingContact(material, RADIUS, FORCE, FRICTION, **more).steady(phi * FRICTION * FORCE)
+
+
+def graded(k, phi=0.3):
+    return steady_of(PowerLawGraded(210e9, 1e-4, k, 0.3), phi)
 
 
 # --- known numbers of homogeneous half-spaces -------------------------------------------------------------------------
@@ -76,14 +80,11 @@ def rule(a, count=100):
     [
         pytest.param(STEEL, {}, id="one modulus"),
         pytest.param(LAYERS, {}, id="layers"),
-        pytest.param(
+        compiled_case(
             *(Layered([0.05 * A], [800e9, 210e9], 0.0), {"indenter": STEEL}),
             id="a thin layer under steel",
-            marks=compiled,
         ),
-        pytest.param(
-            Layered([0.5 * A], [60e9, 210e9], 0.49), {"shape": PowerShape(4.0)}, id="a compliant layer", marks=compiled
-        ),
+        compiled_case(Layered([0.5 * A], [60e9, 210e9], 0.49), {"shape": PowerShape(4.0)}, id="a compliant layer"),
     ],
 )
 def test_stresses_in_layers(material, more):
@@ -107,7 +108,7 @@ def test_stresses_in_layers(material, more):
         assert_allclose(np.array(steady.stress(X * a, z * a)) / p_0, want, rtol=0, atol=5e-4)
 
 
-@parametrize("k", [0.4, pytest.param(-0.5, marks=compiled)])
+@parametrize("k", [0.4, compiled_case(-0.5)])
 def test_stresses_in_power_laws_before_and_after_wear(k):
     phi, mu, nu = 0.6, FRICTION, 0.3
     steady = steady_of(PowerLawGraded(210e9, 1e-4, k, nu), phi)
@@ -195,24 +196,25 @@ def test_splines_make_the_pressure_of_a_power(power):
 PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
 
 
-@parametrize("worn", [False, pytest.param(True, marks=compiled)])
+@parametrize("worn", [False, compiled_case(True)])
 def test_each_digit_is_worth_its_time(worn):
     for k in (0.3, -0.6):
-        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
-        found = [contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
+        found = [graded(k).contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
         best, *others = (np.array(one.stress(*PLACES, worn=worn)) for one in found)
         errors = [np.max(abs(one - best)) / float(found[0].peak_initial_pressure) for one in others]
         assert errors[0] < errors[1] < errors[2]
         assert np.all(np.array(errors) < [2e-4, 1e-3, 1e-2])
 
 
-@parametrize("worn", [False, pytest.param(True, marks=compiled)])
+@parametrize("worn", [False, compiled_case(True)])
 def test_stresses_in_single_precision(worn):
-    for k in (0.3, -0.6):
-        contact = FrettingContact(PowerLawGraded(210e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
-        found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5)).stress(*map(np.float32, PLACES), worn=worn)
+    for known in map(graded, (0.3, -0.6)):
+        found = (
+            jax.tree.map(jnp.float32, known.contact)
+            .steady(jnp.float32(1.5))
+            .stress(*map(np.float32, PLACES), worn=worn)
+        )
         assert found.xx.dtype == jnp.float32
-        known = contact.steady(1.5)
         gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / float(known.peak_initial_pressure)
         assert_allclose(gap, 0.0, atol=2e-3)
 
@@ -233,7 +235,7 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
 
 
 def test_a_surface_of_infinite_modulus_carries_the_traction():
-    steady = steady_of(PowerLawGraded(210e9, 1e-4, -0.9, 0.3), 0.999)
+    steady = graded(-0.9, 0.999)
     x = np.array([-1.5, -0.9, -0.3, 0.1, 0.5, 0.9]) * steady.contact_radius
     found = (steady.stress(x, 0.0).xz + FRICTION * steady.initial_pressure(abs(x))) / steady.peak_initial_pressure
     stuck = abs(x) < steady.stick_radius
@@ -249,7 +251,7 @@ def test_the_surface_of_a_steep_table_carries_the_pressure():
 
 
 def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_an_infinite_one():
-    compliant, stiff = (steady_of(PowerLawGraded(210e9, 1e-4, k, 0.3), 0.6) for k in (0.4, -0.4))
+    compliant, stiff = (graded(k, 0.6) for k in (0.4, -0.4))
     a, p_0 = compliant.contact_radius, compliant.peak_initial_pressure
     found = compliant.stress(np.array([-1.2, -0.9, -0.5, 0.0, 0.3, 0.8]) * a, 0.0)
     assert_allclose(found.xx / p_0, 3.0 / 7.0 * found.zz / p_0, rtol=0, atol=2e-3)
@@ -269,7 +271,7 @@ def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(see
 # --- peaks and derivatives --------------------------------------------------------------------------------------------
 
 
-@parametrize("material", [STEEL, LAYERS, pytest.param(TABLE, marks=compiled)])
+@parametrize("material", [STEEL, LAYERS, compiled_case(TABLE)])
 def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
     steady = steady_of(material, 0.6)
     a, p_0 = steady.contact_radius, steady.peak_initial_pressure
@@ -282,7 +284,7 @@ def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
 
 @parametrize("k", [1e-5, 1e-4, 1e-3, 5e-3, 0.02, 0.1])
 def test_the_tension_of_a_slight_grading_is_that_without_it_times_the_modulus_at_its_depth(k):
-    known, steady = (steady_of(PowerLawGraded(210e9, 1e-4, each, 0.3), 0.6) for each in (0.0, k))
+    known, steady = (graded(each, 0.6) for each in (0.0, k))
     depth = float(steady.peak_tension_at[1] / steady.contact_radius)
     assert abs(float(steady.peak_tension / known.peak_tension) - depth**k) < k
     assert 0.1 < depth / k**2 < 1.0

@@ -1,7 +1,6 @@
 """Stresses at places and between depths as limits, objectives and axes, from Python and from input files."""
 
 import dataclasses
-from typing import Any
 
 import jax
 import numpy as np
@@ -98,11 +97,11 @@ def test_the_derivative_between_depths_is_that_of_differences():
 
 @compiled
 def test_a_design_keeps_the_von_mises_stress_of_a_coating_and_of_what_lies_below(tmp_path):
-    found: Any = given(tmp_path).design()
+    found = given(tmp_path).design()
     assert found.keeps_limits and found.certified
     coating, below, at = (found.limits[name] for name in ("peak_mises_between[0]", "peak_mises_between[1]", "tension"))
     assert coating.active or below.active  # so that the wear is larger than without them
-    steady: Any = found.contact.steady(2.5)
+    steady = found.contact.steady(2.5)
     for state, ends in ((coating, (0.0, 2e-5)), (below, (2e-5, 1.0))):
         assert_allclose(state.value, steady.peak_mises_between(*ends), rtol=1e-6)
     assert_allclose(at.value, steady.tension(-1e-4, 0.0), rtol=1e-6)
@@ -113,8 +112,8 @@ def test_a_stress_between_depths_is_minimised(tmp_path):
     objective = "minimise = { peak_mises_between = { least = 2e-5, most = 1 } }"
     limits = ("[design.limits]", "[design.limits]\ncontact_radius = { below = 1e-3 }")
     text = SCENE.partition("peak_mises_between = [")[0]
-    found: Any = given(tmp_path, (SCENE, text), ('minimise = "wear_volume"', objective), limits).design()
-    steady: Any = found.contact.steady(2.5)
+    found = given(tmp_path, (SCENE, text), ('minimise = "wear_volume"', objective), limits).design()
+    steady = found.contact.steady(2.5)
     assert_allclose(found.value, steady.peak_mises_between(2e-5, 1.0), rtol=1e-6)
     assert float(found.value) < float(CONTACT.steady(2.5).peak_mises_between(2e-5, 1.0))
 
@@ -147,7 +146,7 @@ def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
 
 
 def test_a_quantity_takes_its_own_places_alone():
-    found: Any = placed_quantity("minimise", "peak_mises", {"z": 1e-6}, "fretting")
+    found = placed_quantity("minimise", "peak_mises", {"z": 1e-6}, "fretting")
     assert found.text == "there is no such argument: peak_mises has one value for the contact"
 
 

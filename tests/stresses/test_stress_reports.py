@@ -2,13 +2,12 @@
 
 import json
 
+from commands import printed
 from marks import compiled
 from numpy.testing import assert_allclose
-from typer.testing import CliRunner
 
 from plgwear_jax import FrettingContact, Layered
 from plgwear_jax._core.units import written
-from plgwear_jax.cli import app
 from plgwear_jax.plots import stress_picture
 
 SCENE = """
@@ -31,9 +30,7 @@ quantities = ["peak_tension", "peak_mises"]
 
 def solved(tmp_path, k, *options):
     (tmp_path / "scene.toml").write_text(SCENE.format(k=k))
-    found = CliRunner().invoke(app, ["solve", str(tmp_path / "scene.toml"), *options])
-    assert found.exit_code == 0, found.output
-    return found.output
+    return printed("solve", str(tmp_path / "scene.toml"), *options)
 
 
 @compiled

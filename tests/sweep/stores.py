@@ -38,7 +38,7 @@ class Stop:
     """A progress that stops the sweep after some chunks, or only counts them."""
 
     def __init__(self, after=10**9, error=None):
-        self.after, self.error, self.done = after, error, list[int]()
+        self.after, self.error, self.done = after, error, []
 
     def __call__(self, done, points):
         assert points == 1200

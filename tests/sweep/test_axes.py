@@ -1,7 +1,5 @@
 """The values of an axis as they are written on a command line."""
 
-from pathlib import Path
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,10 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 from scipy.special import expit, logit
 
-from plgwear_jax._core.catalogue import AXES
 from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
-
-REFUSED = Path(__file__).with_name("refused.toml")
 
 
 def test_a_number_is_a_single_value():
@@ -49,7 +44,7 @@ def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
     assert_array_equal(read_axis("phi", "./0:1"), [0.5])
 
 
-@cases(REFUSED, "axes")
+@cases("sweep/refused.toml", "axes")
 def test_refusals(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "nan.txt").write_text("0.1\nnan\n")
@@ -59,7 +54,7 @@ def test_refusals(tmp_path, monkeypatch, case):
     assert is_told(refusal(AxisError, read_axis, case["name"], case["text"]), case)
 
 
-@cases(REFUSED, "arrays")
+@cases("sweep/refused.toml", "arrays")
 def test_refusals_of_arrays(case):
     assert is_told(refusal(AxisError, check_axis, "k", case["values"]), case)
 
@@ -67,8 +62,3 @@ def test_refusals_of_arrays(case):
 def test_values_keep_their_precision():
     assert check_axis("k", np.array([0.1], np.float32)).dtype == np.float32
     assert check_axis("normal_force", [1, 2]).dtype == np.float64
-
-
-def test_every_axis_says_what_it_is():
-    for name, kind in AXES.items():
-        assert kind.description and kind.unit in ("1", "m", "Pa", "N", "1/Pa", "N/m"), name

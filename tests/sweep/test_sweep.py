@@ -6,7 +6,6 @@ import json
 import math
 import os
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,22 +13,22 @@ import xarray as xr
 from functions import FUNCTIONS, arguments, fretting, gross_slip, values
 from hypothesis import given
 from hypothesis import strategies as st
+from kinds import KINDS
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
 from processes import output
 from refusals import cases, is_told, refusal
+from stores import AXES, CHUNKS, QUANTITIES
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
+from plgwear_jax import GrossSlipContact, PowerLawGraded, optimise, sweep
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.sweep.plan import chunk_shape
 
 K, PHI = np.array([-0.6, 0.1, 0.7]), np.array([0.2, 0.8])
-CONTACT = FrettingContact(
-    PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4
-)
+CONTACT = KINDS["closed forms"]
 PUNCH = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.2, nu="holl"), radius=2e-3, depth=1e-6)
 VALUES = {"k": K, "phi": PHI, "nu": 0.3, "r": np.array([0.5, 1.1]), "distance": 0.01}
 
@@ -189,19 +188,16 @@ def test_single_precision_is_that_of_the_axes():
 
 # --- stores ---------------------------------------------------------------------------------------------------------
 
-NAMES = ["wear_volume", "stick_radius.dk", "gross_slip.force_ratio"]
-AXES = {"k": np.linspace(-0.9, 0.9, 7), "phi": np.linspace(0.1, 0.9, 5)}
-
 
 def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     steps = []
     told = {"out": tmp_path / "map.zarr", "progress": lambda *step: steps.append(step)}
-    stored = sweep.sweep(NAMES, **AXES, chunk=6, **told)
-    xr.testing.assert_identical(stored.load().drop_attrs(), sweep.sweep(NAMES, **AXES, chunk=6).drop_attrs())
-    assert stored.attrs["unfinished"] == 0 and list(stored) == [name.replace(".", "_") for name in NAMES]
+    stored = sweep.sweep(QUANTITIES, **AXES, chunk=100, **told)
+    xr.testing.assert_identical(stored.load().drop_attrs(), sweep.sweep(QUANTITIES, **AXES, chunk=100).drop_attrs())
+    assert stored.attrs["unfinished"] == 0 and list(stored) == [name.replace(".", "_") for name in QUANTITIES]
     assert stored.gross_slip_force_ratio.dims == ("k",)
     done, points = zip(*steps, strict=True)
-    assert points == (35,) * (1 + 8) and (done[0], done[-1]) == (0, 35) and [*done] == sorted(done)
+    assert points == (1200,) * (1 + CHUNKS) and (done[0], done[-1]) == (0, 1200) and [*done] == sorted(done)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.zarr"]
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
@@ -234,7 +230,7 @@ complaint = functools.partial(refusal, ValueError, sweep.sweep)
 WEAR = "wear_volume"
 
 
-@cases(Path(__file__).with_name("refused.toml"), "sweeps")
+@cases("sweep/refused.toml", "sweeps")
 def test_refusals(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
     blocks = [Block(1.0, 2e5), Block(Displacement(1e-8), 2e5, normal_force=8.0)]

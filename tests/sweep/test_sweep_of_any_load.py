@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from marks import compiled, parametrize
+from kinds import dome
+from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
-from plgwear_jax import FrettingContact, PowerLawGraded, loads, optimise, scene, sweep
+from plgwear_jax import loads, optimise, scene, sweep
 from plgwear_jax.loads import Displacement
 
-CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+CONTACT = dome()
 ONSET = float(CONTACT.steady(0.0).gross_slip_displacement)
 LIFE = {"cycles": 1e5, "wear_coefficient": 1e-14}
 LAW = {"cycles": 1e5, "law": 1e-14}  # the same for designs
@@ -89,8 +90,7 @@ def worn_in_scenes(folder, frictions, moved):
 
 @parametrize(
     "frictions, slips",
-    [((0.4, 0.6), [False, False]), pytest.param((0.15, 0.2, 0.4, 0.6), [True, True, False, False],
-                                                marks=compiled)],
+    [((0.4, 0.6), [False, False]), compiled_case((0.15, 0.2, 0.4, 0.6), [True, True, False, False])],
 )  # fmt: skip
 def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path, frictions, slips):
     moved = 0.6 * ONSET

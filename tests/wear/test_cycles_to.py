@@ -1,14 +1,13 @@
 """How long until so much is worn: against the first cycle, the steady state, and the runs themselves."""
 
 import dataclasses
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS, LAW, contact_of
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases
 
@@ -31,9 +30,7 @@ def run_of(name, law=COEFFICIENT):
     return one.over_cycles(load, law)
 
 
-@parametrize(
-    "name", ["closed", "held", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "blocks"))]
-)
+@parametrize("name", ["closed", "held", *(compiled_case(name) for name in ("sliding", "numeric", "blocks"))])
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])
@@ -85,7 +82,7 @@ def test_blocks_end():
     [
         ("closed", {"depth": 5e-8}, 1e-6),
         ("closed", {"volume": 2e-16}, 1e-8),
-        pytest.param("numeric", {"depth": 5e-8}, 1e-5, marks=long),
+        long_case("numeric", {"depth": 5e-8}, 1e-5),
         ("sliding", {"volume": 1e-14}, 2e-2),
     ],
 )
@@ -127,7 +124,7 @@ def test_batches_single_precision_and_values_outside_under_jit():
     assert run.cycles_to(depth=np.zeros((0, 1), np.float32)).shape == (0, 1)
 
 
-@cases(Path(__file__).with_name("refused.toml"), "goals")
+@cases("wear/refused.toml", "goals")
 def test_what_is_no_goal(case):
     with pytest.raises(ValueError, match=case["line"]):
         run_of("closed").cycles_to(**case["given"])

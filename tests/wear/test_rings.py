@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import transient_oracle
-from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of
-from marks import compiled, long, parametrize
+from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of, dome
+from marks import compiled, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced, first_rate, unit_of
 
@@ -73,7 +73,7 @@ EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
         # Close to gross slip most is worn early, in steps that at first are short.
         (0.5, float(CLOSE[1, 0]), EARLY, 60, 2e-4),
         *(
-            pytest.param(k, phi, LATER, 120, off, marks=long)
+            long_case(k, phi, LATER, 120, off)
             for k, offs in ((-0.5, (1e-4, 1e-4, 1.5e-4)), (0.0, (1e-4,) * 3), (0.5, (4e-4, 1e-4, 1e-4)))
             for phi, off in zip((0.2, 0.5, 0.8), offs, strict=True)
         ),
@@ -195,7 +195,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 @parametrize("phi", [0.3, 0.9])
 def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     """The cells of A p_0 = H: in too coarse cells inside c the ones next to c would have pressures of any size."""
-    one = contact_of(PowerLawGraded(110e9, 1e-4, -0.8, 0.3), STEEL)
+    one = dome(-0.8, STEEL)
     steps, effort = RESOLUTIONS[5], effort_of(None)
     state = states_of(one, phi * FRICTION * FORCE, effort)
 
