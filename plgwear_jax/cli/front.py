@@ -12,11 +12,11 @@ from plgwear_jax.cli.question import (
     Picture,
     SceneFile,
     amplitudes_told,
-    asked,
     csv_option,
     doubt_units,
     option,
     positive,
+    read_scene,
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn
@@ -48,7 +48,8 @@ def front_command(
 
     Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
     """
-    given = asked(scene_file)
+    given = read_scene(scene_file)
+    given.asked()
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")

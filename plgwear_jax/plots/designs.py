@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.catalogue import entry, leaf, placed
+from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.optimise.best import less, measured
+from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
