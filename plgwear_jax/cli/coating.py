@@ -100,14 +100,13 @@ def coating(
     if out is not None:
         whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
         files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
-    doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
+    doubt_units(scene_file, given, idealisation.quantities["contact_radius"][0])
     report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
-    both = {name: values.tolist() for name, values in idealisation.quantities.items()}
     sides = {"as_given": "E(z) as given", "power_law": "power law"}
-    report.compare(sides, both, Column("difference (%)", errors))
+    report.compare(sides, idealisation.quantities, Column("difference (%)", errors))
     report.put(
         where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]}, doubt=fit.doubt, remark=_REMARK
     )
@@ -135,7 +134,7 @@ nu = {float(law.nu):.6g}  # Poisson's ratio
 def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:
     import numpy as np
 
-    law = {name: float(value) for name, value in vars(fit.material).items()}
+    law = vars(fit.material)
     report.put(
         **law,
         k_interval_95_percent=fit.exponent_interval,

@@ -299,10 +299,10 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     headings = "free gradient", "power law", "reference"
     compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = zip(np.asarray(profile.lower), np.asarray(profile.upper), strict=True)
+    ends = np.stack([profile.lower, profile.upper], 1)
     report.table(
         each_with_unit("depth", at),
-        *(each_with_unit("modulus", np.asarray(row), name) for row, name in zip(moduli, headings, strict=True)),
+        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, headings, strict=True)),
         Column("allowed", [measured("modulus", between) for between in ends]),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",

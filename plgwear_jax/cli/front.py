@@ -64,10 +64,9 @@ def front_command(
     doubt_units(scene_file, given)
     # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
-    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y}
-    columns = {column: np.asarray(values) for column, values in (columns | found.variables).items()}
-    flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
-    reference = {x_column: float(found.reference_x), found.y_name: float(found.reference_y)}
+    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y, **found.variables}
+    flags = fields(found, "converged", "certified")
+    reference: dict[str, Any] = {x_column: found.reference_x, found.y_name: found.reference_y}
     report.write_table(columns | flags)
     report.put(
         {x_column: entry(found.x_name).unit},
@@ -80,7 +79,7 @@ def front_command(
         reference=reference,
     )
 
-    along, certain = columns[x_column], flags["certified"]
+    along, certain = found.x, np.asarray(found.certified)
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
     shown = slice(1 if same else None)
     words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}

@@ -101,7 +101,7 @@ def shared(
 
 
 def by_quantity(
-    headings: Sequence[str], rows: Mapping[str, Sequence[float]], words: Mapping[str, str] | None = None
+    headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] | None = None
 ) -> list[Column]:
     """The columns of a table with a row for each quantity, which compares its values.
 
@@ -189,7 +189,7 @@ class Report:
     def compare(
         self,
         headings: Mapping[str, str],
-        rows: Mapping[str, Sequence[float]],
+        rows: Mapping[str, Any],
         *more: Column,
         words: Mapping[str, str] | None = None,
     ) -> None:

@@ -167,7 +167,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
         if doubtful is not None:
             warn(f"{scene_file}: [wear]: {doubtful}")
-    law = {name: float(value) for name, value in vars(wear.law).items()}
+    law = vars(wear.law)
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if share:
         report.put(half_space_share=share)

@@ -314,8 +314,8 @@ def free_picture(
     """
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
-    bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
+    profile, radius = found.profile, found.contact_radii[0]
+    bounds = np.stack([profile.at, profile.lower, profile.upper], -1)
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
     _draw_depths(panels[2], worn[0], worn[1], (BEST, OTHER, REFERENCE))

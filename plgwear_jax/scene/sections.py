@@ -16,7 +16,6 @@ from plgwear_jax.scene.keys import MATERIALS, SECTIONS
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.scene.solving import DisplacementEffect
     from plgwear_jax.tables import Table
 
 LOADS = "tangential_force", "displacement", "table", "history"
@@ -227,39 +226,35 @@ class LoadSection(SimpleNamespace):
         return [loads.Block(load, **block) for load, block in zip(every, blocks, strict=True)]
 
     @cached_property
-    def moved(self) -> "DisplacementEffect":
-        """What the displacements of `given` do to the unworn contact."""
+    def moved(self) -> Any:
+        """What the displacements of `given` do to the unworn contact: a `DisplacementEffect`."""
+        import jax
+
         from plgwear_jax.scene import solving
 
-        assert self.material is not None
         pressed = solving.homogeneous(self.contact.record(material=self.material.record(), **self.pressed))
-        return solving.displacement_effect(pressed, self.given, self.rig_stiffness)
+        return jax.device_get(solving.displacement_effect(pressed, self.given, self.rig_stiffness))
 
     @property
     def in_gross_slip(self) -> "np.ndarray":
         """Which amplitudes of `given` make the unworn contact slip as a whole, shape (n,)."""
-        import numpy as np
-
-        return ~(self.given < np.asarray(self.moved.gross_slip if self.of_displacement else math.inf))
+        return ~(self.given < (self.moved.gross_slip if self.of_displacement else math.inf))
 
     @cached_property
     def slides(self) -> SceneError | None:
         """What says that the contact slips as a whole before any wear, under the first such displacement; else None."""
         if not self.of_displacement or self.pressed:
             return None
-        import numpy as np
-
-        (beyond,) = np.nonzero(self.in_gross_slip)
-        if not beyond.size:
+        if not self.in_gross_slip.any():
             return None
-        first, wear = beyond[0], self.wear
-        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
+        first, wear = self.in_gross_slip.argmax(), self.wear
+        work = self.contact.normal_force * self.moved.path[first]
         by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
         if wear is not None and not wear.others:
             name, given = next((name, x) for name in COEFFICIENTS if (x := getattr(wear, name)) is not None)
             by = f"{by} with [wear] {name} = {given:g}"
             worn = f"{1e18 * wear.archard * work:.4g} µm³"
-        begins = written(float(self.moved.gross_slip), "m")
+        begins = written(self.moved.gross_slip, "m")
         begins += "" if self.rig_stiffness is None else " at the actuator"
         said = (
             f"displacement = {self.given[first]:g}: this is gross slip, the contact slips as a whole from {begins} on; "
@@ -278,9 +273,7 @@ class LoadSection(SimpleNamespace):
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
         if self.slides is not None:
             raise self.slides
-        import numpy as np
-
-        return np.asarray(self.moved.force) if self.of_displacement else self.given
+        return self.moved.force if self.of_displacement else self.given
 
     @property
     def amplitudes(self) -> "np.ndarray":
