@@ -6,7 +6,7 @@ __all__ = ["main"]
 
 
 def main() -> None:
-    """Run the command line, or say in one line which extra is missing."""
+    """Run the command line, or say in one line which extra is missing. An interrupt during the start ends it too."""
     try:
         from plgwear_jax import cli
 
@@ -15,6 +15,8 @@ def main() -> None:
         needs = f"needs the extra cli ({error.name} is missing): pip install 'plgwear-jax[cli]', in a clone '.[cli]'"
         print(f"plgwear: {needs}", file=sys.stderr)
         raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ _LEVEL = 0.95  # of confidence
 _FAR = 0.5  # least share of the stiffness within `FELT` that the depths of a table must cover
 _ROUGH = 0.1  # standard deviation of log(E) about the fit above which the modulus is hardly a power law
 _POINTS = 101  # radii in the worn ring
+_COUNTED = 19  # depths of `where_it_counts`
 _BETWEEN = 3  # depths of the half-space per depth of `where_it_counts`
 _QUANTITIES = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
 
@@ -96,9 +97,7 @@ class PowerLawFit:
 
 
 @concrete_only("coating.felt works there")
-def fit_power_law(
-    depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float, z0: float | None = None
-) -> PowerLawFit:
+def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float) -> PowerLawFit:
     """Fit a power law to moduli at some depths: the straight line of log(E) over log(z), by weighted least squares.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
@@ -112,8 +111,7 @@ def fit_power_law(
         modulus: Young's modulus there in Pa, shape (n,), positive. An indentation modulus is a mean over depths, not
             that at one.
         nu: Poisson's ratio.
-        contact_radius: The contact radius in m.
-        z0: The depth in m at which E0 is the modulus, a free choice; by default the contact radius.
+        contact_radius: The contact radius in m, at which depth E0 is the modulus: a free choice.
 
     Returns:
         The power law, with its confidence from Student's distribution, as if the points scattered independently.
@@ -135,8 +133,6 @@ def fit_power_law(
 
     half_space = DepthGraded(depth, modulus, nu)  # raises an error for wrong arguments
     check("contact_radius", contact_radius, POSITIVE)
-    z0 = contact_radius if z0 is None else z0
-    check("z0", z0, POSITIVE)
     depth, modulus = np.asarray(half_space.depth, float), np.asarray(half_space.modulus, float)
     low, high = FELT[0] * contact_radius, FELT[1] * contact_radius
     weight, covered = _weights_of_depths(depth, nu, contact_radius)
@@ -145,7 +141,7 @@ def fit_power_law(
         number = f"only {counts.sum()} of {depth.size} depths {'lies' if counts.sum() == 1 else 'lie'}"
         text = f"within 0.1 to 3 contact radii, {low:.3g} m to {high:.3g} m; a power law needs two"
         raise ValueError(f"depth: {number} {text}")
-    x, y, w = np.log(depth[counts] / z0), np.log(modulus[counts]), weight[counts]
+    x, y, w = np.log(depth[counts] / contact_radius), np.log(modulus[counts]), weight[counts]
     best, inverse = np.polyfit(x, y, 1, w=np.sqrt(w), cov="unscaled")
     k, log_modulus = map(float, best)
     if not -1.0 < k < 1.0:
@@ -158,7 +154,7 @@ def fit_power_law(
     covariance = variance * spread @ inverse
     quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) if freedom else math.nan
     reach = quantile * np.sqrt(np.diag(covariance))
-    material = PowerLawGraded(math.exp(log_modulus), z0, k, nu)
+    material = PowerLawGraded(math.exp(log_modulus), contact_radius, k, nu)
     doubt = None
     if covered < _FAR:
         doubt = f"the table covers {covered:.0%} of what the contact feels; the rest is taken as its ends are"
@@ -167,7 +163,7 @@ def fit_power_law(
     elif math.sqrt(variance) > _ROUGH:
         doubt = f"the moduli scatter {math.sqrt(variance):.0%} about the fit: this is hardly a power law"
     with np.errstate(divide="ignore"):
-        fitted = math.exp(log_modulus) * (depth / z0) ** k
+        fitted = math.exp(log_modulus) * (depth / contact_radius) ** k
     return PowerLawFit(
         material=material,
         covariance=covariance,
@@ -286,7 +282,7 @@ def _slopes_by_depth(contact: FrettingContact, tangential_force: float, depth: A
 
 @concrete_only("jax.grad of contact.steady(F_x).wear_volume by the moduli works there")
 def where_it_counts(
-    contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
+    contact: FrettingContact, tangential_force: float, contact_radius: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """How strongly the modulus at each depth of a half-space influences the wear volume.
 
@@ -296,19 +292,16 @@ def where_it_counts(
         contact: A contact on a `DepthGraded` or a `Layered`, whose moduli between these depths a cubic takes over.
         tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
         contact_radius: Its contact radius in m, if it was computed before.
-        points: Number of depths between 0.01 and 10 contact radii, at least 3.
 
     Returns:
-        (Depths in m, the change of log(V) there with log(E), per decade of the depth), each of shape (points,): 0.3
-        means that a decade of depths with 1 % more modulus wears 0.3 % more.
+        (Depths in m between 0.01 and 10 contact radii, the change of log(V) there with log(E), per decade of the
+        depth), each of shape (19,): 0.3 means that a decade of depths with 1 % more modulus wears 0.3 % more.
     """
     if not isinstance(contact.material, DepthGraded | Layered):
         raise ValueError(f"contact: its half-space is neither a DepthGraded nor a Layered, but {contact.material!r}")
-    if points < 3:
-        raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.steady(0.0).contact_radius) if contact_radius is None else contact_radius
-    decades, step = np.linspace(-2.0, 1.0, points, retstep=True)  # log10 of the depths over the contact radius
-    fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
+    decades, step = np.linspace(-2.0, 1.0, _COUNTED, retstep=True)  # log10 of the depths over the contact radius
+    fine = np.linspace(-2.0 - step, 1.0 + step, (_COUNTED + 1) * _BETWEEN + 1)
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes_by_depth(contact, float(tangential_force), radius * 10.0**fine, hats))
     return radius * 10.0**decades, slopes / step

@@ -81,20 +81,20 @@ class Form:
 
     Attributes:
         columns: The columns that it must have; of each inner tuple one.
-        optional: Those that it may have.
+        optional: Those that it may have; of each inner tuple at most one.
         check: Refuses what is wrong with a table whose cells are allowed one by one.
         domains: Allowed values of columns that this module does not know, in SI units.
     """
 
     columns: tuple[tuple[str, ...], ...]
-    optional: tuple[str, ...] = ()
+    optional: tuple[tuple[str, ...], ...] = ()
     check: Callable[[Table], None] = lambda _: None
     domains: Mapping[str, Domain] = dataclasses.field(default_factory=dict)
 
     @property
     def known(self) -> list[str]:
         """All columns."""
-        return [*(column for some in self.columns for column in some), *self.optional]
+        return [column for some in (*self.columns, *self.optional) for column in some]
 
     @property
     def first_row(self) -> str:
@@ -164,11 +164,6 @@ def _some_weight(table: Table) -> None:
         raise TableError(f"{table.name}: {rows}: weight = 0 throughout; at least one weight must be > 0")
 
 
-def _one_deviation(table: Table) -> None:
-    if {"deviation", _RELATIVE} <= table.columns.keys():
-        raise TableError(f"{table.name}: column {_RELATIVE}: cannot be combined with deviation")
-
-
 def _increasing(table: Table, column: str, text: str, level: bool = False) -> None:
     """Refuse values that do not increase; `level` allows zeros at the beginning."""
     values = table[column]
@@ -193,8 +188,8 @@ def _outwards(table: Table) -> None:
 
 
 LOADS = Form((_AMPLITUDE, ("weight",)), check=_some_weight)
-HISTORY = Form((_AMPLITUDE,), ("cycles", "normal_force", "friction"))
-MEASURED = Form((("cycles",), ("volume",)), ("deviation", _RELATIVE), _one_deviation)
+HISTORY = Form((_AMPLITUDE,), (("cycles",), ("normal_force",), ("friction",)))
+MEASURED = Form((("cycles",), ("volume",)), (("deviation", _RELATIVE),))
 MODULUS = Form((("depth",), ("modulus",)), check=_downwards)
 HEIGHTS = Form((("r",), ("height",)), check=_outwards)
 
@@ -211,7 +206,7 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
             raise TableError(f"{table.name}: has no column but weight; allowed are {', '.join(columns)}")
         _some_weight(table)
 
-    return Form((), ("weight", *columns), check, columns)
+    return Form((), (("weight",), *zip(columns)), check, columns)
 
 
 # --- columns ----------------------------------------------------------------------------------------------------------
@@ -303,13 +298,12 @@ def _header(cells: list[str], form: Form) -> dict[str, float | None]:
         if unit is not None and unit not in units:
             raise ValueError(f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}")
         found[column] = None if unit is None else units[unit]
-    for some in form.columns:
+    for some in (*form.columns, *form.optional):
         there = [column for column in found if column in some]
-        if not there:
+        if not there and some in form.columns:
             raise ValueError(f"column {' or '.join(some)}: missing; the first row must be {form.first_row}")
-        if len(there) > 1:
-            text = f"cannot be combined with {there[0]}; only one of them can be the amplitude"
-            raise ValueError(f"column {there[1]}: {text}")
+        for other in there[1:]:
+            raise ValueError(f"column {other}: cannot be combined with {there[0]}; only one of them can count")
     return found
 
 

@@ -440,6 +440,14 @@ def unit_of(name: str) -> str | None:
         return None
 
 
+def measured(name: str, value: Any) -> str:
+    """A value of what `entry` knows with its unit, as a person writes it; of several the range."""
+    import numpy as np
+
+    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
+    return " to ".join(ends)
+
+
 def placed(name: str, places: Mapping[str, Any]) -> str:
     """What a quantity is called at its place in m, such as "wear depth at r = 50 µm"."""
     called, at = entry(name).name, {place: written(float(value), "m") for place, value in places.items()}

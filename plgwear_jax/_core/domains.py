@@ -197,7 +197,7 @@ def whole(name: str, value: Any, least: int, most: float = float("inf"), more: s
         found = None
     if found is None or not least <= found <= most:
         allowed = f"{least} <= {name}" if most == float("inf") else f"{least} <= {name} <= {most}"
-        raise ValueError(f"{name} = {value!r} is outside the allowed range {allowed}{more}")
+        raise RefusedError(f"{name} = {value!r} is outside the allowed range {allowed}{more}")
     return found
 
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from plgwear_jax._core.words import GivenError
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -14,10 +16,8 @@ __all__ = ["PICTURES", "TargetError", "check_target", "write", "write_table"]
 PICTURES = (".png", ".pdf", ".svg")
 
 
-class TargetError(ValueError):
+class TargetError(GivenError):
     """A file cannot be written; the message is one line that begins with the file."""
-
-    names_file = True
 
 
 def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:

@@ -6,11 +6,11 @@ Imports nothing that takes time: a scene is refused before JAX or NumPy are ther
 import math
 import sys
 from collections.abc import Collection, Mapping
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, get_args
 
 from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
-from plgwear_jax._core.words import near_or_all, one_line
+from plgwear_jax._core.words import GivenError, near_or_all, one_line
 
 __all__ = [
     "BY_THEN",
@@ -21,20 +21,20 @@ __all__ = [
     "PLACES",
     "VARIABLES",
     "WITHIN",
-    "Complaint",
     "Hold",
     "Kind",
-    "complaint",
+    "WrongKeyError",
     "domain_of",
     "exponents_between",
-    "free_complaint",
     "is_after_cycles",
     "is_linear",
     "limit_form",
     "limited_quantity",
     "one_of",
     "placed_quantity",
-    "window_complaint",
+    "refuse_free_question",
+    "refuse_question",
+    "refuse_window",
 ]
 
 Hold = Literal["contact_radius"]
@@ -81,19 +81,22 @@ def domain_of(name: str) -> Domain:
     return _DOMAINS.get(name.rpartition(".")[2].partition("[")[0], POSITIVE)
 
 
-class Complaint(NamedTuple):
-    """Why a question is refused.
+class WrongKeyError(GivenError):
+    """Why a question, or a section of a scene, is refused.
 
     Attributes:
-        key: The name of the argument, or the key of a scene: "hold", "vary.z0".
+        key: The name of the argument, or the key of a scene: "hold", "vary.z0"; empty for a whole section.
         text: What is wrong with its value.
     """
 
-    key: str
-    text: str
+    names_file = False
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(f"{key}: {text}")
+        self.key, self.text = key, text
 
 
-def complaint(
+def refuse_question(
     vary: Mapping[str, Any],
     hold: bool,
     objective: str,
@@ -101,8 +104,8 @@ def complaint(
     *,
     kind: Kind | None = None,
     flat: bool = False,
-) -> Complaint | None:
-    """The first thing that is wrong with a question whose single values are allowed; None if nothing is.
+) -> None:
+    """Refuse a question whose single values are allowed, but do not go together, by a `WrongKeyError`.
 
     Args:
         vary: What varies, by name: the pair of bounds of k, z0 or E0, or "modulus" with anything.
@@ -115,42 +118,41 @@ def complaint(
     held = 'hold = "contact_radius"' if hold else None
     if kind == "gross-slip":
         if hold:
-            return Complaint("hold", f"only for a fretting contact: {_ON_K_ALONE}")
+            raise WrongKeyError("hold", f"only for a fretting contact: {_ON_K_ALONE}")
         for name in vary:
             if name != "k" and not limits and objective in ("volume_change", "force_drop", "force_ratio"):
-                return Complaint(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
+                raise WrongKeyError(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
     others = [name for name in vary if name in OF_POWER_LAW]
     if "modulus" in vary and (held or others):
         text = f"cannot be combined with {held or others[0]}: modulus sets both k and E0/z0^k"
-        return Complaint("vary.modulus", f"{text}; vary k and put these bounds under limits")
+        raise WrongKeyError("vary.modulus", f"{text}; vary k and put these bounds under limits")
     for name in ("z0", "E0"):
         if held and name in vary:
             text = f"cannot vary while {held} sets E0: only E0/z0^k counts for the contact"
-            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or limit E(z) by modulus_at")
+            raise WrongKeyError(f"vary.{name}", f"{text}; leave one of both out, or limit E(z) by modulus_at")
     if "z0" in vary and "E0" in vary:
-        return Complaint("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
+        raise WrongKeyError("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
     if held and "contact_radius" in limits:
-        return Complaint("limits.contact_radius", f"cannot be limited while {held} fixes it")
+        raise WrongKeyError("limits.contact_radius", f"cannot be limited while {held} fixes it")
     if "z0" in vary and "k" not in vary and flat:
-        return Complaint("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
+        raise WrongKeyError("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
     highest = vary["k"][1] if "k" in vary else None
     if isinstance(highest, int | float) and highest < 0.0:
         for name in sorted(PEAKS.intersection([objective, *limits])):
             text = (
                 f"{name} is infinite for every k < 0, as the modulus of the surface is; give E(z) as a table or layers"
             )
-            return Complaint("minimise" if name == objective else f"limits.{name}", text)
-    return None
+            raise WrongKeyError("minimise" if name == objective else f"limits.{name}", text)
 
 
 # --- quantities -------------------------------------------------------------------------------------------------------
 
 
-def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind | None) -> str | Complaint:
-    """The name in the catalogue of a quantity at places, or why there is none.
+def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind | None) -> str:
+    """The name in the catalogue of a quantity at places, or a `WrongKeyError` that says why there is none.
 
     Args:
-        key: The key under which the quantity is given, for the complaint.
+        key: The key under which the quantity is given, for the error.
         name: The quantity; "pressure" at a distance from the stick-slip boundary is `edge_pressure`.
         places: The places that are given, by names such as "r" or "distance".
         kind: The kind of the contact, if it is known.
@@ -163,28 +165,26 @@ def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind |
         name = "edge_pressure"
     if name not in laws:
         whose = f"a {kind} contact" if kind else "any contact"
-        return Complaint(key, f"{one_line(name)} is no quantity of {whose}{near_or_all(name, laws)}")
+        raise WrongKeyError(key, f"{one_line(name)} is no quantity of {whose}{near_or_all(name, laws)}")
     needed = [place for place in laws[name].arguments if place in PLACES]
     for place in needed:
         if place not in places:
-            return Complaint(f"{key}.{place}", f"must be a finite number, as {name} needs {PLACES[place]}")
+            raise WrongKeyError(f"{key}.{place}", f"must be a finite number, as {name} needs {PLACES[place]}")
     for place in places:
         if place not in needed:
             text = f"{name} takes {' and '.join(needed)} alone" if needed else f"{name} has one value for the contact"
-            return Complaint(f"{key}.{place}", f"there is no such argument: {text}")
+            raise WrongKeyError(f"{key}.{place}", f"there is no such argument: {text}")
     depths = [places[one] for one in ("least", "most") if isinstance(places.get(one), float | int)]
     if len(depths) == 2 and not depths[0] < depths[1]:
-        return Complaint(f"{key}.most", "must be a larger depth than least")
+        raise WrongKeyError(f"{key}.most", "must be a larger depth than least")
     return name
 
 
 _SIDES = ("above", "below", "between")
 
 
-def limited_quantity(
-    name: str, given: Mapping[str, Any], kind: Kind | None
-) -> tuple[str, Any, Any, dict[str, Any]] | Complaint:
-    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere.
+def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> tuple[str, Any, Any, dict[str, Any]]:
+    """What a limit such as {"below": 2e-6} limits, or a `WrongKeyError` about its keys. Values are checked elsewhere.
 
     Returns:
         The quantity in the catalogue; the lowest and the highest value allowed, each None if there is none; and the
@@ -192,29 +192,27 @@ def limited_quantity(
     """
     key = f"limits.{name}"
     if not isinstance(given, Mapping):
-        return Complaint(key, f"must be {limit_form(name)}")
+        raise WrongKeyError(key, f"must be {limit_form(name)}")
     for other in given:
         if other not in (*_SIDES, *PLACES):
-            return Complaint(f"{key}.{other}", f"there is no such key{near_or_all(other, (*_SIDES, *PLACES))}")
+            raise WrongKeyError(f"{key}.{other}", f"there is no such key{near_or_all(other, (*_SIDES, *PLACES))}")
     sides, places = ({one: x for one, x in given.items() if one in those} for those in (_SIDES, PLACES))
     found = placed_quantity(key, name, places, kind)
-    if isinstance(found, Complaint):
-        return found
     if not sides:
-        return Complaint(key, f"must be {limit_form(name)}")
+        raise WrongKeyError(key, f"must be {limit_form(name)}")
     if "between" in sides:
         if len(sides) > 1:
-            return Complaint(
+            raise WrongKeyError(
                 f"{key}.between", f"cannot be combined with {next(one for one in sides if one != 'between')}"
             )
         try:
             above, below = sides["between"]
         except (TypeError, ValueError):
-            return Complaint(f"{key}.between", "must be [lowest, highest]")
+            raise WrongKeyError(f"{key}.between", "must be [lowest, highest]") from None
     else:
         above, below = sides.get("above"), sides.get("below")
     if isinstance(above, float | int) and isinstance(below, float | int) and not above < below:
-        return Complaint(key, "the lowest value must be below the highest")
+        raise WrongKeyError(key, "the lowest value must be below the highest")
     return found, above, below, places
 
 
@@ -230,18 +228,17 @@ def limit_form(name: str) -> str:
 # --- free gradients ---------------------------------------------------------------------------------------------------
 
 
-def free_complaint(
+def refuse_free_question(
     vary: Collection[str], hold: bool, limits: Collection[str], *, kind: Kind | None = None
-) -> Complaint | None:
-    """The first thing that is wrong with a question for a free gradient; None if nothing is. See `complaint`."""
+) -> None:
+    """Refuse a question for a free gradient, as `refuse_question`."""
     for name in vary:
         if name != "modulus":
-            return Complaint(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
+            raise WrongKeyError(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
     if kind == "gross-slip":
-        return Complaint("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
+        raise WrongKeyError("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
     if hold and "contact_radius" in limits:
-        return Complaint("limits.contact_radius", 'cannot be limited while hold = "contact_radius" fixes it')
-    return None
+        raise WrongKeyError("limits.contact_radius", 'cannot be limited while hold = "contact_radius" fixes it')
 
 
 def exponents_between(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> tuple[float, float]:
@@ -251,13 +248,12 @@ def exponents_between(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[
     return lowest / span, highest / span
 
 
-def window_complaint(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> str | None:
-    """What is wrong with a window within which both moduli vary; None if nothing is."""
+def refuse_window(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> None:
+    """Refuse a window within which both moduli vary and reach what is no power law."""
     lowest, highest = exponents_between(at, lower, upper)
-    if -1.0 < lowest <= highest < 1.0:
-        return None
-    reached = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
-    return f"{reached}; only -1 < k < 1 is possible"
+    if not -1.0 < lowest <= highest < 1.0:
+        reached = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
+        raise WrongKeyError("vary.modulus.between", f"{reached}; only -1 < k < 1 is possible")
 
 
 def one_of(names: tuple[str, ...]) -> str:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core import files
+from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
@@ -92,21 +93,20 @@ def coating(
             raise
         except ValueError as error:
             refuse(f"{data.name}: {error}")
-        refuse_extremes(scene_file, np.all(np.isfinite(idealisation.quantities["wear_volume"])))
+        refuse_extremes(np.all(np.isfinite(idealisation.quantities["wear_volume"])))
     report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     if out is not None:
         whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
         files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
-    doubt_units(scene_file, given, float(idealisation.quantities["contact_radius"][0]))
+    doubt_units(scene_file, given, idealisation.quantities["contact_radius"][0])
     report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
-    both = {name: values.tolist() for name, values in idealisation.quantities.items()}
     sides = {"as_given": "E(z) as given", "power_law": "power law"}
-    report.compare(sides, both, Column("difference (%)", errors))
+    report.compare(sides, idealisation.quantities, Column("difference (%)", errors))
     report.put(
         where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]}, doubt=fit.doubt, remark=_REMARK
     )
@@ -134,7 +134,7 @@ nu = {float(law.nu):.6g}  # Poisson's ratio
 def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:
     import numpy as np
 
-    law = {name: float(value) for name, value in vars(fit.material).items()}
+    law = vars(fit.material)
     report.put(
         **law,
         k_interval_95_percent=fit.exponent_interval,
@@ -159,12 +159,12 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
     k_within = E_within = correlation = ""
     if k_low == k_low:  # not NaN
         k_within = f" ({k_low:.3g} to {k_high:.3g} with 95 % confidence)"
-        E_within = f" ({measure(E_low, 'E0')} to {measure(E_high, 'E0')})"
+        E_within = f" ({measured('E0', E_low)} to {measured('E0', E_high)})"
         variance = np.diag(fit.covariance)
         correlated = fit.covariance[0, 1] / np.sqrt(variance[0] * variance[1]) if variance.all() else 0.0
         correlation = f"; correlation of k and log E0: {correlated:.2g}"
-    E0, z0 = (f"{name} = {measure(law[name], name)}" for name in ("E0", "z0"))
-    low, high = (measure(depth, "depth") for depth in fit.felt)
+    E0, z0 = (f"{name} = {measured(name, law[name])}" for name in ("E0", "z0"))
+    low, high = (measured("depth", depth) for depth in fit.felt)
     report.say(
         f"power law: k = {law['k']:.4g}{k_within}",
         f"{E0}{E_within} at {z0}, the contact radius, a free choice{correlation}",

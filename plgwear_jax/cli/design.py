@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene
 from plgwear_jax.cli.report import Report
 from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
@@ -24,8 +24,8 @@ def design_command(
 
     Example: plgwear design design/steel_ball.toml --picture best.pdf
     """
-    given = asked(scene_file)
-    space: Any = given.design_space
+    given = read_scene(scene_file)
+    space = given.asked()
     if space.free and sensitivities:
         refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
     if space.free and given.wears_otherwise:

@@ -7,12 +7,12 @@ import numpy as np
 
 from plgwear_jax import coating, optimise
 from plgwear_jax._core import doubts
-from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, placed
+from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.cli.question import amplitudes_told
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
 from plgwear_jax.contact import FrettingContact, is_closed
-from plgwear_jax.optimise.best import doubtful, less, measured
+from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
 
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
@@ -38,13 +38,12 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         one.name: called(one.quantity) if {*one.places} <= {"distance"} else placed(one.quantity, one.places)
         for one in question.limits
     }
-    best, reference = described(found, comparison)
+    both = described(found, comparison)
     lessened = called(objective).partition(", ")[0]
     verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
     conflict_told = None if conflict is None else _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
-    both = {name: (value, reference[name]) for name, value in best.items()}
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
     report.put(edge_distance=distance, objective=objective, load=load)
     names = {name: name if name in ("k", "E0", "z0", "nu") else called(name).partition(",")[0] for name in found.bounds}
@@ -62,9 +61,9 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         report.say(verdict, conflict_told)
     else:
         rival, gain = None, f"{less(found.saving)} {lessened} than the reference"
-        if "edge_pressure" in best:
-            times = best["edge_pressure"] / reference["edge_pressure"]
-            gain += f", at {times:.3g} times its {words['edge_pressure']}"
+        if "edge_pressure" in both:
+            best, reference = both["edge_pressure"]
+            gain += f", at {best / reference:.3g} times its {words['edge_pressure']}"
         if found.rival is not None:
             more = found.rival_value / float(found.value) - 1.0
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
@@ -77,7 +76,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     if sensitivities and found.keeps_limits:
         _tell_sensitivities(report, optimise.sensitivities(found))
     told = filter(None, (verdict, conflict_told))
-    return told, reference.get("contact_radius"), "design_picture", found, comparison
+    return told, both.get("contact_radius", (None, None))[1], "design_picture", found, comparison
 
 
 def _tensions(found: optimise.Design) -> str:
@@ -208,22 +207,19 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     )
 
 
-def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
-    """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
-    described = []
-    for which, contact in enumerate((found.contact, found.reference)):
-        material: Any = contact.material
-        quantities: dict[str, Any] = dict((found.variables, found.reference_variables)[which])
-        quantities |= {name: getattr(material, name) for name in OF_POWER_LAW if hasattr(material, name)}
-        quantities |= {name: both[which] for name, both in comparison.quantities.items()}
-        if "edge_pressure" in quantities:  # in gross slip there is no stick-slip boundary, or it moves
-            # (k-1)/2 of the body that deforms more at the edge: at k < 0 this is an elastic indenter
-            k = getattr(material, "k", 0.0)
-            quantities["edge_exponent"] = 0.5 * ((k if is_closed(contact) else max(float(k), 0.0)) - 1.0)
-        ordered = dict.fromkeys([*DESIGNED, *quantities])
-        described.append({name: float(quantities[name]) for name in ordered if name in quantities})
-    best, reference = described
-    return best, reference
+def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[str, list[float]]:
+    """The quantities of [the best design, the reference] in SI units; all but the objective at the largest load."""
+    pair = found.contact, found.reference
+    both: dict[str, Any] = {name: (x, found.reference_variables[name]) for name, x in found.variables.items()}
+    for name in OF_POWER_LAW:
+        if hasattr(found.contact.material, name):
+            both[name] = [getattr(contact.material, name) for contact in pair]
+    both |= comparison.quantities
+    if "edge_pressure" in both:  # in gross slip there is no stick-slip boundary, or it moves
+        # (k-1)/2 of the body that deforms more at the edge: at k < 0 this is an elastic indenter
+        least = -1.0 if is_closed(pair[0]) else 0.0
+        both["edge_exponent"] = [0.5 * max(k, least) - 0.5 for k in map(float, both.get("k", (0.0, 0.0)))]
+    return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
 
 
 def _where(variables: dict[str, float]) -> str:
@@ -303,10 +299,10 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     headings = "free gradient", "power law", "reference"
     compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = zip(np.asarray(profile.lower), np.asarray(profile.upper), strict=True)
+    ends = np.stack([profile.lower, profile.upper], 1)
     report.table(
         each_with_unit("depth", at),
-        *(each_with_unit("modulus", np.asarray(row), name) for row, name in zip(moduli, headings, strict=True)),
+        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, headings, strict=True)),
         Column("allowed", [measured("modulus", between) for between in ends]),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._core import files
-from plgwear_jax._core.words import near_or_all, one_line
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import computing, refuse, working
 
@@ -31,7 +31,7 @@ def figures(
     keys = [key.lstrip("0") or key for key in only or KEYS]
     for key in keys:
         if key not in KEYS:
-            refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, KEYS)}")
+            refuse(f"--only {one_line(key)}: there is no such figure; allowed are {', '.join(KEYS)}")
     with computing("getting ready", one_question=False):
         from plgwear_jax import plots
         from plgwear_jax.plots import figures as library

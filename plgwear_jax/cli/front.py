@@ -12,11 +12,11 @@ from plgwear_jax.cli.question import (
     Picture,
     SceneFile,
     amplitudes_told,
-    asked,
     csv_option,
     doubt_units,
     option,
     positive,
+    read_scene,
 )
 from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn
@@ -48,7 +48,8 @@ def front_command(
 
     Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
     """
-    given = asked(scene_file)
+    given = read_scene(scene_file)
+    given.asked()
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")
@@ -63,10 +64,9 @@ def front_command(
     doubt_units(scene_file, given)
     # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
-    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y}
-    columns = {column: np.asarray(values) for column, values in (columns | found.variables).items()}
-    flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
-    reference = {x_column: float(found.reference_x), found.y_name: float(found.reference_y)}
+    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y, **found.variables}
+    flags = fields(found, "converged", "certified")
+    reference: dict[str, Any] = {x_column: found.reference_x, found.y_name: found.reference_y}
     report.write_table(columns | flags)
     report.put(
         {x_column: entry(found.x_name).unit},
@@ -79,7 +79,7 @@ def front_command(
         reference=reference,
     )
 
-    along, certain = columns[x_column], flags["certified"]
+    along, certain = found.x, np.asarray(found.certified)
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
     shown = slice(1 if same else None)
     words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}

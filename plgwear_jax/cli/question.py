@@ -28,7 +28,7 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The input
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
 Digits = Annotated[
     int | None,
-    option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all, or 4 if solved numerically."),
+    option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all there are, 4 if numerical."),
 ]
 Picture = Annotated[
     Path | None,
@@ -43,17 +43,12 @@ def read_scene(scene_file: Path) -> "Scene":
     return scene.load(scene_file)
 
 
-def asked(scene_file: Path) -> "Scene":
-    """The scene of a file that asks for a design, or a line that refuses it."""
-    given = read_scene(scene_file)
-    given.asked()
-    return given
-
-
-def refuse_extremes(scene_file: Path, finite: Any, what: str = "the wear exceeds") -> None:
+def refuse_extremes(finite: Any, what: str = "the wear exceeds") -> None:
     """Refuse a scene whose results are not finite, or nothing where they should be something."""
     if not finite:
-        refuse(f"{scene_file}: {what} the range of numbers: some value in the input file is too extreme")
+        from plgwear_jax.scene import SceneError
+
+        raise SceneError(f"{what} the range of numbers: some value in the input file is too extreme")
 
 
 def interval(key: str, text: str | None, ends: tuple[float, float], form: str) -> tuple[float, float] | None:

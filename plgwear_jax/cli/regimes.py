@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.ranges import POSITIVE
 from plgwear_jax.cli.question import (
     AsJson,
@@ -18,7 +18,7 @@ from plgwear_jax.cli.question import (
     read_scene,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, measure, rounded
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, rounded
 from plgwear_jax.cli.terminal import computing, refuse
 
 if TYPE_CHECKING:
@@ -72,9 +72,9 @@ def regimes(
     with computing("computing the loops", one_question=True):
         import numpy as np
 
-        found, cut, own = _computed(scene_file, given, moves, forces, rig)
+        found, cut, own = _computed(given, moves, forces, rig)
     ratios = np.append(found.energy_ratio, cut.energy_ratio)
-    refuse_extremes(scene_file, POSITIVE.contains(ratios).all(), "the loops exceed")
+    refuse_extremes(POSITIVE.contains(ratios).all(), "the loops exceed")
     report.draw("regimes_picture", found, cut, own, rig)
     names = "normal_force", "displacement_amplitude"
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
@@ -86,7 +86,6 @@ def regimes(
 
 
 def _computed(
-    scene_file: Path,
     given: "Scene",
     moves: tuple[float, float] | None,
     forces: tuple[float, float] | None,
@@ -111,7 +110,7 @@ def _computed(
     rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
     three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
     onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
-    refuse_extremes(scene_file, POSITIVE.contains(onset).all(), "the loops exceed")
+    refuse_extremes(POSITIVE.contains(onset).all(), "the loops exceed")
     if moves is None:
         # Both ends of the transition stay well inside, and so does the load.
         within = np.append(onset, own)
@@ -161,13 +160,13 @@ def _tell(
             Column(entry(name).name.replace(" ", "\n"), [f"{x:.3f}" for x in getattr(cut, name)[0, at]])
             for name in where
         ),
-        title=f"{report.scene} at the normal force {measure(force, 'normal_force')}",
+        title=f"{report.scene} at the normal force {measured('normal_force', force)}",
     )
     energy, sliding = (rounded(value) for value in at_onset.values())
-    begins = f"gross slip begins at {measure(onset, 'displacement_amplitude')}"
+    begins = f"gross slip begins at {measured('displacement_amplitude', onset)}"
     report.say(f"{begins}, where the energy ratio is {energy} and the sliding ratio {sliding}")
     for name, level in CRITERIA.items():
         by = where[name] / onset - 1.0
         shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
-        at = measure(where[name], "displacement_amplitude")
+        at = measured("displacement_amplitude", where[name])
         report.say(f"the {entry(name).name} is {level:g} at {at}, {shift} the transition")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from plgwear_jax._core import files
-from plgwear_jax._core.catalogue import entry, unit_of
-from plgwear_jax._core.units import readable, written
+from plgwear_jax._core.catalogue import entry, measured, unit_of
+from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import plots, working
 
@@ -40,17 +40,12 @@ class Column(NamedTuple):
     wrap: bool = False
 
 
-def measure(value: float, name: str) -> str:
-    """A value of a quantity of the catalogue with its unit, as a person writes it."""
-    return written(value, entry(name).unit)
-
-
 def measures(values: Sequence[float], name: str) -> list[str]:
     """Values of one quantity for comparison, all with the prefix of the smallest, unless others become too long."""
     smallest, largest = min(values, key=abs), max(values, key=abs)
     factor, unit = readable(smallest, entry(name).unit)
     if smallest == 0.0 or abs(largest) >= 1e4 * factor:
-        return [measure(value, name) for value in values]
+        return [measured(name, value) for value in values]
     return [f"{value / factor:.4g} {unit}".rstrip() for value in values]
 
 
@@ -73,8 +68,8 @@ def each_with_unit(
     name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
 ) -> Column:
     """A column of values of a quantity, each with its own unit; the heading is by default the quantity's name."""
-    cells = [measure(float(value), name) for value in values]
-    return Column(heading or entry(name).name, cells, "" if end is None else measure(end, name), wrap=wrap)
+    cells = [measured(name, value) for value in values]
+    return Column(heading or entry(name).name, cells, "" if end is None else measured(name, end), wrap=wrap)
 
 
 def shared(
@@ -106,7 +101,7 @@ def shared(
 
 
 def by_quantity(
-    headings: Sequence[str], rows: Mapping[str, Sequence[float]], words: Mapping[str, str] | None = None
+    headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] | None = None
 ) -> list[Column]:
     """The columns of a table with a row for each quantity, which compares its values.
 
@@ -194,7 +189,7 @@ class Report:
     def compare(
         self,
         headings: Mapping[str, str],
-        rows: Mapping[str, Sequence[float]],
+        rows: Mapping[str, Any],
         *more: Column,
         words: Mapping[str, str] | None = None,
     ) -> None:

@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
-from plgwear_jax.cli.report import Column, Report, measure
+from plgwear_jax.cli.report import Column, Report
 from plgwear_jax.cli.terminal import computing, message, refuse, warn
 
 
@@ -47,17 +47,17 @@ def solve(
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
         known[name] = {key: one for key, one in quantity._asdict().items() if one is not None}
         if quantity.edge_distance is not None:
-            place = f"edge - {measure(quantity.edge_distance, 'distance')}"
+            place = f"edge - {measured('distance', quantity.edge_distance)}"
         if quantity.radii is not None:
             known[name]["radii_unit"] = entry("r").unit
             extreme = np.argmax(np.abs(value))
             if quantity.edge_value is None:
-                value, place = value[extreme], measure(quantity.radii[extreme], "r")
+                value, place = value[extreme], measured("r", quantity.radii[extreme])
                 meaning += "; largest"
             else:
                 value = quantity.edge_value
                 meaning += f"; unbounded at {quantity.unbounded_at}"
-        number, _, unit = measure(float(value), name).partition(" ")
+        number, _, unit = measured(name, value).partition(" ")
         rows.append([name, number, unit, place, meaning])
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
     doubt_units(scene_file, given, *(one and float(one.value) for one in (radius, onset)))

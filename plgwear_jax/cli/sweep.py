@@ -10,10 +10,9 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax._core.catalogue import AMPLITUDES, AXES
-from plgwear_jax._core.extras import needs
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.question import Digits, Picture, asked, interval, option, read_scene
+from plgwear_jax.cli.question import Digits, Picture, interval, option, read_scene
 from plgwear_jax.cli.terminal import computing, plots, refuse, set_up, warn
 
 _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
@@ -75,10 +74,11 @@ def sweep_command(
         "scheduler": scheduler,
     }
     set_up(one_question=False)
-    with needs("sweeps", "sweep"):
-        from plgwear_jax import sweep as library
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from plgwear_jax import sweep as library
     from plgwear_jax._core.doubts import of_contact
-    from plgwear_jax.cli.bar import Bar
     from plgwear_jax.sweep.axes import read_axis
 
     texts, axes = {name: text for name, text in given.items() if text is not None}, dict[str, Any]()
@@ -94,15 +94,31 @@ def sweep_command(
             values = read_axis(name, text)
             axes[name] = values.astype("float32") if single and values.ndim else values
     subject = _subject(scene_file, load, axes, names)
-    began, bar = time.perf_counter(), Bar(names)
+    began, told, before = time.perf_counter(), one_line(", ".join(names)), list[int]()
+    bar = Progress(console=Console(stderr=True))
+    bar.add_task(told, total=None)
+    (task,) = bar.tasks
+
+    def follow(done: int, points: int) -> None:
+        before.append(done)
+        bar.update(task.id, completed=done, total=points)
+        if before[0] < points:  # else there is nothing to do
+            bar.start()
+
     try:
-        with bar:
-            found = library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
+        found = library.sweep(names, out=out, progress=follow, **wanted, **subject, **axes)
     except KeyboardInterrupt:
-        warn(f"{out}: stopped with {bar.share} done; the same command continues it")
+        bar.stop()
+        warn(f"{out}: stopped with {task.percentage:.1f} % done; the same command continues it")
         raise typer.Exit(130) from None
-    said = bar.said(time.perf_counter() - began)
-    typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+    first = min(before, default=0)
+    computed, there = int(task.completed) - first, f", {first:,} were computed already" if first else ""
+    said = f"{computed:,} computed in {time.perf_counter() - began:.3g} s, compiling included{there}"
+    said = said if computed else "all were computed already"
+    typer.echo(f"{one_line(str(out))}: {told} at {int(task.total or 0):,} points: {said}")
     for line in of_contact(subject["contact"]) if "contact" in subject else ():
         warn(f"{scene_file}: {line}")
     for values in found.values():
@@ -159,7 +175,9 @@ def _subject(
         return {}
     kinds = {name: name.split(".")[0] for name in names}
     designed, of_scene = "design" in kinds.values(), not {*AMPLITUDES} & axes.keys()
-    given = asked(scene_file) if designed else read_scene(scene_file)
+    given = read_scene(scene_file)
+    if designed:
+        given.asked()
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design_space is not None and others:
         if given.design_space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
@@ -174,7 +192,7 @@ def _subject(
     if given.wear is not None and "wear_coefficient" not in axes and (lasts or (designed and given.life is not None)):
         given.wear.refuse_frictions(axes)
     if given.wear is not None and lasts:
-        known = {"wear_coefficient": given.archard, "cycles": given.lasts}
+        known = {"wear_coefficient": given.wear.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
         others = "contact", "load", "weight"  # which a sweep has of its own
@@ -227,8 +245,8 @@ def plot(
     cuts = dict(_name_and_text("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
     check_target(picture, PICTURES)
     with computing("drawing the map", one_question=False):
-        with needs("sweeps", "sweep"):
-            from plgwear_jax import sweep as library
+        from plgwear_jax import sweep as library
+
         drawing = plots()
         from plgwear_jax.plots import maps
 

@@ -16,7 +16,6 @@ from typing import Any, NoReturn
 
 import typer
 
-from plgwear_jax._core.files import TargetError
 from plgwear_jax._core.words import GivenError, one_line
 from plgwear_jax.cli import cache
 
@@ -40,7 +39,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
         try:
             with _interrupts():
                 command(**given)
-        except (GivenError, TargetError) as error:
+        except GivenError as error:
             refuse(message(error, given.get("scene_file")))
         except ModuleNotFoundError as error:  # of an extra
             refuse(str(error))
@@ -82,7 +81,7 @@ def _interrupts() -> Iterator[None]:
 _SOON = 0.05  # s, after which a callback has mostly ended
 
 
-def message(error: GivenError | TargetError, scene_file: Any) -> str:
+def message(error: GivenError, scene_file: Any) -> str:
     """The line for an error in what was given, with the file that is wrong."""
     return str(error) if error.names_file or scene_file is None else f"{scene_file}: {error}"
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.units import readable
 from plgwear_jax.cli.question import (
     AsJson,
+    Digits,
     Picture,
     SceneFile,
     csv_option,
@@ -19,7 +20,7 @@ from plgwear_jax.cli.question import (
     read_scene,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared
+from plgwear_jax.cli.report import Column, Report, counted, fields, rounded, shared
 from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
@@ -37,9 +38,10 @@ _LENGTH = 96  # numbers of cycles that are computed: always as many, so that all
 def wear(
     scene_file: SceneFile,
     as_json: AsJson = False,
+    digits: Digits = None,
     picture: Picture = None,
     csv_file: Annotated[Path | None, csv_option("the course")] = None,
-    measured: Annotated[
+    volumes: Annotated[
         Path | None,
         typer.Option(
             "--fit",
@@ -70,23 +72,25 @@ def wear(
     given.tested()
     positive("--until", until, "a depth in m")
     positive("--deviation", deviation, "a share of the volumes")
-    kind = "wear" if measured is None else "fit"
-    if measured is not None and csv_file is not None:
+    kind = "wear" if volumes is None else "fit"
+    if volumes is not None and csv_file is not None:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
     report = Report(scene_file, as_json, picture, csv_file, kind=kind)
-    if measured is not None:
-        _fit(scene_file, given, measured, deviation, report, until)
+    if volumes is not None:
+        if digits is not None:
+            refuse("--digits: a fit computes the volumes as exactly as it can")
+        _fit(scene_file, given, volumes, deviation, report, until)
     elif deviation is not None:
         refuse("--deviation: is that of volumes that --fit reads")
     else:
-        _course(scene_file, given, report, until)
+        _course(scene_file, given, report, until, digits)
 
 
 def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
     """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
     report.put(until={"depth": depth, "cycles": cycles})
     both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
-    worn = measure(depth, "depth")
+    worn = measured("depth", depth)
     if cycles < math.inf:
         report.say(f"{worn} deep{both} after {_about(cycles)} cycles{more}")
     else:
@@ -112,10 +116,10 @@ def _share_out(given: "Scene", share: float, worn: dict[str, float]) -> str:
         lengths = [given.build_contact().steady(0.0).contact_radius]  # pyright: ignore
     deepest, least = share * worn["deepest_wear"], float(min(lengths, default=math.inf))
     if deepest > 0.1 * least:
-        depth, most = measure(deepest, "depth"), measure(least, "depth")
+        depth, most = measured("depth", deepest), measured("depth", least)
         text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
         raise SceneError(f"[wear] half_space_coefficient: {text}; this wear of a gradient is not modelled")
-    indenter, half_space = (measure(part * worn["volume"], "volume") for part in (1.0 - share, share))
+    indenter, half_space = (measured("volume", part * worn["volume"]) for part in (1.0 - share, share))
     return f"the indenter loses {indenter} of it, the half-space {half_space} ({100.0 * share:.3g} %)"
 
 
@@ -126,7 +130,7 @@ _COURSE = "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energ
 _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "contact_radius", "stick_radius"
 
 
-def _course(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
+def _course(scene_file: Path, given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
     load, both, through = given.tested(), None, None
     blocks = load.cycles is not None
@@ -136,7 +140,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
 
         from plgwear_jax._core.doubts import of_wear
 
-        run, wear = given.over_cycles(), given.wear
+        run, wear = given.over_cycles(digits=digits), given.wear
         assert wear is not None
         life, share = None if blocks else wear.cycles, wear.half_space_share
         shares, cycles, printed = ({}, load.cycles.cumsum(), ()) if blocks else _times(scene_file, run, life)  # pyright: ignore
@@ -151,7 +155,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             through = float(run.cycles_to(depth=until))
         if share:
             both = _share_out(given, share, end if life else worn)
-    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
+    refuse_extremes(np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     if blocks:
         report.draw("blocks_picture", run)
     else:
@@ -163,7 +167,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
         if doubtful is not None:
             warn(f"{scene_file}: [wear]: {doubtful}")
-    law = {name: float(value) for name, value in vars(given.law).items()}
+    law = vars(wear.law)
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if share:
         report.put(half_space_share=share)
@@ -181,7 +185,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.table(*_course_columns(rows, steady))
         held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
         if steady is None:
-            much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
+            much = f"{measured('volume', end['volume'])} after {counted(end['cycles'])} cycles"
             on = "the wear goes on" if life else "it is followed no further; set your life by cycles under [wear]"
             report.say(f"{regime} {held}: {much}; {on}")
         else:
@@ -195,7 +199,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
     report.say(both)
     if until is not None and through is not None:
-        ends = f": the largest wear depth is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
+        ends = f": the largest wear depth is {measured('depth', worn['deepest_wear'])}" if steady or blocks else ""
         _tell_until(given, report, until, through, ends)
     if blocks and wear.cycles is not None:
         report.say("[wear] cycles: the history has cycles of its own, which count here")
@@ -250,7 +254,7 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
         printed = [] if life is None else [life]
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
-    refuse_extremes(scene_file, 0.0 < first <= last < math.inf)
+    refuse_extremes(0.0 < first <= last < math.inf)
     decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     decades = decades if shares else decades[(decades >= first) & (decades <= last)]
     known = np.unique([*known, *decades])[: _LENGTH - 2]
@@ -287,12 +291,12 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
 
 
 def _fit(
-    scene_file: Path, given: "Scene", measured: Path, share: float | None, report: Report, until: float | None
+    scene_file: Path, given: "Scene", volumes: Path, share: float | None, report: Report, until: float | None
 ) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
     from plgwear_jax import tables
 
-    data = tables.read(measured, tables.MEASURED)
+    data = tables.read(volumes, tables.MEASURED)
     cycles, volume = data["cycles"], data["volume"]
     if not (volume[cycles > 0.0] > 0.0).any():
         refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
@@ -315,12 +319,8 @@ def _fit(
         known = {"deviation": data.columns.get("deviation", relative), "relative": relative is not None}
         found = fit_wear_coefficient(contact, test, cycles, volume, **known, exponent=exponent)
         K, (low, high) = found.wear_coefficient, found.interval
-        best = first = last = math.nan
-        if until is not None:
-            tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
-            best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
     unit = _unit(exponent)
-    refuse_extremes(scene_file, K > 0.0)
+    refuse_extremes(K > 0.0)
     report.draw("fit_picture", found)
     of_volume = 1e9 * K if exponent == 1.0 else None
     of_energy = None if of_volume is None or "friction" in load.pressed else of_volume / float(contact.friction)
@@ -354,6 +354,8 @@ def _fit(
             f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
         )
     if until is not None:
+        tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
+        best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
         first, last = first if high < math.inf else 0.0, last if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
         within = f"{_about(first)} to {_about(last)}" if last < math.inf else f"at least {_about(first)}"

@@ -13,12 +13,11 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core import doubts
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax._core.units import written
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.evaluation import (
@@ -451,9 +450,3 @@ def placed_between(called: str, name: str, value: Any, bounds: Iterable[Any], si
 def certainty(found: Any, *names: str) -> str:
     """Which of these is true of a design, and which is not."""
     return ", ".join(name if getattr(found, name) else f"not {name}" for name in names)
-
-
-def measured(name: str, value: Any) -> str:
-    """A value of a quantity or a variable with its unit; of several the range."""
-    ends = {written(float(end), entry(name).unit): None for end in (np.min(value), np.max(value))}
-    return " to ".join(ends)

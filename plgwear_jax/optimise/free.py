@@ -8,12 +8,13 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 
 from plgwear_jax._core import doubts
+from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import POSITIVE, Numbers, check
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record
-from plgwear_jax._core.rules import free_complaint
+from plgwear_jax._core.rules import refuse_free_question
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.best import certainty, headline, measured, placed_between, printed
+from plgwear_jax.optimise.best import certainty, headline, placed_between, printed
 from plgwear_jax.optimise.evaluation import (
     Candidate,
     Evaluator,
@@ -27,7 +28,6 @@ from plgwear_jax.optimise.question import (
     Question,
     is_held,
     question_of,
-    unless_refused,
 )
 
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
@@ -304,7 +304,7 @@ def free_design(
     ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
     vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
     question = question_of(on(modulus.lower), load, vary, **keywords)
-    unless_refused(free_complaint((), hold, {one.quantity for one in question.limits}))
+    refuse_free_question((), hold, {one.quantity for one in question.limits})
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
     radius = float(np.asarray(contact.steady(0.0).contact_radius))
     last = Limit(radius, {}, "contact_radius", "contact_radius", False)

@@ -26,16 +26,15 @@ from plgwear_jax._core.rules import (
     HOLDS,
     OBJECTIVE,
     VARIABLES,
-    Complaint,
     Hold,
     Kind,
-    complaint,
     domain_of,
     is_after_cycles,
     is_linear,
     limited_quantity,
     one_of,
     placed_quantity,
+    refuse_question,
 )
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
@@ -112,13 +111,6 @@ class Limit:
     lowest: bool = static()
 
 
-def unless_refused(found: Any) -> Any:
-    """What was found, or a ValueError if that is a complaint."""
-    if isinstance(found, Complaint):
-        raise ValueError(f"{found.key}: {found.text}")
-    return found
-
-
 def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     """The limits in the order of their names, or an error that says what is wrong with them."""
     if not isinstance(given, Mapping | None):
@@ -127,7 +119,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     for name, allowed in (given or {}).items():
         several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
         for place, one in enumerate(several):
-            quantity, *ends, places = unless_refused(limited_quantity(name, one, kind))
+            quantity, *ends, places = limited_quantity(name, one, kind)
             sides = dict(zip(("lowest", "highest"), ends, strict=True))
             for side, value in sides.items():
                 if value is not None:
@@ -167,7 +159,7 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
             raise ValueError(f"{key}: {text}, not {given!r}") from None
-    found = unless_refused(placed_quantity(key, name, places, kind))
+    found = placed_quantity(key, name, places, kind)
     _check_places(f"{key}: {{}}", places)
     return found, places
 
@@ -348,7 +340,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
     k = contact.material.k if power else np.nan
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
-    unless_refused(complaint(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat))
+    refuse_question(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
     if hold and not power:
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
     load = None if load is None else load_of(load)

@@ -6,11 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.fitting import Fit
-from plgwear_jax.optimise.best import measured
 from plgwear_jax.plots.style import (
     BEST,
     BLUE,
@@ -45,7 +44,7 @@ _OWN: Style = DOT | {"color": GREEN, "marker": "D", "linestyle": "", "zorder": 5
 
 @picture
 def regimes_picture(
-    found: SlipRegimes, cut: SlipRegimes, own: np.ndarray | None = None, rig_stiffness: float | None = None
+    found: SlipRegimes, cut: SlipRegimes, own: ArrayLike = (), rig_stiffness: float | None = None
 ) -> Figure:
     """Draw where the slip is partial and where gross, with contours of the energy ratio, and a cut at a normal force.
 
@@ -62,7 +61,7 @@ def regimes_picture(
     """
     figure = page(18.0, 8.2)
     left, right = panels = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
-    own = np.asarray([] if own is None else own)
+    own = np.asarray(own)
     words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness is not None else " $u_x$")
     x, y, force = found.displacement_amplitude, found.normal_force, float(cut.normal_force[0])
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
@@ -185,24 +184,25 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     """
     figure = page(18.0, 8.5)
     panels = figure.subplot_mosaic("abd;acd")
-    states, styles, end = [*shown], [], np.inf if run.final is None else float(run.final.volume)
+    states, styles, ends = [*shown], [], run.final is not None
     axes, cycles = panels["a"], np.asarray(cycles, float)
     volumes = np.asarray(run.volume(cycles))
+    end = float(run.final.volume) if run.final is not None else volumes.max()
     axes.loglog(cycles, volumes[0] / cycles[0] * cycles, label="wear of the first cycles", **FORBIDDEN)
     axes.loglog(cycles, volumes, color="k", label=entry("volume").name)
-    if end < np.inf:
+    if ends:
         axes.axhline(end, color=ORANGE)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(xlim=cycles[[0, -1]], ylim=(volumes[0], 3.0 * (end if end < np.inf else volumes.max())))
+    axes.set(xlim=cycles[[0, -1]], ylim=(volumes[0], 3.0 * end))
     label(axes, "cycles", "volume")
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, volume, "o", color=shade["color"], **DOT)
-        share = f" ({100.0 * volume / end:.0f} %)" if end < np.inf else ""
+        share = f" ({100.0 * volume / end:.0f} %)" if ends else ""
         mantissa, _, exponent = f"{number:.1e}".partition("e")
         told = f"{number:.0f}" if 1.0 <= number < 1e3 else rf"${mantissa}\times 10^{{{int(exponent)}}}$"
         styles.append(shade | {"label": f"{told} cycles{share}"})
-    if end < np.inf:
+    if ends:
         states.append(float(run.lasting_cycles))
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
@@ -231,7 +231,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
     deep = measured("wear_depth", deepest)
-    panels["c"].set_title(f"{'steady state' if end < np.inf else 'in the end'}: {deep} deep", loc="right")
+    panels["c"].set_title(f"{'steady state' if ends else 'in the end'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
     legend_above(figure, (panels["a"], panels["c"]), 4)
     return figure

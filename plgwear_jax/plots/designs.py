@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.catalogue import entry, leaf, placed
+from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.optimise.best import less, measured
+from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.plots.style import (
@@ -314,8 +314,8 @@ def free_picture(
     """
     depths, best, law, reference = curves
     labels = "best free gradient", "reference", f"best power law, $k = {found.exponent:.3g}$"
-    bounds = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    bounds, radius = np.stack([*bounds], -1), found.contact_radii[0]
+    profile, radius = found.profile, found.contact_radii[0]
+    bounds = np.stack([profile.at, profile.lower, profile.upper], -1)
     figure, panels = _three_panels(depths, (best, reference, law), labels, radius, bounds)
     _draw_influence(panels, counts, radius)
     _draw_depths(panels[2], worn[0], worn[1], (BEST, OTHER, REFERENCE))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from plgwear_jax._core.catalogue import STRESSES, laws_of
 from plgwear_jax._core.ranges import FINITE, POSITIVE
-from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, Complaint, placed_quantity
+from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.optimise import Design, FreeDesign, Front
     from plgwear_jax.wear import Run
-    from plgwear_jax.wear_laws import WearLaw
 
 _MOST_DIGITS = 5  # of a numeric contact
 
@@ -152,8 +151,11 @@ class Scene:
         load.refuse_rest()
         return load
 
-    def over_cycles(self) -> "Run":
+    def over_cycles(self, *, digits: int | None = None) -> "Run":
         """The test of the scene, with the wear law under [wear]: see `Run`.
+
+        Args:
+            digits: Correct digits wanted; by default all that such a run has.
 
         Raises:
             SceneError: The scene has no test over cycles, or no [wear].
@@ -163,19 +165,7 @@ class Scene:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
         self.wear.refuse_frictions(self.tested().pressed)
         contact: Any = self.build_contact()
-        return contact.over_cycles(load, self.law)
-
-    @property
-    def law(self) -> "WearLaw":
-        """The wear law of a scene with [wear]."""
-        assert self.wear is not None
-        return self.wear.record(self.contact.friction)
-
-    @property
-    def archard(self) -> float:
-        """Archard's wear coefficient in 1/Pa of a scene with [wear]."""
-        assert self.wear is not None
-        return self.wear.archard(self.contact.friction)
+        return contact.over_cycles(load, self.wear.law, digits=digits)
 
     def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
@@ -200,9 +190,10 @@ class Scene:
             places = {place: float(x) for place, x in zip(needed if values else (), values, strict=True)}
         except ValueError:
             places = {needed[0]: math.nan}
-        found = placed_quantity(key, name, places, self.contact.kind)
-        if isinstance(found, Complaint):
-            raise SceneError(f"{found.key}: {found.text}")
+        try:
+            found = placed_quantity(key, name, places, self.contact.kind)
+        except WrongKeyError as error:
+            raise SceneError(str(error)) from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
         for place, value in places.items():
             if not domain.contains(value):
@@ -344,7 +335,7 @@ class Scene:
                 raise load.slides
             parts = [(still, 0.0), (peaks, load.hardest)]
         if self.wear is not None and any("cycles" in laws[name].arguments for some, _ in parts for name in some):
-            places |= {"cycles": self.wear.cycles, "wear_coefficient": self.archard}
+            places |= {"cycles": self.wear.cycles, "wear_coefficient": self.wear.archard}
         values: dict[str, Any] = {}
         for some, force in parts:
             acting, weights = load and Force(force, load.rig_stiffness), load and load.weights

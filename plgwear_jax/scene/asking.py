@@ -12,16 +12,16 @@ from plgwear_jax._core.rules import (
     OF_POWER_LAW,
     PLACES,
     WITHIN,
-    Complaint,
-    complaint,
+    WrongKeyError,
     domain_of,
-    free_complaint,
     limited_quantity,
     placed_quantity,
-    window_complaint,
+    refuse_free_question,
+    refuse_question,
+    refuse_window,
 )
 from plgwear_jax._core.words import near, near_or_all, one_line
-from plgwear_jax.scene.complaints import Reading, WrongKeyError
+from plgwear_jax.scene.complaints import Reading
 from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
 
 if TYPE_CHECKING:
@@ -81,8 +81,8 @@ class DesignSpace(SimpleNamespace):
         for name, given in self.vary.items():
             if name == "modulus":
                 found[name] = _window_of("vary.modulus", given)
-                if len(given["at"]) == 2 and (said := window_complaint(**found[name])) is not None:
-                    raise WrongKeyError("vary.modulus.between", said)
+                if len(given["at"]) == 2:
+                    refuse_window(**found[name])
             else:
                 found |= {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
         return found
@@ -122,11 +122,6 @@ class DesignSpace(SimpleNamespace):
         return [*material.numbers(), *contact.numbers(), *rows]
 
     @property
-    def edge_distance(self) -> float | None:
-        """Distance in m inside the stick-slip boundary at which the pressure is limited; None without this limit."""
-        return next((one["distance"] for _, one in each_limit(self.limits) if "distance" in one), None)
-
-    @property
     def free(self) -> bool:
         """The modulus is free at three depths or more: no power law is asked for."""
         return "modulus" in self.variables and len(self.variables["modulus"]["at"]) > 2
@@ -148,20 +143,18 @@ class DesignSpace(SimpleNamespace):
         if not isinstance(self.minimise, str) and len(self.minimise) != 1:
             raise WrongKeyError("minimise", "must name one quantity")
 
-        def passed(found: Any) -> Any:
-            if isinstance(found, Complaint):  # the places of what is minimised have no keys of their own
-                raise WrongKeyError("minimise" if found.key.startswith("minimise") else found.key, found.text)
-            return found
-
-        objective = passed(placed_quantity("minimise", self.objective, places, kind))
+        try:
+            objective = placed_quantity("minimise", self.objective, places, kind)
+        except WrongKeyError as error:  # these places have no keys of their own
+            raise WrongKeyError("minimise", error.text) from None
         for name, given in each_limit(self.allowed):
             if name != "modulus":
-                passed(limited_quantity(name, given, kind))
+                limited_quantity(name, given, kind)
         if not self.free:
             flat = getattr(material, "k", None) == 0.0
-            passed(complaint(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat))
+            refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
         else:
-            passed(free_complaint(variables, bool(self.hold), allowed, kind=kind))
+            refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
             if self.scenarios is not None:
                 raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
         self._refuse_other_materials(material)
@@ -227,9 +220,8 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
         places = {place: getattr(output, place) for place in WITHIN if place in laws[name].arguments}
         given = {place: value for place, value in places.items() if value is not None}
-        wrong = placed_quantity("", name, given, contact.kind) if places else None
-        if isinstance(wrong, Complaint):
-            raise WrongKeyError(wrong.key.removeprefix("."), wrong.text)
+        if places:
+            placed_quantity("", name, given, contact.kind)
     return output
 
 
@@ -240,8 +232,8 @@ def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | N
     return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
 
 
-def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None) -> float | None:
-    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
+def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> float | None:
+    """The distance from the edge at which a scene wants pressures, or limits them, in m; None if it gives none."""
     if output is not None and output.distance is not None:
         return output.distance
-    return None if design is None else design.edge_distance
+    return next((one["distance"] for _, one in each_limit(design and design.limits) if "distance" in one), None)

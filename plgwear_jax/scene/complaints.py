@@ -5,8 +5,10 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Self
 
+from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.words import GivenError, bare, near_or_all, shown
 from plgwear_jax.scene.keys import SECTIONS, values_of
 
@@ -26,15 +28,7 @@ class OtherFileError(SceneError):
     names_file = True
 
 
-class WrongKeyError(ValueError):
-    """A key of a section, by its path there, or the section itself, whose value does not go with others."""
-
-    def __init__(self, key: str, text: str) -> None:
-        super().__init__(text)
-        self.path = tuple(re.findall(r"material\.\w+\[\d+\]|[^.]+", key))
-
-
-class Reading:
+class Reading(SimpleNamespace):
     """An input file while it is read: its sections as far as they are known, and what is wrong.
 
     Args:
@@ -47,15 +41,8 @@ class Reading:
         material, contact, wear, load, design, output: What the sections hold; None where they are absent or wrong.
     """
 
-    material: Any = None
-    contact: Any = None
-    wear: Any = None
-    load: Any = None
-    design: Any = None
-    output: Any = None
-
     def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
-        self.file, self.document, self.folder, self.wrong = file, document, folder, set[str]()
+        super().__init__(**dict.fromkeys(NAMES), file=file, document=document, folder=folder, wrong=set())
         self._lines: list[tuple[list[float], str]] = []
         for name in document:
             if name not in NAMES:
@@ -110,7 +97,7 @@ class Reading:
         try:
             yield
         except WrongKeyError as error:
-            self.refuse((section, *error.path), str(error))
+            self.refuse((section, *re.findall(r"material\.\w+\[\d+\]|[^.]+", error.key)), error.text)
         except ValueError as error:  # of another file
             self._keep(section, self._find((section,))[0], str(error))
 

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plgwear_jax import optimise
-from plgwear_jax._core.rules import complaint, exponents_between, limited_quantity
+from plgwear_jax._core.ranges import POSITIVE
+from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_quantity, refuse_question
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
+from plgwear_jax.scene.asking import DesignSpace, edge_distance
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 def arguments_of(given: "Scene") -> dict[str, Any]:
     """The arguments of `optimise.design`, where the limit of the edge pressure has a meaning."""
     arguments = _arguments(given)
-    _refuse_beyond_the_middle(given, "[design] limits.edge_pressure.distance", given.asked().edge_distance)
+    _refuse_beyond_the_middle(given, "[design] limits.edge_pressure.distance", edge_distance(given.asked()))
     return arguments
 
 
@@ -51,25 +53,26 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
         ]
         if others:
             limits[one] = others if several[1:] else limit
-    wrong = complaint(space.variables, bool(space.hold), space.objective, [*limits, name], kind=kind)
-    if wrong is not None:
-        raise SceneError(f"[design] {wrong.key}: {wrong.text}")
+    try:
+        refuse_question(space.variables, bool(space.hold), space.objective, [*limits, name], kind=kind)
+    except WrongKeyError as error:
+        raise SceneError(f"[design] {error}") from None
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
     return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
 
 def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
-    space, load = given.asked(), given.load
+    space, load, wear = given.asked(), given.load, given.wear
     acting = None
     if load is not None and given.wears_otherwise:  # the blocks of a history, or a displacement over a life
         acting = load.record()
     elif load is not None:  # forces in N, with the rig of their displacements
         acting = load.force if load.rig_stiffness is None else Force(load.force, load.rig_stiffness)
-    if given.wear is not None and given.life is not None:
+    if wear is not None and given.life is not None:
         scattered = {} if space.scatter is None else space.scatter.columns
         own = () if "wear_coefficient" in scattered else scattered  # which has a coefficient for each friction
-        given.wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
+        wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
     return {
         "contact": given.build_contact(),
         "load": acting,
@@ -77,8 +80,8 @@ def _question(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _limits_of(space.allowed or {}),
-        **({} if given.life is None else {"cycles": given.life, "law": given.law}),
+        "limits": _limits_of(space),
+        **({} if wear is None or given.life is None else {"cycles": given.life, "law": wear.law}),
     }
 
 
@@ -86,9 +89,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
     space = given.asked()
     if space.free:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
-    asked, window = _question(given), space.variables.get("modulus")
-    if window is not None:
-        asked["limits"] = _limits_of((space.allowed or {}) | {"modulus": window})
+    asked = _question(given)
     return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
@@ -99,9 +100,10 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
         return {}
     laws = None
     if "wear_coefficient" in scatter.columns:
-        if given.life is None:
+        wear = given.wear
+        if wear is None or given.life is None:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        law: Any = given.law
+        law: Any = wear.law
         laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
     found = optimise.Scenarios(_in_scenarios(given, scatter), scatter.columns.get("weight"), laws)
     forces = None if given.life is not None else forces_in_scenarios(given)
@@ -133,14 +135,15 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     return np.broadcast_to(np.asarray(found.force), space.scatter.row.shape)
 
 
-def _limits_of(allowed: dict[str, Any]) -> dict[str, Any]:
-    """The limits as Python takes them: a window is one of the modulus at two depths."""
-    window = allowed.get("modulus")
-    if window is None:
-        return allowed
-    pairs = zip(window["at"], window["lower"], window["upper"], strict=True)
-    moduli = [{"between": (lowest, highest), "z": depth} for depth, lowest, highest in pairs]
-    return {name: x for name, x in allowed.items() if name != "modulus"} | {"modulus_at": moduli}
+def _limits_of(space: DesignSpace) -> dict[str, Any]:
+    """The limits as Python takes them: a window, also one within which the modulus varies, is one at two depths."""
+    limits = dict(space.allowed or {})
+    window = limits.pop("modulus", None)
+    if not space.free:
+        window = space.variables.get("modulus", window)
+    if window is not None:
+        limits["modulus_at"] = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
+    return limits
 
 
 def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
@@ -173,7 +176,9 @@ def answer(question: str, **arguments: Any) -> Any:
         found = getattr(optimise, question)(**arguments)
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
-    values = np.asarray(found.y if question == "front" else found.value)
-    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
+    values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)
+    if not POSITIVE.contains(np.hstack(values)).all():
+        if arguments["load"] is not None:
+            _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

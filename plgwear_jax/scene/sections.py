@@ -7,15 +7,15 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
+from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import near, one_line
-from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError, WrongKeyError
+from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import MATERIALS, SECTIONS
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.scene.solving import DisplacementEffect
     from plgwear_jax.tables import Table
 
 LOADS = "tangential_force", "displacement", "table", "history"
@@ -226,39 +226,35 @@ class LoadSection(SimpleNamespace):
         return [loads.Block(load, **block) for load, block in zip(every, blocks, strict=True)]
 
     @cached_property
-    def moved(self) -> "DisplacementEffect":
-        """What the displacements of `given` do to the unworn contact."""
+    def moved(self) -> Any:
+        """What the displacements of `given` do to the unworn contact: a `DisplacementEffect`."""
+        import jax
+
         from plgwear_jax.scene import solving
 
-        assert self.material is not None
         pressed = solving.homogeneous(self.contact.record(material=self.material.record(), **self.pressed))
-        return solving.displacement_effect(pressed, self.given, self.rig_stiffness)
+        return jax.device_get(solving.displacement_effect(pressed, self.given, self.rig_stiffness))
 
     @property
     def in_gross_slip(self) -> "np.ndarray":
         """Which amplitudes of `given` make the unworn contact slip as a whole, shape (n,)."""
-        import numpy as np
-
-        return ~(self.given < np.asarray(self.moved.gross_slip if self.of_displacement else math.inf))
+        return ~(self.given < (self.moved.gross_slip if self.of_displacement else math.inf))
 
     @cached_property
     def slides(self) -> SceneError | None:
         """What says that the contact slips as a whole before any wear, under the first such displacement; else None."""
         if not self.of_displacement or self.pressed:
             return None
-        import numpy as np
-
-        (beyond,) = np.nonzero(self.in_gross_slip)
-        if not beyond.size:
+        if not self.in_gross_slip.any():
             return None
-        first, wear = beyond[0], self.wear
-        work = self.contact.normal_force * float(np.asarray(self.moved.path)[first])
+        first, wear = self.in_gross_slip.argmax(), self.wear
+        work = self.contact.normal_force * self.moved.path[first]
         by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
         if wear is not None and not wear.others:
             name, given = next((name, x) for name in COEFFICIENTS if (x := getattr(wear, name)) is not None)
             by = f"{by} with [wear] {name} = {given:g}"
-            worn = f"{1e18 * wear.archard(self.contact.friction) * work:.4g} µm³"
-        begins = written(float(self.moved.gross_slip), "m")
+            worn = f"{1e18 * wear.archard * work:.4g} µm³"
+        begins = written(self.moved.gross_slip, "m")
         begins += "" if self.rig_stiffness is None else " at the actuator"
         said = (
             f"displacement = {self.given[first]:g}: this is gross slip, the contact slips as a whole from {begins} on; "
@@ -277,9 +273,7 @@ class LoadSection(SimpleNamespace):
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
         if self.slides is not None:
             raise self.slides
-        import numpy as np
-
-        return np.asarray(self.moved.force) if self.of_displacement else self.given
+        return self.moved.force if self.of_displacement else self.given
 
     @property
     def amplitudes(self) -> "np.ndarray":
@@ -344,12 +338,14 @@ class WearSection(SimpleNamespace):
         half_space_coefficient: Coefficient of the half-space in 1/Pa, or 1/Pa^exponent, if it wears too; `coefficient`
             is then that of the indenter.
         cycles: Number of cycles of the life.
+        friction: The coefficient of friction of the contact.
     """
 
     @classmethod
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
         """The wear of the contact, if that is known."""
-        kind, found, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), cls(**values), reading.contact
+        kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
+        found = cls(**values, friction=getattr(contact, "friction", None))
         for name in found.others:
             if kind != "coefficient":
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
@@ -369,32 +365,31 @@ class WearSection(SimpleNamespace):
             text = "is not for a friction that changes, and Archard's coefficient with it; give coefficient, in 1/Pa"
             raise SceneError(f"[wear] energy_coefficient_mm3_per_J = {energy:g}: {text}")
 
-    def archard(self, friction: float) -> float:
-        """Archard's wear coefficient in 1/Pa; from an energy coefficient it is that times the coefficient of friction.
+    @property
+    def archard(self) -> float:
+        """Archard's wear coefficient in 1/Pa; a SceneError says if there is another wear law, or the half-space wears.
 
-        Args:
-            friction: The coefficient of friction.
-
-        Raises:
-            SceneError: The section has another wear law, or wear of the half-space.
+        From an energy coefficient it is that times the coefficient of friction.
         """
         for name in self.others:
             raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
-        return self._indenter(friction)
+        return self._indenter
 
-    def _indenter(self, friction: float) -> float:
+    @property
+    def _indenter(self) -> float:
         if self.coefficient is not None:
             return self.coefficient
-        return (self.coefficient_mm3_per_N_m or friction * (self.energy_coefficient_mm3_per_J or 0.0)) / 1e9
+        return (self.coefficient_mm3_per_N_m or self.friction * self.energy_coefficient_mm3_per_J) / 1e9
 
     @property
     def half_space_share(self) -> float:
         """The share of the half-space in all wear."""
         own = self.half_space_coefficient or 0.0
-        return own and own / (self._indenter(0.0) + own)
+        return own and own / (self._indenter + own)
 
-    def record(self, friction: float) -> Any:
+    @property
+    def law(self) -> Any:
         """The wear law; its coefficient is the sum over both bodies."""
         from plgwear_jax.wear_laws import law_of
 
-        return law_of(self._indenter(friction) + (self.half_space_coefficient or 0.0), self.exponent)
+        return law_of(self._indenter + (self.half_space_coefficient or 0.0), self.exponent)

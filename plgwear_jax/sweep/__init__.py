@@ -7,6 +7,7 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 from plgwear_jax._core.extras import needs
 
 with needs("sweeps", "sweep"):
+    import dask  # noqa: F401
     import filelock  # noqa: F401
     import xarray  # noqa: F401
     import zarr  # noqa: F401

@@ -118,9 +118,6 @@ def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
     if spacing == "log":
         return np.geomspace(start, stop, count)
     first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
-    steps = np.linspace(first, last, count)
-    # measured from the nearer end, so that the distance from it keeps its digits
-    near = (upper - lower) / (1.0 + np.exp(np.abs(steps)))
-    values = np.where(steps < 0.0, lower + near, upper - near)
+    values = lower + (upper - lower) / (1.0 + np.exp(-np.linspace(first, last, count)))
     values[[0, -1]] = start, stop
     return values

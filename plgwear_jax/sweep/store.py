@@ -37,14 +37,12 @@ class UnfinishedWarning(UserWarning):
 def labelled(plan: SweepPlan) -> xr.Dataset:
     """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
     found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
-    for name, values in plan.axes.items():
-        labels: Any = np.array(plan.loads, object) if name == LOAD else values
-        found = found.assign_coords({name: (name, labels, plan.coordinate_attributes(name))})
-    for name, value in plan.fixed.items():
+    for name, value in {**plan.axes, **plan.fixed}.items():
         if isinstance(value, str):
             found.attrs[name] = value
-        else:
-            found = found.assign_coords({name: ((), float(value), plan.coordinate_attributes(name))})
+            continue
+        values: Any = np.array(plan.loads, object) if name == LOAD else np.asarray(value)
+        found = found.assign_coords({name: ([name] * values.ndim, values, plan.coordinate_attributes(name))})
     found.attrs[_MANIFEST] = json.dumps(plan.manifest)
     return found
 
@@ -64,8 +62,7 @@ class SweepStore:
     def _arrays(self) -> dict[str, zarr.Array]:
         # A chunk of NaN only can be a finished one, so its file has to be written too.
         with zarr.config.set({"array.write_empty_chunks": True}), _damaged(self.name):
-            group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
-            return {name: _array(group, name) for name in self._plan.variables}
+            return {name: zarr.open_array(self.path / name, mode="r+") for name in self._plan.variables}
 
     @contextlib.contextmanager
     def held(self) -> Iterator[list[int]]:
@@ -197,8 +194,7 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     name = one_line(os.fspath(path))
     variables = [variable_name(one) for one in _manifest_at(Path(path), name)["quantities"]]
     with _damaged(name):
-        group = zarr.open_group(path, mode="r", use_consolidated=False)
-        arrays = [_array(group, one) for one in variables]
+        arrays = [zarr.open_array(Path(path, one), mode="r") for one in variables]
     files = sum(one.nchunks for one in arrays)
     missing = files - sum(one.nchunks_initialized for one in arrays)
     if missing:
@@ -206,14 +202,6 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
         warnings.warn(UnfinishedWarning(said), stacklevel=2)
     found = xr.open_zarr(path, consolidated=False, chunks={})[variables]
     return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
-
-
-def _array(group: zarr.Group, name: str) -> zarr.Array:
-    """The array of a quantity."""
-    array = group[name]
-    if not isinstance(array, zarr.Array):
-        raise TypeError(f"{name} is no array")
-    return array
 
 
 def _consolidate(path: Path) -> None:

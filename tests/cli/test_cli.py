@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -22,8 +23,9 @@ from processes import python
 from refusals import cases, is_told
 
 import plgwear_jax
-from plgwear_jax import GrossSlipContact, PowerLawGraded, cli, gross_slip, optimise, plots, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, gross_slip, optimise, plots, scene
 from plgwear_jax._core.catalogue import read
+from plgwear_jax._core.domains import RefusedError
 from plgwear_jax.cli.report import measures
 from plgwear_jax.optimise.question import question_of
 
@@ -418,6 +420,14 @@ def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch
     assert refused("solve contact.toml").endswith(extreme)
     assert refused("design contact.toml") == f"contact.toml: the wear {extreme}"
 
+    def opens(*_, **__):
+        raise RefusedError("the pressure before any wear would be negative")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(optimise, "design", lambda **_: SimpleNamespace(value=np.nan, reference_value=np.nan))
+        patched.setattr(FrettingContact, "steady", opens)
+        assert refused("design contact.toml") == "contact.toml: the pressure before any wear would be negative"
+
     def overflows(*_, **__):
         raise ValueError("E0 = inf is outside the allowed range > 0 and finite")
 
@@ -599,6 +609,18 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
         __main__.main()
     assert ended.value.code == 2
     assert "pip install 'plgwear-jax[cli]'" in capsys.readouterr().err
+
+
+def test_an_interrupt_during_the_start_is_no_fault_of_the_program(monkeypatch, capsys):
+    from plgwear_jax import __main__
+
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "main", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        __main__.main()
+    assert ended.value.code == 130 and capsys.readouterr() == ("", "")
 
 
 def test_where_nothing_moves_no_edge_has_an_intensity(folder):

@@ -50,7 +50,7 @@ OFFERED = {
     history         tangential_force          load.history                    cycles.csv
     rig_stiffness   tangential_force|+displacement  load.rig_stiffness        20000000.0
     cycles          -                         wear.cycles                     1000000.0
-    edge_pressure   -                         design_space.edge_distance      1e-05
+    edge_pressure   -                         design_space.limits.edge_pressure.distance  1e-05
     penetration     -                         design_space.limits.penetration.below  3e-06
     contact_radius  hold                      design_space.limits.contact_radius.above  0.0001
     distance        -                         output.distance                 1e-05

@@ -211,5 +211,6 @@ def test_a_sweep_that_is_interrupted_says_how_to_go_on():
 
 def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
     monkeypatch.delattr("plgwear_jax.sweep", raising=False)
-    monkeypatch.setitem(sys.modules, "plgwear_jax.sweep", None)
+    monkeypatch.delitem(sys.modules, "plgwear_jax.sweep", raising=False)
+    monkeypatch.setitem(sys.modules, "zarr", None)
     assert refused(MAP).endswith("pip install 'plgwear-jax[sweep]', in a clone '.[sweep]'")

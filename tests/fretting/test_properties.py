@@ -54,7 +54,7 @@ def edges(k, phi):
 # --- radii ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("amplitude", [0.0, 2.5e-308, 1e-300])
+@parametrize("amplitude", [0.0, 2.5e-308, 1e-300])
 def test_the_ring_of_smallest_amplitudes_has_the_slopes_of_the_limit(amplitude):
     """a_inf = 1 + (1-k)/(2 (3+k)) phi + ..."""
     k = np.linspace(-0.9, 0.9, POINTS)

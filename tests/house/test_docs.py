@@ -73,7 +73,7 @@ def test_the_readme_has_the_numbers_of_the_first_design():
     told = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
     assert found.certified and found.scan_found_nothing_better and len(told) == 5
     contacts = found.contact, found.reference
-    runs = [contact.over_cycles(force, given.wear.archard(0.6)) for contact in contacts]
+    runs = [contact.over_cycles(force, given.wear.archard) for contact in contacts]
     more = [run.volume(2e4) for run in runs], [contact.steady(force).edge_pressure(1e-5) for contact in contacts]
     computed = {
         "modulus at a depth of 1.6 µm": [contact.material.modulus(1.6e-6) for contact in contacts],

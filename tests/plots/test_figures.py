@@ -200,7 +200,7 @@ def test_command_refuses_in_one_line_what_it_cannot_write(tmp_path, monkeypatch)
         (("--out", "file"), "file: is a file, not a folder to write to"),
         (("--out", "no/where"), "no/where: cannot be made: No such file or directory"),
         (("--out", "full", "--only", "4"), "full/fig-04.pdf: is a folder, not a file to write to"),
-        (("--out", "new", "--only", "table-2"), "--only table-2: there is no such figure; did you mean table-1?"),
+        (("--out", "new", "--only", "11"), f"--only 11: there is no such figure; allowed are {', '.join(KEYS)}"),
     ):
         found = run(*arguments)
         assert (found.exit_code, found.stdout, found.stderr) == (2, "", line + "\n")

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
 from plgwear_jax._core.rules import placed_quantity
+from plgwear_jax._core.words import GivenError
 from plgwear_jax.scene import SceneError
 
 SOFT = Layered([2e-5], [90e9, 210e9], 0.3)  # the coating is more compliant than what lies below
@@ -146,8 +147,8 @@ def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
 
 
 def test_a_quantity_takes_its_own_places_alone():
-    found = placed_quantity("minimise", "peak_mises", {"z": 1e-6}, "fretting")
-    assert found.text == "there is no such argument: peak_mises has one value for the contact"
+    with pytest.raises(GivenError, match=r"^minimise.z: there is no such argument: peak_mises has one value for the"):
+        placed_quantity("minimise", "peak_mises", {"z": 1e-6}, "fretting")
 
 
 @compiled

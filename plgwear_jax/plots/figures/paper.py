@@ -86,7 +86,7 @@ FIGURES: dict[str, PaperFigure] = {}
 _Drawing = Callable[[FigureBase], None]
 
 
-def rising(values: np.ndarray, axis: int = 0) -> bool:
+def rising(values: Any, axis: int = 0) -> bool:
     """Whether values rise along an axis."""
     return bool(np.all(np.diff(values, axis=axis) > 0.0))
 
@@ -109,17 +109,6 @@ def of_paper(
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
-
-
-class OfNumbers:
-    """A room of dimensionless functions, whose results are here numbers and arrays of NumPy."""
-
-    def __init__(self, room: Any):
-        self.room = room
-
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        function = getattr(self.room, name)
-        return lambda *at: np.asarray(function(*at))[()]
 
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
@@ -241,7 +230,7 @@ def of_k(k: float) -> str:
     return f"$k = {k:g}$"
 
 
-def sketch(axes: Axes, surface: Any, body: Any, depth: float, top: float, bottom: float) -> None:
+def sketch(axes: Axes, surface: Any, body: Any, depth: Any, top: float, bottom: float) -> None:
     """Draw a rigid body in a half-space whose shade grows with the depth like the modulus, between two heights.
 
     Both outlines are (radii, z) from the axis outwards, and mirrored. The sketch is to scale, without axes, with lines
@@ -259,7 +248,7 @@ def sketch(axes: Axes, surface: Any, body: Any, depth: float, top: float, bottom
     axes.set_axis_off()
 
 
-_Place = tuple[float, float]
+_Place = tuple[Any, Any]
 
 
 def arrow(axes: Axes, start: _Place, end: _Place, words: str, at: _Place, heads: str = "-|>") -> None:

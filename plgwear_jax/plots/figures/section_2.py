@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import FigureBase
 
-from plgwear_jax import gross_slip as laws
+from plgwear_jax import gross_slip
 from plgwear_jax.plots.figures.paper import (
     ALMOST,
     COLUMN,
@@ -16,7 +16,6 @@ from plgwear_jax.plots.figures.paper import (
     PAGE,
     WORN,
     Claim,
-    OfNumbers,
     arrow,
     balance_of,
     listed,
@@ -30,7 +29,6 @@ from plgwear_jax.plots.figures.paper import (
 )
 from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
 
-gross_slip = OfNumbers(laws)
 _OVER_K: Style = {"xlim": (-1.0, 1.0), "xlabel": "exponent $k$", "xticks": (-1.0, -0.5, 0.0, 0.5, 1.0)}
 
 
@@ -138,7 +136,7 @@ def _check_change() -> list[Claim]:
         Claim(
             "it tends to zero at the edges of the exponent's domain",
             f"{ends[0]:.1e} at k = −1 + 10⁻⁹ and {ends[1]:.1e} at k = 1 − 10⁻⁹",
-            max(ends) < 1e-8,
+            bool(max(ends) < 1e-8),
         ),
     ]
 
@@ -164,7 +162,7 @@ def _check_forces() -> list[Claim]:
         Claim(
             "the normal force decreases, whatever the characteristic depth (Eq. (10) is less than 1)",
             f"F_N∞/F_N0 is from {ratio.min():.6f} (π/4, at k = 0) to 1 (as |k| → 1), and z0 cancels",
-            ratio.max() < 1.0,
+            bool(ratio.max() < 1.0),
         ),
         Claim("the ratio is an even function of k", f"F_N∞/F_N0(k) − F_N∞/F_N0(−k) ≤ {even:.0e}", even < 1e-14),
         Claim(

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
-from plgwear_jax import fretting as laws
+from plgwear_jax import fretting
 from plgwear_jax.plots.figures.paper import (
     AMPLITUDES,
     COLUMN,
@@ -18,7 +18,6 @@ from plgwear_jax.plots.figures.paper import (
     PAIRS,
     WORN,
     Claim,
-    OfNumbers,
     arrow,
     listed,
     modulus_factor,
@@ -30,20 +29,19 @@ from plgwear_jax.plots.figures.paper import (
 )
 from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, Style, legend_above, letters
 
-fretting = OfNumbers(laws)
 _PHI = AMPLITUDES[:, None]
 _THIN: Style = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
 _AMPLITUDE = r"amplitude $F_x/(\mu F_N)$"
 
 
-def _by_amplitude(values: np.ndarray, form: str) -> str:
+def _by_amplitude(values: Any, form: str) -> str:
     """Values at all pairs of k, along the columns, and φ."""
     rows = (", ".join(format(x, form) for x in row) for row in values)
     told = "; ".join(f"{row} at φ = {phi:g}" for row, phi in zip(rows, AMPLITUDES, strict=True))
     return f"for k = −0.5, 0, 0.5: {told}"
 
 
-def _radii() -> tuple[np.ndarray, np.ndarray]:
+def _radii() -> tuple[Any, Any]:
     return fretting.stick_radius(EXPONENTS, _PHI), fretting.worn_radius(EXPONENTS, _PHI)
 
 
@@ -298,7 +296,7 @@ def worn_pressures(page: FigureBase) -> None:
     def draw(axes: Axes, k: float, phi: float, style: Style) -> None:
         if phi == AMPLITUDES[0]:
             axes.plot(r, fretting.initial_pressure(r, k), **_THIN)
-        stick = fretting.stick_radius(k, phi)
+        stick = float(fretting.stick_radius(k, phi))
         inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
         axes.plot(inside, fretting.steady_pressure(inside, k, phi), **style)
         axes.axvline(stick, **GUIDE | {"color": style["color"]})
