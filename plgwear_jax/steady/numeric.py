@@ -137,7 +137,7 @@ def intensity_of(effort: Effort, state: State) -> Array:
 # --- displacements ----------------------------------------------------------------------------------------------------
 
 
-def _gap(effort: Effort, state: State, further: Array | float, r: Array) -> Array:
+def _gap(effort: Effort, state: State, further: Array, r: Array) -> Array:
     """What Abel's integral leaves in m at radii (m,) beside c, pressed in further in c^2/R; 0 under the contact."""
     c, lack = state.c, state.beside.lack(further)
     outside = r > c
@@ -155,7 +155,7 @@ def _gap(effort: Effort, state: State, further: Array | float, r: Array) -> Arra
 
 def unworn_gap_at(effort: Effort, state: State, r: Array) -> Array:
     """The gap in m that the unworn indenter leaves beside its contact of the radius c, shape (m,)."""
-    return jnp.maximum(-_gap(effort, state, 0.0, r), 0.0)
+    return jnp.maximum(-_gap(effort, state, 0.0 * state.further, r), 0.0)
 
 
 def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
@@ -177,7 +177,7 @@ def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     punch = state.unworn
     around = beside(state.compliance, punch, effort, state.outline)
-    state = state._replace(punch=punch, beside=around, further=jnp.zeros_like(state.further))
+    state = state._replace(punch=punch, beside=around, further=0.0 * state.further)
     return _worn_displacement(effort, state, r)
 
 
@@ -207,7 +207,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
 
 def _slip(effort: Effort, state: State, r: Array) -> Array:
     edge = jnp.exp(state.unworn.log_c)
-    slip = -state.tangential * _gap(effort, state, 0.0, jnp.minimum(r, edge))
+    slip = -state.tangential * _gap(effort, state, 0.0 * state.further, jnp.minimum(r, edge))
     return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
 
 

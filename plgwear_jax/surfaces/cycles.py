@@ -66,7 +66,7 @@ def cells_of(
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c at this depth; where the modes end, that is not quite the depth of the contact.
-    touching = -beside.lack(0.0).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
+    touching = -beside.lack(jnp.zeros_like(further)).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
     v, fallen = beside.lack(touching).v, beside.image.fallen(y)
     flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)

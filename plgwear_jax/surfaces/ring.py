@@ -95,10 +95,10 @@ class Beside(NamedTuple):
     own: Array | None  # of the indenter that touches up to c and no further, less what it is at c
     image: Image  # what Abel's integral takes to the indenter
 
-    def lack(self, further: Array | float) -> Lack:
+    def lack(self, further: Array) -> Lack:
         """D of the indenter pressed in further than it touches so, in c^2/R."""
         v = None if self.flat is None or self.own is None else further * self.flat + self.own
-        return Lack(jnp.asarray(further), self.image, v)
+        return Lack(further, self.image, v)
 
 
 def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Beside:

@@ -245,13 +245,23 @@ def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
     assert_allclose(contact.steady(1e-3 * FRICTION * FORCE).wear_volume, 5.75526e-23, rtol=1e-3)
 
 
-@compiled
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
-    volumes = contact.steady(NARROW * FRICTION * FORCE).wear_volume / NARROW**2.5
-    assert_allclose(volumes[2], volumes[1], rtol=1e-4)
+    amplitudes = np.array([1e-9, 1e-12, 1e-20, 0.0])  # the last ones are below the roundings of 1
+    state = contact.steady(amplitudes * FRICTION * FORCE)
+    wide, narrow, *none = np.asarray(state.wear_volume)
+    assert_allclose(narrow, wide * 1e-3**2.5, rtol=1e-4)
+    assert none == [0.0, 0.0] and np.all(state.worn_radius[2:] == state.contact_radius[2:])
+
+
+@compiled
+def test_narrow_rings_of_layers_have_slopes_that_go_on_to_no_amplitude():
+    contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
     slope = jax.grad(lambda contact: jnp.log(contact.steady(1e-9 * FRICTION * FORCE).wear_volume))(contact)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slope))
+    at_rest, wide = (jax.grad(lambda force: contact.steady(force).worn_radius)(force) for force in (0.0, 1e-9))
+    assert at_rest > 0.0
+    assert_allclose(at_rest, wide, rtol=1e-3)
 
 
 # --- derivatives and batches ------------------------------------------------------------------------------------------
