@@ -106,6 +106,7 @@ COMPILED = [
         "how-to/real_coatings",
         "how-to/uncertain_inputs",
         "how-to/stresses",
+        "how-to/sweeps",
         "how-to/wear_over_cycles",
         "tutorial/rig_to_coating",
         "gallery",
@@ -127,7 +128,10 @@ def test_pages_run_from_top_to_bottom(name):
 
 # Examples of searches and of a march over cycles, each of which is compiled.
 SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "batches", "tradeoffs", "search", "scenarios")}
-SLOW |= {f"plgwear_jax.{name}" for name in ("loads", "fitting", "shapes.splines", "contact.regimes", "wear_laws")}
+SLOW |= {
+    f"plgwear_jax.{name}"
+    for name in ("loads", "fitting", "surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws")
+}
 
 
 @parametrize(
