@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose
 from processes import module_at
 
@@ -118,7 +118,7 @@ COMPILED = [
 @parametrize(
     "name",
     [
-        pytest.param(name, marks=compiled if name in COMPILED else ())
+        compiled_case(name) if name in COMPILED else name
         for name in sorted(name for name, text in TEXTS.items() if BLOCK.search(text))
     ],
 )
@@ -136,7 +136,7 @@ SLOW |= {
 
 @parametrize(
     "name",
-    [pytest.param(name, marks=compiled if name in SLOW else ()) for name in MODULES if not name.endswith("__main__")],
+    [compiled_case(name) if name in SLOW else name for name in MODULES if not name.endswith("__main__")],
 )
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
