@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from kinds import KINDS
-from marks import compiled, compiled_case, long, parametrize
+from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
@@ -26,7 +26,7 @@ COUNT, ROUNDS = 100, 12
 
 QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
 ALL = [
-    pytest.param(kind, question, marks=compiled if (kind, question) in QUICK else long)
+    (compiled_case if (kind, question) in QUICK else long_case)(kind, question)
     for kind in KINDS
     for question in batches.QUESTIONS
 ]

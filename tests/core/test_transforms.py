@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from dependence import GOOD, PLACES, build
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
-from marks import compiled, compiled_case, long, parametrize
+from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
 
@@ -229,7 +229,7 @@ COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
 slow_twice = parametrize(
     "name",
     [
-        pytest.param(name, marks=() if name in TWICE else compiled if name in COMPILED_TWICE else long)
+        name if name in TWICE else compiled_case(name) if name in COMPILED_TWICE else long_case(name)
         for name in FUNCTIONS
     ],
 )
@@ -347,7 +347,7 @@ MEASURED_IN_SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.
 
 
 def long_but_for(names):
-    return parametrize("name", [pytest.param(name, marks=() if name in names else long) for name in FUNCTIONS])
+    return parametrize("name", [name if name in names else long_case(name) for name in FUNCTIONS])
 
 
 @long_but_for(CHEAP_IN_SINGLE + MEASURED_IN_SINGLE)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose
 from processes import module_at
 
@@ -106,6 +106,7 @@ COMPILED = [
         "how-to/real_coatings",
         "how-to/uncertain_inputs",
         "how-to/stresses",
+        "how-to/sweeps",
         "how-to/wear_over_cycles",
         "tutorial/rig_to_coating",
         "gallery",
@@ -117,7 +118,7 @@ COMPILED = [
 @parametrize(
     "name",
     [
-        pytest.param(name, marks=compiled if name in COMPILED else ())
+        compiled_case(name) if name in COMPILED else name
         for name in sorted(name for name, text in TEXTS.items() if BLOCK.search(text))
     ],
 )
@@ -127,12 +128,15 @@ def test_pages_run_from_top_to_bottom(name):
 
 # Examples of searches and of a march over cycles, each of which is compiled.
 SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "batches", "tradeoffs", "search", "scenarios")}
-SLOW |= {f"plgwear_jax.{name}" for name in ("loads", "fitting", "shapes.splines", "contact.regimes", "wear_laws")}
+SLOW |= {
+    f"plgwear_jax.{name}"
+    for name in ("loads", "fitting", "surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws")
+}
 
 
 @parametrize(
     "name",
-    [pytest.param(name, marks=compiled if name in SLOW else ()) for name in MODULES if not name.endswith("__main__")],
+    [compiled_case(name) if name in SLOW else name for name in MODULES if not name.endswith("__main__")],
 )
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))

@@ -58,6 +58,7 @@ def test_a_rigid_indenter_is_none(indenter):
     assert loaded(indenter=indenter).build_contact().indenter is None
 
 
+@compiled
 def test_a_table_of_one_modulus_is_a_half_space_of_it():
     Path("E.csv").write_text("depth,modulus\n1e-6,110e9\n1e-4,110e9\n")
     asked = '[output]\nquantities = ["contact_radius", "worn_radius", "wear_volume"]\n'

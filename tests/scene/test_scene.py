@@ -246,12 +246,10 @@ TWO_LIMITS = (
 
 
 def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
-    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=1.0, reference_value=1.0, **given))
     monkeypatch.setattr(optimise, "front", lambda **given: SimpleNamespace(y=np.ones(2), reference_y=1.0, **given))
     text = changed(SINGLE_NUMBERS, (HOLD, TWO_LIMITS), (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9 }}"))
     given = read(with_files(text, 'table = "loads.csv"', loads=LOADS))
-    design, front = vars(given.design()), vars(given.front(points=5))
-    assert given.arguments().keys() == design.keys() - {"value", "reference_value"}
+    design, front = given.arguments(), vars(given.front(points=5))
     for found in (design, front):
         assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
         assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
@@ -259,7 +257,7 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius", "minimise": "wear_volume"}
     depth, x = {"penetration": {"below": 2e-6}}, {"edge_pressure": {"distance": 1e-6}}
     pressure = {"edge_pressure": {"below": 5e8, "distance": 1e-6}}
-    assert design == asked | {"value": 1.0, "reference_value": 1.0, "limits": pressure | depth}
+    assert design == asked | {"limits": pressure | depth}
     assert [front.pop("reference_y"), *front.pop("y")] == [1.0, 1.0, 1.0]
     assert front == asked | {"x": x, "larger": "", "points": 5, "limits": depth}
     assert vars(given.front(distance=2e-6))["x"] == {"edge_pressure": {"distance": 2e-6}}

@@ -9,7 +9,7 @@ import pytest
 from dependence import GOOD
 from functions import FUNCTIONS, arguments
 from kinds import contact_of, dome
-from marks import compiled, long, parametrize
+from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 
 from plgwear_jax import Layered, fretting
@@ -35,10 +35,7 @@ def ran(monkeypatch):
 
 @parametrize(
     "name",
-    [
-        pytest.param(name, marks=() if name in ("fretting.stick_radius", "fretting.wear_volume") else long)
-        for name in FUNCTIONS
-    ],
+    [name if name in ("fretting.stick_radius", "fretting.wear_volume") else long_case(name) for name in FUNCTIONS],
 )
 def test_they_are_those_of_the_compiled_program(name, ran):
     at, every = tuple(GOOD[key] for key in arguments(name)), tuple(range(len(arguments(name))))

@@ -181,6 +181,7 @@ def test_what_a_thin_layer_adds_is_in_proportion_to_its_thickness():
     assert volume[0, -1] > 0.0 > volume[1, -1]
 
 
+@compiled
 def test_batches_of_layers_are_their_members():
     thickness, softer = np.array([[[1e-5, 3e-5]], [[2e-5, 4e-5]], [[5e-5, 1e-6]]]), np.array([1.0, 0.8])
     several = Layered(thickness, softer[:, None] * MODULUS, NU)

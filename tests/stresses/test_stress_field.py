@@ -196,7 +196,8 @@ def test_splines_make_the_pressure_of_a_power(power):
 PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
 
 
-@parametrize("worn", [False, compiled_case(True)])
+@compiled
+@parametrize("worn", [False, True])
 def test_each_digit_is_worth_its_time(worn):
     for k in (0.3, -0.6):
         found = [graded(k).contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
@@ -342,6 +343,7 @@ def test_many_contacts_answer_as_each_does():
         assert_allclose(many.stress(-A, 1e-6).xx[i], one.stress(-A, 1e-6).xx, rtol=1e-9)
 
 
+@compiled
 def test_peaks_in_single_precision():
     contact = FrettingContact(LAYERS, RADIUS, FORCE, FRICTION)
     found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5))

@@ -14,7 +14,7 @@ from functions import FUNCTIONS, arguments, fretting, gross_slip, values
 from hypothesis import given
 from hypothesis import strategies as st
 from kinds import KINDS
-from marks import compiled, long, parametrize
+from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
 from processes import output
@@ -47,7 +47,7 @@ SWEPT = [name for name in FUNCTIONS if name in OF_A_SWEEP]
 FIRST = {arguments(name): name for name in reversed(SWEPT)}.values()
 
 
-@parametrize("name", [pytest.param(name, marks=() if name in FIRST else long) for name in SWEPT])
+@parametrize("name", [name if name in FIRST else long_case(name) for name in SWEPT])
 def test_every_function_can_be_swept(name):
     needs = arguments(name)
     (found,) = sweep.sweep(name, **{axis: VALUES[axis] for axis in needs}).values()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from kinds import dome
-from marks import compiled, compiled_case, parametrize
+from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import loads, optimise, scene, sweep
@@ -88,12 +88,9 @@ def worn_in_scenes(folder, frictions, moved):
     return found
 
 
-@parametrize(
-    "frictions, slips",
-    [((0.4, 0.6), [False, False]), compiled_case((0.15, 0.2, 0.4, 0.6), [True, True, False, False])],
-)  # fmt: skip
-def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path, frictions, slips):
-    moved = 0.6 * ONSET
+@compiled
+def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path):
+    moved, frictions, slips = 0.6 * ONSET, (0.15, 0.2, 0.4, 0.6), [True, True, False, False]
     found = sweep.sweep(
         ["transient.wear_volume", "wear_volume"], contact=CONTACT, displacement=moved, friction=frictions, **LIFE
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import transient_oracle
 from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of, dome
-from marks import compiled, long, long_case, parametrize
+from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced, first_rate, unit_of
 
@@ -169,7 +169,7 @@ READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn
 
 
 # The derivatives of the march are in the programs of all of them.
-@parametrize("name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ])
+@parametrize("name", [compiled_case(x) if x in ("volume", "pressure") else long_case(x) for x in READ])
 def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     at = ["r", "n"] if READ[name] == "rn" else [READ[name]]
     names = ["k", "phi", *at]
