@@ -44,20 +44,14 @@ class Body(SimpleNamespace):
         kind: Of a half-space "power law", "table" or "layers", else the key of this name.
         fields: The fields of the record by name.
         file: The table that has them; None without one.
+        words: What messages call a half-space.
+        rows: The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law.
     """
 
     def __init__(self, record_name: str, kind: str, fields: Mapping[str, Any], file: "Table | None" = None) -> None:
-        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file)
-
-    @property
-    def words(self) -> str:
-        """What messages call a half-space."""
-        return self.kind if self.kind == "layers" else f"a {self.kind}"
-
-    @property
-    def rows(self) -> dict[str, Any]:
-        """The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law."""
-        return {name: value for name, value in self.fields.items() if not isinstance(value, float | str)}
+        rows = {name: value for name, value in fields.items() if not isinstance(value, float | str)}
+        words = kind if kind == "layers" else f"a {kind}"
+        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file, words=words, rows=rows)
 
     def numbers(self) -> Iterator[str]:
         """The names of its single numbers, also of those of an elastic indenter or a shape."""
@@ -332,24 +326,20 @@ class WearSection(SimpleNamespace):
             is then that of the indenter.
         cycles: Number of cycles of the life.
         friction: The coefficient of friction of the contact.
+        others: The keys that only some commands take.
     """
 
     @classmethod
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
         """The wear of the contact, if that is known."""
         kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
-        found = cls(**values, friction=getattr(contact, "friction", None))
-        for name in found.others:
+        others = [name for name in ("exponent", "half_space_coefficient") if values[name] is not None]
+        for name in others:
             if kind != "coefficient":
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
         if contact is not None and contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
-        return found
-
-    @property
-    def others(self) -> list[str]:
-        """The keys that only some commands take."""
-        return [name for name in ("exponent", "half_space_coefficient") if getattr(self, name) is not None]
+        return cls(**values, friction=getattr(contact, "friction", None), others=others)
 
     def refuse_frictions(self, names: Iterable[str]) -> None:
         """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""
