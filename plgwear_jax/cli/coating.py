@@ -9,7 +9,7 @@ import typer
 from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
-from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
+from plgwear_jax.cli.question import AsJson, Picture, csv_option, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn
 
@@ -100,7 +100,7 @@ def coating(
     if out is not None:
         whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
         files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
-    doubt_units(scene_file, given, idealisation.quantities["contact_radius"][0])
+    report.doubt(given, idealisation.quantities["contact_radius"][0])
     report.say(load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, read_scene
 from plgwear_jax.cli.report import Report
 from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
@@ -44,7 +44,7 @@ def design_command(
         else:
             doubts, radius, *picture_of = tell_design(report, given, found, sensitivities)
     report.draw(*picture_of)
-    doubt_units(scene_file, given, radius)
+    report.doubt(given, radius)
     report.end()
     if not found.certified:
         for line in doubts:

@@ -174,9 +174,8 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     question, cycles = found.question, given.life
     if cycles is None and given.wear is not None and given.wear.cycles is not None:
         report.say(f"cycles: {found.objective} has no value after cycles; this is for the steady state")
-    if cycles is None or question.horizon is None or question.scenarios is not None:
-        return
-    if not (question.by_force and found.keeps_limits):
+    told = question.by_force and found.keeps_limits and question.scenarios is None
+    if not told or cycles is None or question.horizon is None:
         return
     forever = optimise.in_steady_state(found)
     flips_at = None if forever.flips_at is None else forever.flips_at * cycles

@@ -13,7 +13,6 @@ from plgwear_jax.cli.question import (
     SceneFile,
     amplitudes_told,
     csv_option,
-    doubt_units,
     option,
     positive,
     read_scene,
@@ -61,7 +60,7 @@ def front_command(
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
     report.draw("front_picture", found)
-    doubt_units(scene_file, given)
+    report.doubt(given)
     # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
     columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y, **found.variables}

@@ -9,7 +9,7 @@ import typer
 
 from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.cli.terminal import refuse
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -68,18 +68,6 @@ def positive(key: str, value: float | None, what: str) -> None:
     """Refuse a number that is not positive, or not finite."""
     if value is not None and not 0.0 < value < math.inf:
         refuse(f"{key} = {value:g}: must be a finite number > 0, {what}")
-
-
-def doubt_units(
-    scene_file: Path, given: "Scene", contact_radius: float | None = None, onset: float | None = None
-) -> None:
-    """Warn of values out of proportion, as numbers in wrong units give them; `onset` is that of gross slip in m."""
-    from plgwear_jax._core import doubts
-
-    if onset is None and given.load is not None and given.load.of_displacement:
-        onset = float(given.load.moved.gross_slip.max())
-    for line in doubts.of_input(given.build_contact(), contact_radius, onset):
-        warn(f"{scene_file}: {line}")
 
 
 def _part(level: float) -> str:

@@ -11,7 +11,6 @@ from plgwear_jax.cli.question import (
     Picture,
     SceneFile,
     csv_option,
-    doubt_units,
     interval,
     option,
     positive,
@@ -80,7 +79,7 @@ def regimes(
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
     columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
     report.write_table({name: np.ravel(values) for name, values in columns.items()})
-    doubt_units(scene_file, given, onset=float(cut.gross_slip_displacement[0]))
+    report.doubt(given, onset=float(cut.gross_slip_displacement[0]))
     _tell(report, found, cut, own, rig)
     report.end()
 

@@ -14,10 +14,12 @@ from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import entry, measured, unit_of
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import plots, working
+from plgwear_jax.cli.terminal import plots, warn, working
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from plgwear_jax.scene import Scene
 
 _MOST = 40  # rows that are printed of a table that may be long
 
@@ -204,6 +206,15 @@ class Report:
         for side, key in enumerate(headings):
             self.put(**{key: {name: values[side] for name, values in rows.items()}})
         self.table(*by_quantity([*headings.values()], rows, words), *more)
+
+    def doubt(self, given: "Scene", contact_radius: float | None = None, onset: float | None = None) -> None:
+        """Warn of values out of proportion, as numbers in wrong units give them; `onset` is that of gross slip in m."""
+        from plgwear_jax._core import doubts
+
+        if onset is None and given.load is not None and given.load.of_displacement:
+            onset = float(given.load.moved.gross_slip.max())
+        for line in doubts.of_input(given.build_contact(), contact_radius, onset):
+            warn(f"{self.scene}: {line}")
 
     def draw(self, name: str, *found: Any) -> None:
         """Draw the picture by the function of `plots` with this name."""

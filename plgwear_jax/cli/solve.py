@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax._core.catalogue import entry, measured
-from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, option, read_scene
+from plgwear_jax.cli.question import AsJson, Digits, SceneFile, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report
 from plgwear_jax.cli.terminal import computing, message, refuse, warn
 
@@ -43,8 +43,7 @@ def solve(
         value, place, meaning = np.asarray(quantity.value), "", quantity.description
         # At the tip of a cone the largest pressure is infinite, on an infinite modulus stresses, of other numbers none.
         endless = quantity.radii is None and not name.startswith("peak_") and np.isinf(value)
-        if np.any(np.isnan(value)) or endless:
-            refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
+        refuse_extremes(not (np.any(np.isnan(value)) or endless), f"{name} exceeds")
         known[name] = {key: one for key, one in quantity._asdict().items() if one is not None}
         if quantity.edge_distance is not None:
             place = f"edge - {measured('distance', quantity.edge_distance)}"
@@ -60,7 +59,7 @@ def solve(
         number, _, unit = measured(name, value).partition(" ")
         rows.append([name, number, unit, place, meaning])
     radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
-    doubt_units(scene_file, given, *(one and float(one.value) for one in (radius, onset)))
+    report.doubt(given, *(one and float(one.value) for one in (radius, onset)))
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)

@@ -121,7 +121,7 @@ def set_up(*, one_question: bool) -> None:
     from plgwear_jax._core.doubts import DoubtfulInputWarning
 
     jax.config.update("jax_enable_x64", True)
-    warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `doubt_units`
+    warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `Report.doubt`
     cache.use(one_question)
 
 

@@ -14,7 +14,6 @@ from plgwear_jax.cli.question import (
     Picture,
     SceneFile,
     csv_option,
-    doubt_units,
     option,
     positive,
     read_scene,
@@ -79,11 +78,11 @@ def wear(
     if volumes is not None:
         if digits is not None:
             refuse("--digits: a fit computes the volumes as exactly as it can")
-        _fit(scene_file, given, volumes, deviation, report, until)
+        _fit(given, volumes, deviation, report, until)
     elif deviation is not None:
         refuse("--deviation: is that of volumes that --fit reads")
     else:
-        _course(scene_file, given, report, until, digits)
+        _course(given, report, until, digits)
 
 
 def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
@@ -130,9 +129,9 @@ _COURSE = "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energ
 _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "contact_radius", "stick_radius"
 
 
-def _course(scene_file: Path, given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
+def _course(given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load, both, through = given.tested(), None, None
+    load, both = given.tested(), None
     blocks = load.cycles is not None
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
@@ -143,7 +142,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         run, wear = given.over_cycles(digits=digits), given.wear
         assert wear is not None
         life, share = None if blocks else wear.cycles, wear.half_space_share
-        shares, cycles, printed = ({}, load.cycles.cumsum(), ()) if blocks else _times(scene_file, run, life)  # pyright: ignore
+        shares, cycles, printed = ({}, load.cycles.cumsum(), ()) if blocks else _times(report, run, life)  # pyright: ignore
         columns = {"cycles": cycles, **load.pressed}
         for name in _BLOCKS if blocks else _COURSE:
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
@@ -151,30 +150,27 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         at_end = abs(cycles - (life or cycles[-1])).argmin()
         end = {name: float(values[at_end]) for name, values in columns.items()}
         worn = steady or end
-        if until is not None:
-            through = float(run.cycles_to(depth=until))
         if share:
             both = _share_out(given, share, end if life else worn)
     refuse_extremes(np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
-    if blocks:
-        report.draw("blocks_picture", run)
-    else:
-        drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [end["cycles"] / x for x in (100, 10, 1)]
-        report.draw("wear_picture", run, cycles, drawn, life)
     report.write_table(columns)
-    doubt_units(scene_file, given, None if blocks else worn.get("worn_radius", float(columns["contact_radius"][-1])))
-    if not blocks:  # few cycles after which nearly all is worn, or to which gross slip is followed
-        doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
-        if doubtful is not None:
-            warn(f"{scene_file}: [wear]: {doubtful}")
     law = vars(wear.law)
     report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
     if share:
         report.put(half_space_share=share)
     slips = columns["stick_radius"] <= 0.0
     if blocks:
+        report.draw("blocks_picture", run)
+        report.doubt(given)
         _tell_blocks(report, load, columns, slips)
     else:
+        drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [end["cycles"] / x for x in (100, 10, 1)]
+        report.draw("wear_picture", run, cycles, drawn, life)
+        report.doubt(given, worn.get("worn_radius", columns["contact_radius"][-1]))
+        # few cycles after which nearly all is worn, or to which gross slip is followed
+        doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
+        if doubtful is not None:
+            warn(f"{report.scene}: [wear]: {doubtful}")
         regime = "partial slip" if not slips.any() else "gross slip, then partial slip" if slips[0] else "mixed slip"
         regime = "gross slip" if slips.all() else regime
         rows = {name: values[np.searchsorted(cycles, printed)] for name, values in columns.items()}
@@ -198,9 +194,9 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
             then = "".join(f", {much} after {number}" for much, number in later)
             report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
     report.say(both)
-    if until is not None and through is not None:
+    if until is not None:
         ends = f": the largest wear depth is {measured('depth', worn['deepest_wear'])}" if steady or blocks else ""
-        _tell_until(given, report, until, through, ends)
+        _tell_until(given, report, until, float(run.cycles_to(depth=until)), ends)
     if blocks and wear.cycles is not None:
         report.say("[wear] cycles: the history has cycles of its own, which count here")
     report.end()
@@ -235,7 +231,7 @@ def _unit(exponent: float) -> str:
 _EARLY = 1e-5
 
 
-def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], np.ndarray, np.ndarray]":
+def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float, float], np.ndarray, np.ndarray]":
     """The cycles to some shares of the final volume, none without one; the cycles of the course; and those printed.
 
     Printed are decades of cycles, and the life or else the last cycle of gross slip.
@@ -246,7 +242,7 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
         last = float(run.lasting_cycles)
         if life is not None and life > last:
             told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
-            refuse(f"{scene_file}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
+            refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
         printed, shares = [life or last], dict[float, float]()
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
@@ -290,9 +286,7 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _fit(
-    scene_file: Path, given: "Scene", volumes: Path, share: float | None, report: Report, until: float | None
-) -> None:
+def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, until: float | None) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
     from plgwear_jax import tables
 

@@ -168,7 +168,7 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
 def _axis_told(row: xr.DataArray) -> str:
     if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
-    unit = _unit_of(row)
+    unit = row.attrs["units"]
     return f"{row.name} ({float(row.min()):g} to {float(row.max()):g}{'' if unit == '1' else f' {unit}'})"
 
 
@@ -181,10 +181,6 @@ def _arranged(variable: xr.DataArray) -> list[Any]:
 
 
 # --- words and units --------------------------------------------------------------------------------------------------
-
-
-def _unit_of(array: xr.DataArray) -> str:
-    return str(array.attrs.get("units", "1"))
 
 
 def _place_told(row: xr.DataArray) -> str:
@@ -204,7 +200,7 @@ def _no_formula(text: str) -> str:
 
 def _printed(array: xr.DataArray) -> str:
     """A unit of SI as it is, one of the paper as a formula."""
-    unit = _unit_of(array)
+    unit = array.attrs["units"]
     if unit in PREFIXED:
         return unit
     if re.fullmatch(r"(m|N|Pa|J|[^A-Za-z])*", unit):  # of SI, upright
@@ -258,7 +254,7 @@ def _norm(variable: xr.DataArray) -> Normalize:
     if lower < -1e-6 * size and upper > 1e-6 * size:  # smaller values are rounding errors
         usual = np.median(np.abs(finite))
         return AsinhNorm(usual, -size, size) if size > 30.0 * usual > 0.0 else Normalize(-size, size)
-    least, share = finite[finite > 0.0].min(initial=np.inf), _unit_of(variable) == "1" and upper <= 1.0
+    least, share = finite[finite > 0.0].min(initial=np.inf), variable.attrs["units"] == "1" and upper <= 1.0
     if lower >= 0.0 and upper > 100.0 * least and not share:
         return LogNorm(least, upper)
     return Normalize(lower, upper) if lower < upper else Normalize(lower - 0.5, upper + 0.5)

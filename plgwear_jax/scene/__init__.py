@@ -262,11 +262,8 @@ class Scene:
         given = self if y is None else self.minimising(self.traded("y", y))
         return designing.trade_off(given, self.traded("x", x, distance), larger, points)
 
-    def free_design(self, *, starts: int = 20) -> "FreeDesign":
+    def free_design(self) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
-
-        Args:
-            starts: How many descents are made.
 
         Returns:
             It beside the best power law within the same bounds, as of `optimise.free_design`.
@@ -276,7 +273,7 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        return designing.best_gradient(self, starts)
+        return designing.best_gradient(self)
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.

@@ -20,7 +20,7 @@ from plgwear_jax._core.rules import (
     refuse_question,
     refuse_window,
 )
-from plgwear_jax._core.words import near, near_or_all, one_line
+from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.scene.complaints import Reading
 from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
 
@@ -212,8 +212,8 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
     laws = laws_of_scene(contact, reading.load, reading.wear)
     for name in output.quantities:
         if name not in laws:
-            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
-            raise WrongKeyError("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
+            text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
+            raise WrongKeyError("quantities", text)
         nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
         if "distance" in laws[name].arguments and nowhere:
             text = f'"{name}" needs a distance from the stick-slip boundary'

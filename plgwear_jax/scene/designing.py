@@ -26,14 +26,14 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
     return arguments
 
 
-def best_gradient(given: "Scene", starts: int) -> optimise.FreeDesign:
+def best_gradient(given: "Scene") -> optimise.FreeDesign:
     """See `Scene.free_design`."""
     space = given.asked()
     if not space.free:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
     steepness = space.vary["modulus"].get("steepness")
     profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=steepness)
-    return answer("free_design", modulus=profile, starts=starts, **_question(given))
+    return answer("free_design", modulus=profile, **_question(given))
 
 
 def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
@@ -178,7 +178,7 @@ def answer(question: str, **arguments: Any) -> Any:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
     values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)
     if not POSITIVE.contains(np.hstack(values)).all():
-        if arguments["load"] is not None:
+        if arguments["load"] is not None and "cycles" not in arguments:
             _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

@@ -44,20 +44,14 @@ class Body(SimpleNamespace):
         kind: Of a half-space "power law", "table" or "layers", else the key of this name.
         fields: The fields of the record by name.
         file: The table that has them; None without one.
+        words: What messages call a half-space.
+        rows: The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law.
     """
 
     def __init__(self, record_name: str, kind: str, fields: Mapping[str, Any], file: "Table | None" = None) -> None:
-        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file)
-
-    @property
-    def words(self) -> str:
-        """What messages call a half-space."""
-        return self.kind if self.kind == "layers" else f"a {self.kind}"
-
-    @property
-    def rows(self) -> dict[str, Any]:
-        """The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law."""
-        return {name: value for name, value in self.fields.items() if not isinstance(value, float | str)}
+        rows = {name: value for name, value in fields.items() if not isinstance(value, float | str)}
+        words = kind if kind == "layers" else f"a {kind}"
+        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file, words=words, rows=rows)
 
     def numbers(self) -> Iterator[str]:
         """The names of its single numbers, also of those of an elastic indenter or a shape."""
@@ -146,6 +140,10 @@ class LoadSection(SimpleNamespace):
         history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
         rig_stiffness: Stiffness in N/m of the rig, if displacements are measured at its actuator.
         file: What the file has.
+        columns: Its columns; none without one.
+        of_displacement: The amplitudes are those of the displacement.
+        cycles: How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so.
+        pressed: The normal forces in N and the coefficients of friction that a history has of its own, of shape (n,).
         material: The half-space.
         contact: The contact.
         wear: How it wears; None if nothing says so.
@@ -165,23 +163,24 @@ class LoadSection(SimpleNamespace):
             text = f"this is gross slip, F_x = {force:g} N is not below mu F_N = {limit:g} N"
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
         file = None if named is None else from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
-        found = cls(**values, file=file, material=reading.material, contact=contact, wear=reading.wear)
+        columns: Mapping[str, Any] = {} if file is None else file.columns
+        found = cls(
+            **values,
+            file=file,
+            columns=columns,
+            of_displacement=kind == "displacement" or "displacement" in columns,
+            cycles=columns.get("cycles"),
+            pressed={name: columns[name] for name in reversed(PRESSED) if name in columns},
+            material=reading.material,
+            contact=contact,
+            wear=reading.wear,
+        )
         if file is not None and not found.of_displacement:
             forces = file["tangential_force"]
             own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * forces for name in PRESSED} | found.pressed
             limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
             file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
         return found
-
-    @property
-    def columns(self) -> "Mapping[str, np.ndarray]":
-        """Those of the file; none without one."""
-        return {} if self.file is None else self.file.columns
-
-    @property
-    def of_displacement(self) -> bool:
-        """The amplitudes are those of the displacement."""
-        return self.displacement is not None or "displacement" in self.columns
 
     @cached_property
     def given(self) -> "np.ndarray":
@@ -190,16 +189,6 @@ class LoadSection(SimpleNamespace):
 
         name = "displacement" if self.of_displacement else "tangential_force"
         return np.array([getattr(self, name)], float) if self.file is None else self.file[name]
-
-    @property
-    def cycles(self) -> "np.ndarray | None":
-        """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
-        return self.columns.get("cycles")
-
-    @property
-    def pressed(self) -> "dict[str, np.ndarray]":
-        """The normal forces in N and the coefficients of friction that a history has of its own, each of shape (n,)."""
-        return {name: self.columns[name] for name in reversed(PRESSED) if name in self.columns}
 
     @property
     def is_zero(self) -> bool:
@@ -266,20 +255,18 @@ class LoadSection(SimpleNamespace):
         return OtherFileError(f"{self.file.name}: row {self.file.row[first]}: {said}")
 
     @cached_property
-    def forces(self) -> "np.ndarray":
-        """The force amplitudes in N of `given`, shape (n,), or a SceneError where the contact slips as a whole."""
+    def amplitudes(self) -> "np.ndarray":
+        """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0.
+
+        A SceneError says where the contact slips as a whole.
+        """
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
             raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
         if self.slides is not None:
             raise self.slides
-        return self.moved.force if self.of_displacement else self.given
-
-    @property
-    def amplitudes(self) -> "np.ndarray":
-        """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0."""
-        weight = self.columns.get("weight")
-        return self.forces if weight is None else self.forces[weight > 0.0]
+        forces, weight = self.moved.force if self.of_displacement else self.given, self.columns.get("weight")
+        return forces if weight is None else forces[weight > 0.0]
 
     @property
     def weights(self) -> "np.ndarray | None":
@@ -316,8 +303,8 @@ class LoadSection(SimpleNamespace):
         if self.pressed or (self.displacement is None and self.history is None):
             return None
         if self.history is not None:
-            number = f"{self.forces.size} amplitude{'s' if self.forces.size > 1 else ''}"
-            row = self.file.row[self.forces.argmax()]
+            number = f"{self.amplitudes.size} amplitude{'s' if self.amplitudes.size > 1 else ''}"
+            row = self.file.row[self.amplitudes.argmax()]
             deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
             return f"history {one_line(self.history)}: {number}; {deciding}"
         told = f"the contact slips as a whole, from {written(float(self.moved.gross_slip), 'm')} on"
@@ -339,24 +326,20 @@ class WearSection(SimpleNamespace):
             is then that of the indenter.
         cycles: Number of cycles of the life.
         friction: The coefficient of friction of the contact.
+        others: The keys that only some commands take.
     """
 
     @classmethod
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
         """The wear of the contact, if that is known."""
         kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
-        found = cls(**values, friction=getattr(contact, "friction", None))
-        for name in found.others:
+        others = [name for name in ("exponent", "half_space_coefficient") if values[name] is not None]
+        for name in others:
             if kind != "coefficient":
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
         if contact is not None and contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
-        return found
-
-    @property
-    def others(self) -> list[str]:
-        """The keys that only some commands take."""
-        return [name for name in ("exponent", "half_space_coefficient") if getattr(self, name) is not None]
+        return cls(**values, friction=getattr(contact, "friction", None), others=others)
 
     def refuse_frictions(self, names: Iterable[str]) -> None:
         """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""
