@@ -17,6 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Image, Outline, inwards
+from plgwear_jax.special.elementary import crest
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
@@ -236,9 +237,11 @@ def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     depths = depths_at(places)
     most = jnp.clip(jnp.argmax(depths), 1, _PLACES.size - 2)
     x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
-    # Once more, nearer to the top, where the depth has to have no slope for its derivatives to be right.
-    near = _top_of(x, h) + 0.1 * (x[2] - x[0]) * jnp.asarray([-0.5, 0.0, 0.5], a.dtype)
-    return depths_at(jax.lax.stop_gradient(_top_of(near, depths_at(near)))[None])[0]
+    # Once more, nearer to the top, and there by a parabola: it has the second derivatives of a top that moves.
+    near = 0.1 * (x[2] - x[0]) * jnp.asarray([-0.5, 0.0, 0.5], a.dtype)
+    around = _top_of(x, h) + near
+    top = _top_of(around, depths_at(around))
+    return crest(depths_at(jax.lax.stop_gradient(top + near)))
 
 
 def _top_of(x: Array, h: Array) -> Array:

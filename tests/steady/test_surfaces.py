@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import surface_oracle
+from functions import by_numpy
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -16,10 +17,13 @@ from scipy.interpolate import PchipInterpolator
 
 import plgwear_jax
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
-from plgwear_jax.shapes import TruncatedSphere
+from plgwear_jax.shapes import Parabola, TruncatedSphere
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.pchip import pchip
 from plgwear_jax.surfaces.cycles import through_springs
+from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.half_space import excess_compliance
+from plgwear_jax.surfaces.ring import Lack, deepest
 
 A = 1e-4  # about a contact radius
 THICKNESS, MODULUS, NU, F_X = np.array([2e-5, 3e-5]), np.array([50e9, 300e9, 100e9]), 0.3, 2.0
@@ -261,6 +265,19 @@ def test_second_derivatives():
     found = np.asarray(jax.jit(jax.hessian(volume))(at))
     assert_allclose(found, found.T, atol=1e-5)
     assert_allclose(found, differences, atol=2e-5)
+
+
+def test_second_derivatives_of_the_deepest_wear_know_that_its_place_moves():
+    image = Outline(Parabola(), jnp.asarray(RADIUS)).image(jnp.asarray(5e-5), jnp.asarray(0.4))
+
+    def most(level):  # at a fixed place it would be proportional to it
+        return deepest(Lack(level, image, None), jnp.asarray(0.4), jnp.asarray(0.9), effort_of(4))
+
+    def along(function):
+        return lambda level: jax.jvp(function, (level,), (jnp.ones_like(level),))[1]
+
+    less, at, more = map(by_numpy(most), jnp.array([0.28, 0.3, 0.32]))
+    assert_allclose(by_numpy(along(along(most)))(jnp.asarray(0.3)), (less - 2.0 * at + more) / 0.02**2, rtol=1e-2)
 
 
 @compiled
