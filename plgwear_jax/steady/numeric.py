@@ -150,7 +150,7 @@ def _gap(effort: Effort, state: State, further: Array, r: Array) -> Array:
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
     together = lack.v is not None and len(lack.image.bends) <= FEW_KINKS
     found = jax.vmap(at)(y) if together else jax.lax.map(jax.checkpoint(at), y)
-    return jnp.where(outside, state.height(state.punch) * found, 0.0)
+    return jnp.where(outside, state.height(state.punch) * found, 0.0 * c)
 
 
 def unworn_gap_at(effort: Effort, state: State, r: Array) -> Array:
@@ -208,7 +208,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
 def _slip(effort: Effort, state: State, r: Array) -> Array:
     edge = jnp.exp(state.unworn.log_c)
     slip = -state.tangential * _gap(effort, state, 0.0 * state.further, jnp.minimum(r, edge))
-    return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
+    return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r * state.c)
 
 
 def energy_of(effort: Effort, state: State) -> Array:

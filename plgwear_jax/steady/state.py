@@ -129,7 +129,7 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     loads = [guarded_field(contact, name) for name in names]
     any_modulus = isinstance(material, AnyModulus)
     if any_modulus:
-        given = [*material.arrays(), jnp.asarray(material.nu), mindlin_ratio(material.nu)]
+        given = [*material.arrays(), guarded_field(material, "nu"), mindlin_ratio(material.nu)]
     else:
         given = [jnp.asarray(material.k), material.log_stiffness(), material.tangential_ratio()]
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]

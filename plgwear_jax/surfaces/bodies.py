@@ -8,7 +8,16 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
+from plgwear_jax._core.domains import (
+    POISSON_RATIO,
+    POSITIVE,
+    ArrayLike,
+    Domain,
+    Numbers,
+    check,
+    guarded,
+    one_or_nan,
+)
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import guarded_field, record
@@ -93,7 +102,8 @@ class AnyModulus:
         arrays = self.arrays()
         dtype = jnp.result_type(*arrays, z, 0.0)
         z = jnp.asarray(guarded("z", z, DEPTH), dtype)
-        return self.by_depth(*(array.astype(dtype) for array in arrays)).at(z)
+        found = self.by_depth(*(array.astype(dtype) for array in arrays)).at(z)
+        return found * one_or_nan(~jnp.isnan(sum(map(jnp.sum, arrays), z)))  # one modulus a layer knows no depth
 
 
 @record

@@ -221,7 +221,9 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     # A ring that slips but is narrower than its cells would seem to stick, and nothing would ever wear.
     slip, touches = history.moments.slip[0], history.moments.pressure[0] > 0.0
     narrow = jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0] & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
-    return history._replace(moments=until((history.moments.least < -MOST) | narrow, history.moments))
+    # A number outside its range leaves some moments that look plausible.
+    unknown = jnp.isnan(history.moments.rate + history.moments.force_amplitude)
+    return history._replace(moments=until((history.moments.least < -MOST) | narrow | unknown, history.moments))
 
 
 _LOG_HUNDRED = float(np.log(100.0))
@@ -277,7 +279,7 @@ def _field(name: str, history: TestHistory, r: Array, cycles: Array) -> Array:
     cell = cells_around(edges**2, r * r)
     found = cell.across(functools.partial(moment.between, getattr(history.moments, name)))
     inside = jnp.where(r < edges[..., -1], jnp.maximum(found, 0.0), 0.0)
-    return inside + 0.0 * known * jnp.minimum(r, 1.0)  # NaN where they are
+    return inside + 0.0 * known * edges[..., -1] * jnp.minimum(r, 1.0)  # NaN where they are
 
 
 @program(static=2)
@@ -404,7 +406,7 @@ class MarchedRun(Run):
     @property
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run."""
-        return self._solution.cycles[..., -1]
+        return self._solution.cycles[..., -1] + 0.0 * self._solution.moments.rate[..., 0]
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return self._over("depth", r, cycles)

@@ -42,7 +42,8 @@ class RunSolution(NamedTuple):
 
 def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
-    return found + run.phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
+    # Radii may be infinite.
+    return found + run.phi * run.contact_radius * run.per_cycle * (0.0 * at) * jnp.minimum(r, 1.0)
 
 
 # --- one number of the run --------------------------------------------------------------------------------------------
@@ -156,7 +157,7 @@ def _cycles_to(name: str, run: RunSolution, goal: Array) -> Array:
 
 @program()
 def _lasting(run: RunSolution) -> Array:
-    return _LONG * run.curves.scales.unit / run.per_cycle
+    return _nan_outside(run, _LONG * run.curves.scales.unit / run.per_cycle, run.phi)
 
 
 _LONG = 1e6  # units of time after which nothing wears any more

@@ -228,11 +228,11 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
     @jax.jit
     def fields(forces):
         steady = contact.steady(forces)
-        return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.pressure(r)])
+        return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.slip_amplitude(r), steady.pressure(r)])
 
     found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0])))
-    assert_array_equal(np.isnan(found), [[False, True, False]] * 3)
-    assert_allclose(found[:, 2], [0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
+    assert_array_equal(np.isnan(found), [[False, True, False]] * 4)
+    assert_allclose(found[:, 2], [0.0, 0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------

@@ -7,12 +7,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import by_numpy
 from jax import export
 from kinds import COEFFICIENT, FRICTION, KINDS, STEEL, contact_of
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads
+from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, loads
 from plgwear_jax.contact import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import Steady
@@ -177,6 +178,24 @@ def test_coefficients_of_one_contact_share_its_run():
 def test_traced_bad_input_gives_nan():
     assert np.isnan(jax.jit(lambda K: CLOSED.over_cycles(F_X, K).volume(CYCLES))(-1.0))
     assert np.isnan(jax.jit(CLOSED.over_cycles(F_X, COEFFICIENT).volume)(-1.0))
+
+
+def of_run(k, force):
+    run = contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3)).over_cycles(force, COEFFICIENT)
+    return jnp.stack([run.depth(7e-5, CYCLES), run.pressure(7e-5, CYCLES), run.lasting_cycles])
+
+
+def of_layers(nu):
+    return contact_of(Layered([2e-5], [50e9, 100e9], nu)).steady(F_X).wear_volume
+
+
+@compiled
+@parametrize(
+    "ask, bad",
+    [(of_run, (1.2, F_X)), (of_run, (0.2, 5.0)), (of_layers, (0.6,)), (LAYERED.material.modulus_at, (-1.0,))],
+)
+def test_numbers_outside_leave_nothing_plausible(ask, bad):
+    assert np.all(np.isnan(by_numpy(ask)(*map(jnp.asarray, bad))))
 
 
 @compiled

@@ -310,6 +310,7 @@ def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
         (lambda F: worn([Block(2.0, 1e5, normal_force=F)]).volume(CYCLES), -1.0),
         (lambda F: worn(F, SAME).volume(CYCLES), 3.999),
         (lambda r: worn(HELD).pressure(r, CYCLES), np.nan),
+        (lambda K: worn(HELD, K).stick_radius(CYCLES), -1e-14),
     ],
 )
 def test_traced_bad_input_gives_nan(ask, bad):
