@@ -41,12 +41,13 @@ def test_every_quantity_can_be_limited_while_any_number_varies(names):
         assert_allclose(found.objective[i], contact.steady(1.0).deepest_wear, rtol=1e-12)
         values = [float(read(contact, one.quantity, 1.0, one.places)) / one.value for one in question.limits]
         assert_allclose(np.exp(side * found.values[i, 1:]), values, rtol=1e-12)
-    step = 3e-4  # a search finds a peak to 3e-10
+    step = 1e-4
     for column, name in enumerate(bounds):
         ends = np.array([x * np.exp(h) if name != "nu" else x + h for x in points[name][:1] for h in (-step, step)])
         both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
         by_difference = np.diff(both.values, axis=0)[0] / (2.0 * step)
-        assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=1e-6)
+        # The place of a peak is found to some 1e-5 a_0, and so the slope of its logarithm to 2e-6.
+        assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=3e-6)
 
 
 @compiled
