@@ -46,8 +46,10 @@ def test_every_quantity_can_be_limited_while_any_number_varies(names):
         ends = np.array([x * np.exp(h) if name != "nu" else x + h for x in points[name][:1] for h in (-step, step)])
         both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
         by_difference = np.diff(both.values, axis=0)[0] / (2.0 * step)
-        # The place of a peak is found to some 1e-5 a_0, and so the slope of its logarithm to 2e-6.
-        assert_allclose(found.slopes[0, :, column], by_difference, rtol=1e-4, atol=3e-6)
+        # The place of a peak is that of a search, and so its slope has fewer digits.
+        searched = np.array([0.0, *("mises" in one.quantity for one in question.limits)])
+        gap = abs(found.slopes[0, :, column] - by_difference)
+        assert np.all(gap <= (1e-4 + 2e-4 * searched) * abs(by_difference) + 1e-6 + 2e-6 * searched), name
 
 
 @compiled
