@@ -16,7 +16,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.catalogue import read, read_from
+from plgwear_jax._core.catalogue import SEARCHED, read, read_from
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax._core.startup.programs import program
@@ -371,8 +371,7 @@ class Evaluator:
 def plan_for(question: Question) -> SearchPlan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(question.limits))
-    names = question.objective, *(limit.quantity for limit in question.limits)
-    if any(name.startswith(("peak_mises", "peak_tension")) for name in names):  # of a grid around them
+    if not SEARCHED.isdisjoint((question.objective, *(limit.quantity for limit in question.limits))):
         plan = plan._replace(noise=max(plan.noise, 1e-8))
     if not solved_in_turn(question):
         return plan
