@@ -68,7 +68,7 @@ def _tangential(k: Array, nu: Array | None = None, *, digits: int | None = None)
     # Both terms have the pole of 1/m at k = 1, nu = 1/2; in h_N/cos(k pi/2) the zeros at k = -1 and k = 1 cancel.
     s, _ = exponents(k)
     coupling = _coupling(k, nu)
-    beta_squared = (1.0 + k) * coupling / (1.0 - nu)
+    beta_squared = (1.0 + k) * (coupling / (1.0 - nu))
     return s / coupling * ((1.0 - nu) + 2.0 / math.pi * _gamma_factor(k, s, beta_squared, digits))
 
 

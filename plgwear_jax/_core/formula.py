@@ -209,7 +209,7 @@ def _partials(
         if i not in found:
             found[i] = derivative(i)(*values)
             if len(wanted) > 1:  # a Jacobian uses it once for every direction
-                found[i] = materialised(found[i], values[0])
+                found[i] = materialised(found[i])
     return result, found
 
 
@@ -221,7 +221,7 @@ def _ruled_pair(
     @jax.custom_jvp
     def ruled(*values: Array) -> tuple[Array, Array]:
         value, slope = pair(*values)
-        return one_kernel(value, slope, values[0])
+        return one_kernel(value, slope)
 
     def rule(primals, tangents):
         wanted = [i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)]

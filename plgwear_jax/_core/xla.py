@@ -21,19 +21,19 @@ def separate_kernels(copy: int, *values: Array) -> tuple[Array, ...]:
     return tuple(jnp.where(value < -10.0 - copy, 0.0, value) for value in values)
 
 
-def materialised(value: Array, traced: Array) -> Array:
+def materialised(value: Array) -> Array:
     """The value, computed once and stored however often it is used: divided by 1, since XLA does not repeat a division.
 
-    The divisor depends on `traced`, any traced value above -10, so that XLA cannot simplify the division away.
+    The divisor depends on the value, so that XLA cannot simplify the division away. Of an array it is an array: by one
+    number for all of them XLA would multiply with its reciprocal, and repeat that.
     """
-    return value / jnp.where(traced < -10.0, 2.0, 1.0)
+    return value / jnp.where(value == -jnp.inf, 2.0, 1.0)
 
 
-def one_kernel(one: Array, other: Array, traced: Array) -> tuple[Array, Array]:
+def one_kernel(one: Array, other: Array) -> tuple[Array, Array]:
     """Both values, of one shape and both finite or both NaN, from one kernel that computes their common parts once.
 
-    A kernel has a single result, so the two values become the parts of one complex number; `one` is not negative, and
-    `traced` is as in `materialised`.
+    A kernel has a single result, so the two values become the parts of one complex number; `one` is not negative.
 
     Absolute value and maximum change no value, but LLVM's search for vector instructions stops at them. If a register
     holds just two numbers, as with SSE and on ARM, LLVM checks whether both parts can be computed in one register, and
@@ -41,7 +41,7 @@ def one_kernel(one: Array, other: Array, traced: Array) -> tuple[Array, Array]:
     search had not ended after seven minutes.
     """
     lowest = other.dtype.type(jnp.finfo(other.dtype).min)
-    both = materialised(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)), traced)
+    both = materialised(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)))
     return jnp.real(both), jnp.imag(both)
 
 

@@ -232,7 +232,7 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     value = 0.5 * (first + last) + 0.5 * (last - first) * u
     value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
     exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
-    return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
+    return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value))
 
 
 def found_by(
@@ -275,7 +275,7 @@ def values_and_jacobian(function: Callable[[Array], tuple[Array, Any]], u: Array
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    return materialised(values, u[0]), materialised(slopes, u[0]), more
+    return materialised(values), materialised(slopes), more
 
 
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:

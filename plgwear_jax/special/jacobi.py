@@ -5,12 +5,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.special.gamma import reciprocal_gamma
 
 
 def gamma(x: Array) -> Array:
     """Gamma(x) for 0 < x <= 2.5, by a polynomial: derivatives of `lax.lgamma` take XLA seconds to compile."""
-    return 1.0 / (x * reciprocal_gamma(x))
+    return 1.0 / (x * materialised(reciprocal_gamma(x)))
 
 
 def ratios(first: Array, above: Array, below: Array, count: int) -> Array:

@@ -173,7 +173,7 @@ class Steady(Solution):
         load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
         log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
         # Materialised, or XLA would compute it again for every result that it scales.
-        return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
+        return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)))
 
     @property
     @compiled

@@ -15,6 +15,7 @@ from plgwear_jax._core.domains import RefusedError, one_or_nan
 from plgwear_jax._core.record import guarded_field
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import Program, program, traced, value_of, with_slopes
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
@@ -224,7 +225,7 @@ def state_of(compliance: Compliance, given: tuple[Array, Array, Array, Outline, 
 
 def _only(known: Array, state: State) -> State:
     """The state where it is known, and NaN elsewhere; the least pressures always."""
-    factor = one_or_nan(known)
+    factor = materialised(one_or_nan(known))
     return jax.tree.map(lambda x: x * factor, state)._replace(least=state.least)
 
 

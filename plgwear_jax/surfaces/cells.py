@@ -71,7 +71,7 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     distance = between[:, :, None] + inwards
     beyond = (distance > 0.0) & (size > 0.0)[:, None]
     power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    power = materialised(power, s)  # or XLA would compute it again for each use
-    share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1), s)
+    power = materialised(power)  # or XLA would compute it again for each use
+    share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1))
     t = (from_c[1:, None] - inwards).ravel()
     return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel())

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
+from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.pchip import Piecewise
@@ -320,7 +321,7 @@ def power_law(
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
-    s = 0.5 + 0.5 * k * share
+    s = materialised(0.5 + 0.5 * k * share)
     terms = _terms(effort, jnp.stack([k, s]))
     return PowerLaw(k, log_g, homogeneous, s, terms[0], terms[1], radius)
 

@@ -190,7 +190,7 @@ class _Places(NamedTuple):
 def _places_of(u: Array) -> _Places:
     cubics = round((_MOST - _LEAST) / _TABLE) - 2
     # Materialised, or each direction of a derivative would compute it again.
-    at = materialised(jnp.clip((jnp.log(u) - _LEAST) / _TABLE - 1.0, 0.0, cubics - 1.0), u)
+    at = materialised(jnp.clip((jnp.log(u) - _LEAST) / _TABLE - 1.0, 0.0, cubics - 1.0))
     before = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
     return _Places(before, at - before)
 

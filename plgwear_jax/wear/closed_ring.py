@@ -37,7 +37,7 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
     grown = jnp.maximum(width - unworn, 16.0 * jnp.finfo(k.dtype).eps * unworn)
     # sigma/(s q) and sigma^2/(q^2 kappa) = sine^2/(2 (1+s)) are finite also as k -> -1 and k -> 1.
     numbers = s, q, jnp.exp(log_c), jnp.exp(s * log_c), unworn, grown, slip(s, phi), sine_quotient(s, q)
-    s, q, inner, powered, unworn, grown, slips, sine = jnp.unstack(materialised(jnp.stack(numbers), k))
+    s, q, inner, powered, unworn, grown, slips, sine = jnp.unstack(materialised(jnp.stack(numbers)))
 
     def cells(from_c: Array, from_1: Array) -> tuple[RingCells, Array]:
         """(The ring in cells, the frictional work of the first cycle over C^(s+2))."""

@@ -89,7 +89,7 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
     # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
     near = jnp.clip(grown * (10.0 * resolution.length * resolution.inner**2 / resolution.outer**2) / unworn, 0.3, 1.0)
     # Materialised, or each element of the arrays below would compute it again.
-    near = materialised(near, grown)
+    near = materialised(near)
     place, growth = (jnp.asarray(x, grown.dtype) for x in _places_of_edges(resolution))
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth

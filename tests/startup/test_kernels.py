@@ -104,9 +104,9 @@ TRICKS = {
         lambda copy, *values: values,
         with_gradient,
     ),
-    "one kernel": ((formula,), "one_kernel", lambda one, other, traced: (one, other), with_slope),
+    "one kernel": ((formula,), "one_kernel", lambda one, other: (one, other), with_slope),
     "kept in register": ((elementary,), "kept_in_register", lambda ratio: ratio, fretting.wear_volume),
-    "materialised": ((formula,), "materialised", lambda value, traced: value, along_two),
+    "materialised": ((formula,), "materialised", lambda value: value, along_two),
 }
 
 
