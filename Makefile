@@ -70,7 +70,7 @@ format: env ## sort imports, fix what ruff can fix, format
 	$(RUN) ruff check --fix .
 	$(RUN) ruff format .
 
-design: env ## the coating on which a ball of steel wears least; a quarter of a minute the first time
+design: env ## the coating on which a ball of steel wears least; half a minute the first time
 	$(VENV)/bin/plgwear design design/steel_ball.toml
 
 studies: env ## every scene and study of design/, into docs and docs/studies; some minutes
