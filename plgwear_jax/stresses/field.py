@@ -69,10 +69,10 @@ class Fineness(NamedTuple):
 _FINENESS = {
     2: Fineness(8, 3, 0.8, 1.2, 2),
     3: Fineness(12, 3, 0.6, 1.0, 3),
-    4: Fineness(16, 3, 0.45, 0.75, 3),
-    5: Fineness(32, 4, 0.4, 0.5, 4),
+    4: Fineness(16, 3, 0.45, 0.75, 4),
+    5: Fineness(32, 4, 0.4, 0.5, 5),
 }
-_SINGLE = Fineness(40, 40, 0.4, 0.6, 3)  # in float32, where the far field of parabolas would cancel
+_SINGLE = Fineness(40, 40, 0.4, 0.6, 4)  # in float32, where the far field of parabolas would cancel
 
 
 class Given(NamedTuple):
@@ -295,6 +295,11 @@ def _parts(nu: Array) -> Array:
 
 def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
+    return Stress(*jnp.sum(of_each_traction(pressed, body, given, worn, x, z), -1))
+
+
+def of_each_traction(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: Array) -> Array:
+    """The stresses by the pressure and by the traction along the motion, (4, ..., 2)."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
     nu, images = pressed.nu, grid(fineness_of(given.digits, x.dtype).spacing, x.dtype == jnp.float64)
@@ -312,9 +317,10 @@ def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: A
     if isinstance(body, PowerModulus):
         each = (jnp.where(_MOVED, body.shallow(z)[..., None], 1.0) * one for one in each)
     first, second = (jnp.einsum("crit,...r->ci...t", parts, one) for one in each)
-    stress = jnp.einsum("ci...t,i...t->c...", first, value) + z * jnp.einsum("ci...t,i...t->c...", second, rate)
+    rising = z[..., None] * jnp.einsum("ci...t,i...t->c...t", second, rate)
+    stress = jnp.einsum("ci...t,i...t->c...t", first, value) + rising
     if body is not None:
         weights = _image_weights(body, nu, z.ravel(), images).reshape(8, *z.shape, -1)
         each = found[:, count:].reshape(4, *x.shape, -1, 2)
-        stress += jnp.einsum("r...m,cr...m->c...", weights, jnp.einsum("crit,i...mt->cr...m", parts, each))
-    return Stress(*stress)
+        stress += jnp.einsum("r...m,cr...mt->c...t", weights, jnp.einsum("crit,i...mt->cr...mt", parts, each))
+    return stress

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field, fineness_of
+from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field, fineness_of, of_each_traction
 
 
 class Peak(NamedTuple):
@@ -20,7 +20,7 @@ class Peak(NamedTuple):
 
 # In units of a_0. Among the places are the edges of the contact, where the tension of a homogeneous half-space has its
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
-_X = np.array([-1.5, -1.15, -1.0, -0.85, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0, 1.15, 1.5])
+_X = np.array([0.0, 0.3, 0.6, 0.85, 0.95, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
 # On a power law the tension of a small k > 0 has its peak at about 0.5 k^2 below the edge.
 _SHALLOW = np.append(np.geomspace(1e-10, 3e-4, 6), _Z)
@@ -50,7 +50,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
     body = body_of(pressed, given.half)
     ends = wanted.ends(pressed, body)
-    first = jnp.append(jnp.asarray(_X, ends.dtype), jnp.stack([-pressed.stick, pressed.stick]))
+    first = jnp.append(jnp.asarray(_X, ends.dtype), pressed.stick)
     edges = _contact_edges(pressed)
     depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
@@ -61,21 +61,24 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         # The top of a parabola is one more place, since a stress may also have a kink.
         xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
-        found = wanted.of(field(pressed, body, given, False, xs, zs[:, None]))
+        # At -x the traction along the motion does what it would do at x if it were reversed.
+        by_pressure, by_traction = jnp.moveaxis(of_each_traction(pressed, body, given, False, xs, zs[:, None]), -1, 0)
+        found = jnp.stack([wanted.of(Stress(*by_pressure + sign * by_traction)) for sign in (1.0, -1.0)])
         found = jnp.where(jnp.isnan(found), -jnp.inf, found)
-        z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
-        x, z = xs[x_at], zs[z_at]
+        side, z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
+        x, z, found = xs[x_at], zs[z_at], found[side]
+        peak = Peak(found[z_at, x_at], jnp.where(side == 0, x, -x), z)
         top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: depths.size], found[: depths.size, x_at], z_at)
         # Nearer to the surface by smaller steps, on a power law nearer to the edges too.
         if given.half is not None:
             next_z = z + jnp.minimum(step, 0.5 * z + 1e-3 * step) * downwards
-            return x + step * sideways, next_z, step / _CLOSER, Peak(found[z_at, x_at], x, z), *top
+            return x + step * sideways, next_z, step / _CLOSER, peak, *top
         low = jnp.maximum(z, _LEAST)
         scale = jnp.stack([low + jnp.min(abs(abs(x) - edges)), low])
         step = jnp.arcsinh(jnp.minimum(_REACH / scale, step)) / _CLOSER
         next_x = x + scale[0] * jnp.sinh(_CLOSER * step[0] * sideways)
         next_z = low * jnp.exp(_CLOSER * step[1] * downwards)
-        return next_x, next_z, step, Peak(found[z_at, x_at], x, z), *top
+        return next_x, next_z, step, peak, *top
 
     none = jnp.zeros_like(pressed.radius)
     step = jnp.asarray(_REACH if given.half is not None else [jnp.inf, jnp.inf], ends.dtype)
