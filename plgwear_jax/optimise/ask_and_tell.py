@@ -40,9 +40,6 @@ if TYPE_CHECKING:
     import optax
 
 
-NOISE_OF_PEAKS = 1e-8  # a peak is where a search on grids has found it, and jumps a little when the contact changes
-
-
 # --- the parameters of a search ---------------------------------------------------------------------------------------
 
 
@@ -97,8 +94,8 @@ class SearchPlan(NamedTuple):
 
     @property
     def tolerance(self) -> float:
-        """The relative slope at which it has converged: well above rounding errors, well below what users need."""
-        return max(self.eps**0.625, min(self.noise, NOISE_OF_PEAKS))
+        """The relative slope at which it has converged: above rounding errors and noise, well below what users need."""
+        return max(self.eps**0.625, min(self.noise, 1e-8))
 
     def axis_points(self) -> np.ndarray:
         """Points of the scan along a variable."""

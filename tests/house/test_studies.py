@@ -49,7 +49,7 @@ def test_scenes_together_show_what_can_be_asked():
     assert {design.minimise for design in designs} == {"wear_volume", "worn_radius", "deepest_wear"}
     assert {design.level for design in designs} == {0.0, 0.9, 1.0}
     limits = {name for design in designs for name in design.allowed or {}}
-    assert limits == {"edge_pressure", "contact_radius", "penetration", "modulus"}
+    assert limits == {"edge_pressure", "contact_radius", "penetration", "modulus", "peak_tension"}
     for kind in ("tangential_force", "table", "history"):
         assert any(getattr(load, kind) is not None for load in loads)
 
