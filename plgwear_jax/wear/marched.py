@@ -46,7 +46,9 @@ FOLLOWED = Domain(
 _INSIDE, _RING, _OUTER = 32, 96, 40
 _RING_OF_BLOCKS = 128  # less crowded at the stick radius, since that of other blocks is somewhere in the ring
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
-_PASSES = 3  # each has a grid by the radii that the pass before has found
+# Each pass has a grid by the radii that the pass before has found, until these move by less than this share of the ring.
+_PASSES, _SETTLED = (3, 7), 0.05
+_NARROWEST = 3e-4  # slip ring, in contact radii
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
 
 
@@ -165,7 +167,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     def moved(found: Moments) -> Array:
         return found.force_amplitude[begins] > 1e-9 * blocks.friction * blocks.normal_force
 
-    def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, TestHistory]:
+    def one_pass(which: Array, grid: _Grid) -> tuple[Array, Array, _Grid, TestHistory]:
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         theta = bodies.tangential_ratio(effort, grid.unworn)
         steps, cycles = _given_in_steps(blocks, grid, theta, count)
@@ -211,16 +213,23 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         # The largest radius of all times is known to a cell: derivatives of the grid are those of a similar contact.
         end = unworn * jax.lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
-        return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
+        shift = jnp.maximum(abs(after.stick - grid.stick), abs(unworn - grid.unworn)) / (unworn - after.stick)
+        shift = jax.lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
+        return which + 1, shift, jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
     estimate = compliance.radius
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, estimate, _REACH * estimate, zero, zero)
-    _, histories = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
-    history = jax.tree.map(lambda x: x[-1], histories)
-    # A ring that slips but is narrower than its cells would seem to stick, and nothing would ever wear.
-    slip, touches = history.moments.slip[0], history.moments.pressure[0] > 0.0
-    narrow = jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0] & (jnp.max(jnp.where(touches, slip, 0.0)) <= 0.0)
+    known = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype) + zero, jax.eval_shape(one_pass, 0, start)[3])
+    _, shift, _, history = jax.lax.while_loop(
+        lambda state: (state[0] < _PASSES[0]) | ((state[1] > _SETTLED) & (state[0] < _PASSES[1])),
+        lambda state: one_pass(state[0], state[2]),
+        (jnp.int32(0), jax.lax.stop_gradient(zero), start, known),
+    )
+    # No grid follows a narrower ring: it would seem to stick, and nothing would ever wear.
+    inner, outer = history.moments.stick_radius[0], history.moments.contact_radius[0]
+    narrow = (outer - inner < _NARROWEST * outer) | (shift > _SETTLED)
+    narrow &= jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0]
     # A number outside its range leaves some moments that look plausible.
     unknown = jnp.isnan(history.moments.rate + history.moments.force_amplitude)
     return history._replace(moments=until((history.moments.least < -MOST) | narrow | unknown, history.moments))
@@ -370,7 +379,7 @@ class MarchedRun(Run):
                 when = f"after {found.cycles[first]:.3g} cycles"
                 raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
             told = "the scar grows beyond the cells of the time stepping, as it does in blocks close to gross slip"
-            raise RefusedError(f"load: {told}, or the ring that slips is narrower than a cell")
+            raise RefusedError(f"load: {told}, or the slip ring is narrower than {_NARROWEST} contact radii")
         return found
 
     def _solved(self, given: Any) -> TestHistory:

@@ -328,10 +328,13 @@ def test_nothing_wears_without_amplitude_or_cycles():
     assert none.volume(0.0) == 0.0
 
 
-def test_a_ring_narrower_than_the_cells_is_refused():
-    """It would seem to stick, and nothing would wear."""
-    with pytest.raises(ValueError, match="the ring that slips is narrower than a cell"):
-        worn(Displacement(3e-7 * ONSET)).volume(CYCLES)
+def test_a_narrow_slip_ring_is_followed_or_refused():
+    """Narrower ones would seem to stick, and nothing would wear."""
+    force = 1e-3 * FRICTION * FORCE
+    assert_allclose(ONE.over_cycles(force, SAME).volume(1e30), ONE.steady(force).wear_volume, rtol=0.02)
+    for load in (Displacement(3e-7 * ONSET), Force(0.1 * force)):
+        with pytest.raises(ValueError, match="the slip ring is narrower than 0.0003 contact radii"):
+            ONE.over_cycles(load, SAME).volume(CYCLES)
 
 
 class WithThreshold(WearLaw):
