@@ -158,7 +158,6 @@ def against_rings(report: Report, quick: bool) -> None:
             rows.append([history, f"{k:g}", percent(error / volume[-1]), percent(ends / widest(fine[3], blocks) - 1.0)])
     columns = "test", "k", "volume, %", "contact radius at ends of blocks, %"
     report.table(f"Against {2 * count} rings and the Green's function alone", columns, rows)
-    report.print("The rings themselves are 0.5 to 2 % of a radius wide beside the edge of the contact.")
 
 
 def widest(radius: np.ndarray, blocks: Any) -> np.ndarray:
@@ -185,10 +184,9 @@ def of_one_force(report: Report, quick: bool) -> None:
                 np.asarray(getattr(run, what)(cycles)) - np.asarray(getattr(exact, what)(cycles))
                 for what in ("volume", "contact_radius", "stick_radius")
             )
-            row = [volume / steady.wear_volume, run.volume(run.lasting_cycles) / steady.wear_volume - 1.0]
-            row += [radius / one.steady(0.0).contact_radius, stick / steady.stick_radius]
+            row = volume / steady.wear_volume, radius / one.steady(0.0).contact_radius, stick / steady.stick_radius
             rows.append([name, f"{phi:g}", *map(percent, row)])
-    columns = "contact", "phi", "volume, %", "last volume, %", "contact radius, %", "stick radius, %"
+    columns = "contact", "phi", "volume, %", "contact radius, %", "stick radius, %"
     report.table("A constant force beside closed forms, and for layers beside the other march", columns, rows)
 
 
