@@ -152,6 +152,11 @@ def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
 
 
+def resolved(image: Image) -> bool:
+    """Whether the pressures resolve the indenter, which then is a parabola."""
+    return isinstance(image, Power) and image.power is None
+
+
 def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> OnTheLaw:
     """The indenter on the law alone."""
     assert punch.flat is not None and punch.bowl is not None
@@ -160,7 +165,7 @@ def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Ou
     assert rest is not None
     flat = stiffness * punch.flat[0] / punch.stiffness
     own = (rest - punch.bowl).at[0].add(image.first * flat)
-    if isinstance(image, Power) and image.power is None:
+    if resolved(image):
         return OnTheLaw(flat, own, None)
     parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * effort.nodes)
     return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s)))

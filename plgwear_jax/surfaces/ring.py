@@ -20,9 +20,9 @@ from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.elementary import crest
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, OnTheLaw, PowerLaw
+from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, on_the_law, punch_at, punch_under
+from plgwear_jax.surfaces.punch import Punch, on_the_law, punch_at, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
@@ -108,26 +108,25 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     image, depth = outline.image(c, a), punch.depth
     if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
         return Beside(a, None, None, image)
-    y, law = jnp.exp(jnp.asarray(_nodes(), c.dtype)), on_the_law(compliance, punch, effort, outline)
+    y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
     both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(compliance, Graded):
+        law = on_the_law(compliance, punch, effort, outline)
         first, v = compliance.beside_edge(c, y, both, law, len(image.bends), effort)
         return Beside(a, first[0] + v[:, 0], v[:, 1], image)
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
     count = int(np.sum(_nodes() < -2.0 * math.log(effort.modes)))
-    begin = count if law.punches is None else count + _FURTHER
+    begin = count if resolved(image) else count + _FURTHER
     v, fallen = compliance.beside(c, y[count:], both, effort), image.fallen(y)
     flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
-    if law.punches is not None:
-        own = own + _not_summed(compliance, c, y, begin, law, effort)
     edge, mean = compliance.edge(c, _nodes()[: begin + 1])
     y = y[: begin + 1]
     known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
     mean = y * mean * (image.fallen(known) / known)
     size = flat[0] / edge[count]
     near = own[0] / mean[-1] * mean
-    if law.punches is not None:
+    if not resolved(image):
         # The indenter is flat punches of radii up to c: how fast its depth rises with c is its size at c.
         log_c, one, further = punch.log_c, jnp.ones_like(c), 2.0 * (_nodes()[begin] - _nodes()[begin:])
         _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
@@ -136,20 +135,6 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
     return Beside(a, 1.0 - flat, own - fallen, image)
-
-
-def _not_summed(compliance: PowerLaw, c: Array, y: Array, begin: int, law: OnTheLaw, effort: Effort) -> Array:
-    """What the sum of pressures leaves out of v of the indenter on one law, at nodes from the first one on."""
-    assert law.punches is not None
-    one = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
-    flat, summed = compliance.beside(c, y, jnp.stack([law.flat * one, law.own], -1), effort).T
-    # Flat punches of all radii are alike, and far from each v falls with this power of the distance.
-    power, y = 0.5 * jnp.minimum(1.0, 1.0 + compliance.k), y[:, None]
-    T, left, pressed = law.punches
-    apart = ((y[begin:] + left) / T).ravel()
-    found = between(flat * jnp.exp(power * jnp.log1p(y[:, 0])), apart) * jnp.exp(-power * jnp.log1p(apart))
-    exact = found.reshape(-1, T.size) @ (pressed * jnp.exp((compliance.s - power) * jnp.log(T)))
-    return exact - summed[begin:]
 
 
 def _sine(a: Array) -> Array:

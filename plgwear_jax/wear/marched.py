@@ -46,7 +46,7 @@ FOLLOWED = Domain(
 _INSIDE, _RING, _OUTER = 32, 96, 40
 _RING_OF_BLOCKS = 128  # less crowded at the stick radius, since that of other blocks is somewhere in the ring
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
-# Each pass has a grid by the radii that the pass before has found, until these move by less than this share of the ring.
+# Each pass has a grid by the radii of the pass before, until these move by less than this share of the ring.
 _PASSES, _SETTLED = (3, 7), 0.05
 _NARROWEST = 3e-4  # slip ring, in contact radii
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
