@@ -52,6 +52,7 @@ def test_a_power_law_is_found_again(k):
     found = coating.fit_power_law(depth, power_law(depth, k), 0.3, RADIUS)
     assert_allclose(found.material.k, k, atol=1e-12)
     assert_allclose(found.material.E0, power_law(np.array(RADIUS), k), rtol=1e-12)
+    assert_allclose(found.fitted, found.modulus, rtol=1e-12)
     assert found.material.z0 == RADIUS and found.scatter < 1e-10 and found.doubt is None
     assert_allclose([found.weight.sum(), found.covered], 1.0, rtol=1e-12)
     assert np.all(found.weight[[1, 2, 3, 4]] > 0.0) and found.weight[0] == 0.0

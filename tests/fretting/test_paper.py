@@ -73,8 +73,10 @@ def contact_and_dimensionless(k):
 
 @parametrize("k", [-0.5, 0.3])
 def test_quantities_of_a_contact_are_dimensionless_ones_in_si_units(k):
-    for name, both in by_numpy(contact_and_dimensionless)(np.asarray(k)).items():
+    found = by_numpy(contact_and_dimensionless)(np.asarray(k))
+    for name, both in found.items():
         assert_allclose(*both, rtol=1e-12, atol=1e-30, err_msg=name)
+    assert not np.any(found["slip_amplitude"][0][[0, 3, 4]])  # where it sticks, and outside of the contact
 
 
 @parametrize("k", [-0.5, 0.3])
