@@ -333,7 +333,7 @@ def test_a_narrow_slip_ring_is_followed_or_refused():
     force = 1e-3 * FRICTION * FORCE
     assert_allclose(ONE.over_cycles(force, SAME).volume(1e30), ONE.steady(force).wear_volume, rtol=0.02)
     for load in (Displacement(3e-7 * ONSET), Force(0.1 * force)):
-        with pytest.raises(ValueError, match="the slip ring is narrower than 0.0003 contact radii"):
+        with pytest.raises(ValueError, match=r"the slip ring is narrower than 0\.0003 contact radii"):
             ONE.over_cycles(load, SAME).volume(CYCLES)
 
 
