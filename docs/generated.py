@@ -131,7 +131,7 @@ def random_contacts() -> str:
     kinds = "smooth", "kinks", "thin layers"
     shown = {  # what the page shows of the tables, in their order
         "5 digits": ("radii", "wear volume", "energy", "pressure before", "pressure worn", "derivatives"),
-        "balance": ("force worn", "derivatives"),
+        "balance": ("force worn", "last of a march", "derivatives"),
         "float32, $\\varphi \\ge 0.1$": ("wear volume", "pressure worn"),
     }
 
