@@ -340,7 +340,7 @@ def inward(
     images = images_of(from_c, from_1, width, half, half)
     modes = jnp.outer(jnp.asarray(punch.flat), sunk) - _through_inside(compliance, c, images, effort)[1]
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
-    root = jnp.sqrt(from_c)
+    root = jnp.append(0.0, jnp.sqrt(from_c[1:]))  # the root of 0 has no derivative
     modes = modes.at[0].add(-c * jnp.diff(root))
     e = math.sqrt(2.0 / math.pi)
     smooth = jax.vmap(lambda y: pressure_inside(y, half, places), 1, 1)((e / c) * modes)

@@ -212,6 +212,17 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
 
 
 @compiled
+@parametrize("r", [3e-5, 6.7e-5])
+def test_slopes_of_the_pressure_over_cycles_are_differences(r):
+    def pressure(modulus):
+        one = contact_of(Layered([2e-5], jnp.stack([modulus, jnp.asarray(110e9)]), 0.3), STEEL)
+        return one.over_cycles(2.0, COEFFICIENT, digits=2).pressure(r, 1e5)
+
+    difference = (pressure(201e9) - pressure(199e9)) / 2e9
+    assert_allclose(jax.grad(pressure)(200e9), difference, rtol=1e-4)
+
+
+@compiled
 @parametrize("body", ["layers", "a power law"])
 def test_narrow_rings_beside_a_flat_face_wear_to_their_steady_state(body):
     """The modes have no pressure beside a kink: where that gave no wear in the first cycle, all was NaN."""
