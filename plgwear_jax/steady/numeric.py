@@ -68,7 +68,8 @@ def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     inside, z = _inside(jnp.exp(punch.log_c), distance)
     found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
     tip, _ = state.outline.unbounded(state.compliance.lead[0])
-    found = jnp.where(tip & (z == 1.0), jnp.inf, found)
+    # `own_pressure` knows no place nearer to a tip, and a program may round c in two ways.
+    found = jnp.where(tip & (1.0 - z < max(1e-11, float(jnp.finfo(z.dtype).eps))), jnp.inf, found)
     return jnp.where(inside, clamp_keep_slope(0.0, found), 0.0 * distance)
 
 
