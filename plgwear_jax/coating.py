@@ -9,9 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
+from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, check, guarded
 from plgwear_jax._core.doubts import FELT
 from plgwear_jax._core.numbers import concrete_only
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
@@ -44,11 +45,14 @@ def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
     By Gao, Chiu and Lee (1992).
 
     Args:
-        relative_depth: The depth in contact radii, >= 0.
-        nu: Poisson's ratio.
+        relative_depth: The depth in contact radii, >= 0 and finite.
+        nu: Poisson's ratio, -1 < nu <= 1/2.
 
     Returns:
         The share, from 0 at the surface to 1.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
     Examples:
         >>> from plgwear_jax import coating
@@ -58,7 +62,8 @@ def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
     References:
         Gao, Chiu and Lee, International Journal of Solids and Structures 29 (1992) 2471.
     """
-    x, nu = jnp.asarray(relative_depth, float), jnp.asarray(nu)
+    x = jnp.asarray(guarded("relative_depth", relative_depth, NUMBER), float)
+    nu = guarded("nu", nu, POISSON_RATIO)
     shear = x * (jnp.log1p(x * x) - 2.0 * jnp.log(jnp.where(x > 0.0, x, 1.0)))
     return 2.0 / jnp.pi * jnp.arctan(x) + ((1.0 - 2.0 * nu) * shear - x / (1.0 + x * x)) / (2.0 * jnp.pi * (1.0 - nu))
 
@@ -237,7 +242,11 @@ def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndar
     Args:
         contact: Any contact of partial slip.
         tangential_force: The force amplitude in N, 0 <= F_x < mu F_N.
+
+    Raises:
+        ValueError: The force amplitude is outside its range.
     """
+    contact.steady(tangential_force)  # raises an error for a wrong force, which a program cannot
     return jax.device_get(_compared_quantities(contact, tangential_force))
 
 
@@ -296,10 +305,16 @@ def where_it_counts(
     Returns:
         (Depths in m between 0.01 and 10 contact radii, the change of log(V) there with log(E), per decade of the
         depth), each of shape (19,): 0.3 means that a decade of depths with 1 % more modulus wears 0.3 % more.
+
+    Raises:
+        ValueError: An argument is outside its range.
     """
     if not isinstance(contact.material, DepthGraded | Layered):
         raise ValueError(f"contact: its half-space is neither a DepthGraded nor a Layered, but {contact.material!r}")
-    radius = float(contact.steady(0.0).contact_radius) if contact_radius is None else contact_radius
+    check("tangential_force", tangential_force, POSITIVE)
+    steady = contact.steady(tangential_force)
+    radius = float(steady.contact_radius) if contact_radius is None else contact_radius
+    check("contact_radius", radius, POSITIVE)
     decades, step = np.linspace(-2.0, 1.0, _COUNTED, retstep=True)  # log10 of the depths over the contact radius
     fine = np.linspace(-2.0 - step, 1.0 + step, (_COUNTED + 1) * _BETWEEN + 1)
     hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)

@@ -95,11 +95,28 @@ def test_what_is_felt_goes_from_none_to_all():
     assert shares[0] == 0.0 and np.all(np.diff(shares) > 0.0) and abs(shares[-1] - 1.0) < 1e-4
 
 
+@parametrize(
+    "ask, line",
+    [
+        (lambda: coating.felt(-1.0, 0.3), "relative_depth = -1.0 is outside"),
+        (lambda: coating.felt(1.0, 0.6), "nu = 0.6 is outside"),
+        (lambda: coating.worn(CONTACT, -1.0), "tangential_force = -1.0 is outside"),
+        (lambda: coating.idealised(CONTACT, 4.0, CONTACT.material), "the slip is gross"),
+        (lambda: coating.where_it_counts(MEASURED, 0.0), "tangential_force = 0.0 is outside"),
+        (lambda: coating.where_it_counts(MEASURED, 1.0, -1e-4), "contact_radius = -0.0001 is outside"),
+    ],
+)
+def test_numbers_outside_their_ranges_are_refused(ask, line):
+    with pytest.raises(ValueError, match=line):
+        ask()
+
+
 # --- free gradients -------------------------------------------------------------------------------------------------
 
 AT = RADIUS * np.array([0.03, 0.1, 0.3, 1.0, 4.0])
 PROFILE = optimise.ModulusProfile(AT, np.full(5, 50e9), np.full(5, 200e9))
 CONTACT = FrettingContact(PowerLawGraded(100e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+MEASURED = dataclasses.replace(CONTACT, material=DepthGraded([0.0, 1e-4], [1e11, 2e11], 0.3))
 
 
 BY_RADIUS = -np.array([0.02, 0.05, 0.1, 0.1, 0.05])  # the slopes of log(contact radius) by those of the moduli
