@@ -10,6 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -30,7 +31,7 @@ from plgwear_jax.optimise.question import (
     solved_in_turn,
     solved_one_by_one,
 )
-from plgwear_jax.optimise.scenarios import WEIGHT, WeightedLoad, falling, spread, weighted_load
+from plgwear_jax.optimise.scenarios import WeightedLoad, falling, spread, weighted_load
 from plgwear_jax.optimise.search import minimise
 from plgwear_jax.steady.arguments import amplitude_of, own_axes
 
@@ -103,7 +104,7 @@ def designs(
     if given is None:
         return _designs_in_a_batch(question, level)
     if weight is not None:
-        check("weight", weight, WEIGHT)
+        check("weight", weight, NUMBER)
     if given.amplitude is not None:
         force = jnp.asarray(given.amplitude)
         pairs = (force[..., None], jnp.ones(1)) if weight is None else (force, jnp.asarray(weight))

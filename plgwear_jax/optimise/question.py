@@ -9,6 +9,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
+import jax
 import numpy as np
 from jax.core import Tracer
 from jax.typing import ArrayLike
@@ -284,6 +285,11 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
         return contact
     question, load = parts_of(contact, load, vary, **keywords)
     refuse_array(contact)
+    of_question = dataclasses.replace(question, contact=None)
+    for path, number in jax.tree.leaves_with_path(of_question, is_leaf=lambda given: isinstance(given, list)):
+        if np.shape(number):
+            name = jax.tree_util.keystr(path).removeprefix(".")
+            raise ValueError(f"{name}: takes one number, not an array of shape {np.shape(number)}")
     doubt(*of_contact(contact))
     level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
     if scenarios is not None:

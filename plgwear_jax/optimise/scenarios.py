@@ -11,6 +11,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
 from plgwear_jax._core.leaves import paths_of
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
@@ -20,7 +21,6 @@ from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.wear_laws import law_of
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
-WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
 
 
 def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike = 0.0) -> Array:
@@ -101,7 +101,8 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
     The limits of a design are checked at that one: it counts at every level. It stands also for what has no weight.
     """
     tangential_force, weight = as_array(tangential_force), as_array(weight)
-    check("weight", weight, WEIGHT)
+    check("tangential_force", tangential_force, NUMBER)
+    check("weight", weight, NUMBER)
     check("level", level, LEVEL)
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
     concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
@@ -225,7 +226,7 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     if own_law is not None and jax.tree.structure(own_law) != jax.tree.structure(law):
         raise ValueError("scenarios: law takes the kind of law of the design, for a number of cycles")
     given = Scenarios(given.contact, 1.0 if given.weight is None else given.weight, own_law, given.tangential_force)
-    check("scenarios: weight", given.weight, WEIGHT)
+    check("scenarios: weight", given.weight, NUMBER)
     if given.tangential_force is not None:
         check("scenarios: tangential_force", given.tangential_force, FORCE)
     leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
