@@ -295,7 +295,7 @@ class Blocks(Load):
     of: Any
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "of", tuple(self.of))
+        object.__setattr__(self, "of", tuple(self.of) if np.iterable(self.of) else (self.of,))
         if not self.of:
             raise ValueError("load takes one Block or more, not an empty list")
         for block in self.of:

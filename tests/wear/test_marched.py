@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
 
 from plgwear_jax import FrettingContact, Layered, fretting
-from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.loads import Block, Blocks, Displacement, Force
 from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
@@ -271,6 +271,7 @@ def worn(load, law=COEFFICIENT):
     "ask, told",
     [
         (lambda: worn(["2.0"]), r"a list of Block\(load, cycles\), not of '2.0'"),
+        (lambda: Blocks(2.0), r"a list of Block\(load, cycles\), not of 2.0"),
         (lambda: Block("x", 1e5), "tangential_force takes real numbers"),
         (lambda: Block(HELD, -1.0), "cycles = -1.0 is outside"),
         (lambda: Block(HELD, 1e5, normal_force=-1.0), "normal_force = -1.0 is outside"),
