@@ -104,7 +104,7 @@ def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     """(Whether radii lie in the ring, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
     c = run.stick_radius
     edge = c * jnp.sqrt(1.0 + run.curves.scales.width)
-    inside = (r >= c) & (r < edge)
+    inside = (r > c) & (r < edge)  # at c depths have no slope from outside
     near = jnp.where(inside, r, 0.5 * (c + edge))
     return inside, ((near - c) / c) * ((near + c) / c), near
 
@@ -201,7 +201,7 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     least = jnp.finfo(r.dtype).tiny
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
-    worn = jnp.where(r < c, under, jnp.where(slips, around, 0.0))
+    worn = jnp.where(r < c, under, jnp.where(slips, around, jnp.where(r == c, edge, 0.0)))
     return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
 
 

@@ -10,7 +10,7 @@ import transient_oracle
 from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from reduced import Reduced, first_rate, unit_of
+from reduced import MANY, Reduced, first_rate, unit_of
 
 from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
 from plgwear_jax.steady.state import states_of
@@ -186,6 +186,15 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     # Nothing wears at phi = 0, so that no number of cycles wears a share of it.
     assert np.all(finite | ((name == "n_to") & (np.arange(inside) == 2)))
     assert np.all(np.isfinite(slopes[:inside][finite]))
+
+
+@compiled
+def test_slopes_at_the_stick_radius_are_finite():
+    run = Reduced(0.3, 0.4, 2).run
+    c = float(run.stick_radius(0.0))
+    for read in (run.pressure, run.depth):
+        assert np.isfinite(jax.jvp(lambda r: read(r, MANY), (c,), (1.0,))[1])  # noqa: B023
+    assert_allclose(run.pressure(c, MANY), run.pressure(np.nextafter(c, 1.0), MANY), rtol=1e-6)
 
 
 # --- without closed forms ---------------------------------------------------------------------------------------------
