@@ -66,10 +66,13 @@ def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
 def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
     inside, z = _inside(jnp.exp(punch.log_c), distance)
-    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
     tip, _ = state.outline.unbounded(state.compliance.lead[0])
-    # `own_pressure` knows no place nearer to a tip, and a program may round c in two ways.
-    found = jnp.where(tip & (1.0 - z < max(1e-11, float(jnp.finfo(z.dtype).eps))), jnp.inf, found)
+    # `own_pressure` knows no place nearer to a tip: there the pressure is that of the nearest one, and infinite at the
+    # tip alone, or integrals would be infinite. A program may round c in two ways.
+    nearest, rounding = 1e-11, 4.0 * float(jnp.finfo(z.dtype).eps)
+    known = jnp.where(tip, jnp.minimum(z, 1.0 - nearest), z)
+    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, known)
+    found = jnp.where(tip & (1.0 - z < rounding), jnp.inf, found)
     return jnp.where(inside, clamp_keep_slope(0.0, found), 0.0 * distance)
 
 
