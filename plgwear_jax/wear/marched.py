@@ -307,8 +307,8 @@ class MarchedRun(Run):
 
     A test without an end is followed until nothing wears any more, or, in gross slip, until the scar has some ten times
     the radius of the contact before any wear. Under a force it takes amplitudes up to 0.995 mu F_N, and without an end
-    slip rings of at least 3e-4 contact radii. Concrete amplitudes beyond that raise an error, and so do concrete numbers
-    of cycles beyond the widest scar or the last block. Under `jit`, and in derivatives, results there are NaN.
+    slip rings of at least 3e-4 contact radii. Concrete amplitudes beyond that raise an error, and so do concrete
+    numbers of cycles beyond the widest scar or the last block. Under `jit`, and in derivatives, results there are NaN.
 
     Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that
     and near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner
