@@ -351,3 +351,10 @@ def test_peaks_in_single_precision():
     for name in ("peak_tension", "peak_mises"):
         assert getattr(found, name).dtype == jnp.float32
         assert_allclose(getattr(found, name), getattr(known, name), rtol=3e-3)
+
+
+def test_all_digits_have_the_tension_at_the_edge_of_a_stiff_layer():
+    """With some spacings of the exponentials it was 5e-3 of the largest pressure too large there, and there alone."""
+    one = FrettingContact(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3), 5e-3, 10.0, 0.4)
+    found = [one.steady(1.6, digits=digits) for digits in (4, 5)]
+    assert_allclose(*(steady.peak_tension / steady.peak_initial_pressure for steady in found), atol=1e-3)
