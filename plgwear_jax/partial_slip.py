@@ -5,12 +5,14 @@ a_0 and c (Ciavarella 1998, Jaeger 1998). Every tangential displacement is mu th
 `material.tangential_ratio`. Radii are in units of a_0, phi = F_x/(mu F_N) is the amplitude.
 """
 
+import functools
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike, Domain
 from plgwear_jax._core.formula import formula
@@ -94,24 +96,39 @@ def amplitude(
     References:
         `docs/explanation/numerics.md`, "Wear over cycles".
     """
-    k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
-    power = 0.5 * (3.0 + k)
+    power, compliance = 0.5 * (3.0 + jnp.asarray(k)), jnp.asarray(compliance)
+    log_square = _log_square(digits, log_complement(jnp.asarray(displacement), digits), power, compliance)
+    return 0.0 - exponentials(power * log_square, digits)[1]  # not -0
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _log_square(digits: int | None, goal: Array, power: Array, compliance: Array) -> Array:
+    """x = log(c^2), at which log((e^x + X e^(power x))/(1 + X)) has reached its goal."""
+    goal, power, compliance = jnp.broadcast_arrays(goal, power, compliance)
     far, near = 1.0 / (1.0 + compliance), compliance / (1.0 + compliance)
-    goal = log_complement(displacement, digits)
-    # In x = log(c^2) the function log(far e^x + near e^(power x)) is convex, with slopes from 1 to 2, and has to equal
-    # goal. Each of its two terms alone gives an upper bound of x, and so does the tangent at 0, which keeps x <= 0:
-    # from above, Newton's steps would end above a root that is nearly 0. The last two steps carry the derivatives.
+    # The function is convex, with slopes from 1 to 2. Each of its terms alone gives an upper bound of x, and so does
+    # the tangent at 0, which keeps x <= 0: from above, Newton's steps would end above a root that is nearly 0.
     most = jnp.minimum(goal - jnp.log(far), (goal - jnp.log(near)) / power)
-    x = jax.lax.stop_gradient(jnp.minimum(most, goal / (far + power * near)))
-    for step in range(6):
+
+    def closer(_: int, x: Array) -> Array:
         one, other = exponentials(x, digits), exponentials(power * x, digits)
         here = far * one[0] + near * other[0]
         small = here < 0.5
         near_one = log_complement(jnp.where(small, 0.5, -(far * one[1] + near * other[1])), digits)
         residual = goal - jnp.where(small, log(jnp.where(small, here, 0.5), digits), near_one)
-        x = x + residual * here / (far * one[0] + power * near * other[0])
-        x = jax.lax.stop_gradient(x) if step < 4 else x
-    return 0.0 - exponentials(power * x, digits)[1]  # not -0
+        return x + residual * here / (far * one[0] + power * near * other[0])
+
+    return lax.fori_loop(0, 6, closer, jnp.minimum(most, goal / (far + power * near)))
+
+
+@_log_square.defjvp
+def _log_square_jvp(digits: int | None, primals: Any, tangents: Any) -> tuple[Array, Array]:
+    (goal, power, compliance), (dgoal, dpower, dcompliance) = primals, tangents
+    x, far = _log_square(digits, goal, power, compliance), 1.0 / (1.0 + compliance)
+    # The second term over the first, and what that adds to 1.
+    other, more = exponentials((power - 1.0) * x, digits)
+    held = far * more * dcompliance + compliance * other * x * dpower
+    return x, ((1.0 + compliance * other) * dgoal - held) / (1.0 + power * compliance * other)
 
 
 @formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)

@@ -91,7 +91,15 @@ class Steady(Solution):
     @property
     def tangential_force(self) -> Any:
         """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
-        return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
+        return self.load.force_before_wear(self) if self.load.holds_force else self._solution[1]
+
+    def _solve(self) -> tuple[Array, ArrayLike | None] | None:
+        """The contact radius and the force that a displacement needs, by which all else is known."""
+        if self.load.holds_force:
+            return None
+        at_rest = self._at_rest
+        radius = at_rest.contact_radius
+        return radius, self.load.force_before_wear(at_rest._with_contact_radius(radius))
 
     @property
     def _at_rest(self) -> Self:
@@ -126,12 +134,12 @@ class Steady(Solution):
 
     def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
-        return self._unflatten(self.digits, (self.contact, self.load, contact_radius))
+        return self._unflatten(self.digits, (self.contact, self.load, (contact_radius, None)))
 
     @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
     def _radius(self) -> Array:
         known = self._solution
-        return self.contact_radius if known is None else known
+        return self.contact_radius if known is None else known[0]
 
     @property
     def _height(self) -> Array:
@@ -334,18 +342,15 @@ class Steady(Solution):
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m."""
         moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        share = moved / (self._onset * (1.0 + self._rig))
-        return self._limiting_friction * partial_slip.amplitude(self._k, share, self._rig, digits=self.digits)
+        limit, onset = self._limiting_friction, self._onset
+        rig = limit * self.load.rig_compliance
+        return limit * partial_slip.amplitude(self._k, moved / (onset + rig), rig / onset, digits=self.digits)
 
     @property
     @compiled
     def _share_of_contact(self) -> Array:
-        return partial_slip.contact_share(self._k, self.amplitude, self._rig, digits=self.digits)
-
-    @property
-    def _rig(self) -> Array:
-        """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
-        return self._limiting_friction * self.load.rig_compliance / self._onset
+        rig = self._limiting_friction * self.load.rig_compliance / self._onset
+        return partial_slip.contact_share(self._k, self.amplitude, rig, digits=self.digits)
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 

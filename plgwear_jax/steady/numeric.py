@@ -347,14 +347,18 @@ class NumericSteady(Steady):
         return effort_of(self.digits)
 
     @property
+    def _applied_force(self) -> ArrayLike:
+        return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
+
+    @property
     def tangential_force(self) -> Any:
         if self.load.holds_force:
-            return super().tangential_force
+            return self._applied_force
         state = self._solution
         return state.phi * state.friction * state.force
 
     def _solve(self) -> State:
-        return states_of(self.contact, super().tangential_force, self._effort)
+        return states_of(self.contact, self._applied_force, self._effort)
 
     @property
     def _results(self) -> Results:
@@ -362,7 +366,7 @@ class NumericSteady(Steady):
         if "solved" in vars(self) or traced(()) or not traced(question):
             return self._solution.results
         # At known numbers the derivatives of the results alone do not need those of all that a state has.
-        return results_of(self.contact, super().tangential_force, self._effort)
+        return results_of(self.contact, self._applied_force, self._effort)
 
     @property
     def _worn(self) -> State:
@@ -418,7 +422,7 @@ class NumericSteady(Steady):
         refuse_tension(self._solution, worn=True)
 
     def _given(self) -> Any:
-        return as_numbers((self.contact, super().tangential_force))
+        return as_numbers((self.contact, self._applied_force))
 
     def _solved(self, given: Any) -> Self:
         contact, force = given
