@@ -4,7 +4,6 @@ They hold for a rigid parabola on a power law, and for two homogeneous bodies, w
 moduli. All other contacts have the same quantities, computed in `steady.numeric`.
 """
 
-import functools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Self
@@ -93,13 +92,12 @@ class Steady(Solution):
         """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
         return self.load.force_before_wear(self) if self.load.holds_force else self._solution[1]
 
-    def _solve(self) -> tuple[Array, ArrayLike | None] | None:
-        """The contact radius and the force that a displacement needs, by which all else is known."""
+    def _solve(self) -> tuple[Array, ArrayLike | None]:
+        """The contact radius and the force that a displacement needs, once for all results."""
+        radius = self._unflatten(self.digits, (self.contact, self.load, None))._contact_radius
         if self.load.holds_force:
-            return None
-        at_rest = self._at_rest
-        radius = at_rest.contact_radius
-        return radius, self.load.force_before_wear(at_rest._with_contact_radius(radius))
+            return radius, None
+        return radius, self.load.force_before_wear(self._at_rest._with_contact_radius(radius))
 
     @property
     def _at_rest(self) -> Self:
@@ -136,20 +134,15 @@ class Steady(Solution):
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
         return self._unflatten(self.digits, (self.contact, self.load, (contact_radius, None)))
 
-    @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
-    def _radius(self) -> Array:
-        known = self._solution
-        return self.contact_radius if known is None else known[0]
-
     @property
     def _height(self) -> Array:
         """a_0^2/R, the unit of heights."""
-        return self._radius * self._radius / guarded_field(self.contact, "radius")
+        return self.contact_radius * self.contact_radius / guarded_field(self.contact, "radius")
 
     @property
     def _mean_pressure(self) -> Array:
         """F_N/(pi a_0^2), the unit of stresses."""
-        return jnp.asarray(self.contact.normal_force) / (jnp.pi * self._radius * self._radius)
+        return jnp.asarray(self.contact.normal_force) / (jnp.pi * self.contact_radius * self.contact_radius)
 
     @property
     def _tangential_ratio(self) -> Array:
@@ -163,7 +156,7 @@ class Steady(Solution):
         return friction * self._tangential_ratio * self._height
 
     def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self._radius
+        return guarded("r", r, RADIUS) / self.contact_radius
 
     def _scaled(self, unit: Array, function: Callable[..., Array], *r: ArrayLike) -> Array:
         """A dimensionless function, of radii or distances in units of a_0 if given, in this unit."""
@@ -172,9 +165,13 @@ class Steady(Solution):
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
-    @compiled
     def contact_radius(self) -> Array:
         """Contact radius a_0 before any wear in m, Eq. (12)."""
+        return self._solution[0]
+
+    @property
+    @compiled
+    def _contact_radius(self) -> Array:
         contact, material = self.contact, self._material
         log_stiffness = material.log_stiffness(digits=self.digits)
         k = jnp.asarray(material.k, log_stiffness.dtype)
@@ -187,13 +184,13 @@ class Steady(Solution):
     @compiled
     def stick_radius(self) -> Array:
         """Stick radius c in m, Eqs. (16) and (23)."""
-        return self._scaled(self._radius, fretting.stick_radius)
+        return self._scaled(self.contact_radius, fretting.stick_radius)
 
     @property
     @compiled
     def worn_radius(self) -> Array:
         """Outer radius a_inf of the worn ring in m, Eq. (26)."""
-        return self._scaled(self._radius, fretting.worn_radius)
+        return self._scaled(self.contact_radius, fretting.worn_radius)
 
     @property
     @compiled
@@ -205,7 +202,7 @@ class Steady(Solution):
     @compiled
     def wear_volume(self) -> Array:
         """Volume worn off the indenter in m^3, Eq. (28)."""
-        return self._scaled(self._radius * self._radius * self._height, fretting.wear_volume)
+        return self._scaled(self.contact_radius * self.contact_radius * self._height, fretting.wear_volume)
 
     @property
     @compiled
@@ -336,7 +333,7 @@ class Steady(Solution):
 
     def _of_each_contact(self, value: Array) -> Array:
         """A value by k and phi alone, in the shape of all contacts and NaN where one is outside its ranges."""
-        return value + 0.0 * self._radius
+        return value + 0.0 * self.contact_radius
 
     @compiled
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
@@ -357,7 +354,7 @@ class Steady(Solution):
     @compiled
     def edge_pressure(self, distance: ArrayLike) -> Array:
         """Worn pressure in Pa at a distance inside the stick-slip boundary, r = c - distance, Eq. (17)."""
-        relative = guarded("distance", distance, DISTANCE) / self._radius
+        relative = guarded("distance", distance, DISTANCE) / self.contact_radius
         return self._scaled(self._mean_pressure, fretting.edge_pressure, relative)
 
     @compiled
@@ -507,6 +504,6 @@ class Steady(Solution):
         own, share = unit * (1.0 + s) / (0.5 + s) * inside, (1.0 - phi) / (stick * stick)
         flat = phi / (stick * stick) * unit
         nu = poisson_ratio_of(self.contact.material)
-        given = self.contact.normal_force, self._radius, stick[..., 0], self.contact.friction, nu
+        given = self.contact.normal_force, self.contact_radius, stick[..., 0], self.contact.friction, nu
         force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)
         return Pressed(force, radius, stick, friction, own, share * own, flat, s[..., 0], nu, (k[..., 0],))

@@ -280,6 +280,11 @@ def test_second_derivatives_of_the_deepest_wear_know_that_its_place_moves():
     assert_allclose(by_numpy(along(along(most)))(jnp.asarray(0.3)), (less - 2.0 * at + more) / 0.02**2, rtol=1e-2)
 
 
+def test_a_nearly_rigid_indenter_leaves_the_intensity_at_the_edge():
+    found, exact = (dome(0.4, indenter).steady(F_X).edge_intensity for indenter in (Elastic(1e17, NU), None))
+    assert_allclose(found, exact, rtol=1e-5)
+
+
 @compiled
 def test_a_narrow_ring_beside_a_kink():
     """Its derivative is that of differences: the slope of what a kink adds is singular."""
