@@ -347,7 +347,7 @@ class NumericSteady(Steady):
         return effort_of(self.digits)
 
     @property
-    def _applied_force(self) -> ArrayLike:
+    def _applied_force(self) -> Any:
         return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
 
     @property
