@@ -18,14 +18,11 @@ A, X and Y with -h for h. The difference over k is taken term by term: each pair
 """
 
 import functools
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.custom_derivatives import SymbolicZero
 
 from plgwear_jax.special.elementary import (
     TINY,
@@ -63,44 +60,7 @@ def _moment_weights(reach: Fraction, digits: int) -> tuple[float, ...]:
     return tuple(weights)
 
 
-def _by_partials(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function of arrays, differentiated with respect to one array at a time.
-
-    Then each tangent is 1 or 0 and most terms vanish. Otherwise second derivatives would have more than about 3200
-    operations, and XLA would compute parts of such a kernel several times.
-    """
-    function = jax.jit(function)
-
-    @functools.cache
-    def partial(i: int) -> Callable[..., Any]:
-        def along(*x: Array) -> Any:
-            return jax.jvp(lambda at: function(*x[:i], at, *x[i + 1 :]), (x[i],), (jnp.ones_like(x[i]),))[1]
-
-        return _by_partials(along)
-
-    @jax.custom_jvp
-    def ruled(*x: Array) -> Any:
-        return function(*x)
-
-    def rule(primals, tangents):
-        value = ruled(*primals)
-        total = jax.tree.map(jnp.zeros_like, value)
-        for i, tangent in enumerate(tangents):
-            if not isinstance(tangent, SymbolicZero):
-                total = jax.tree.map(lambda sum_, slope, t=tangent: sum_ + slope * t, total, partial(i)(*primals))
-        return value, total
-
-    ruled.defjvp(rule, symbolic_zeros=True)
-    return ruled
-
-
 # --- away from the edge ---------------------------------------------------------------------------------------------
-
-
-@functools.cache
-def _away(digits: int | None) -> Callable[..., Array]:
-    """The sum in w away from the edge, as a function of 1/x, q^2 and whether r is outside."""
-    return _by_partials(functools.partial(_alternating, digits=digits))
 
 
 def _alternating(x: Array, square: Array, outside: Array, digits: int | None) -> Array:
@@ -114,12 +74,6 @@ def _alternating(x: Array, square: Array, outside: Array, digits: int | None) ->
 
 
 # --- towards the edge -----------------------------------------------------------------------------------------------
-
-
-@functools.cache
-def _sums(digits: int | None) -> Callable[..., tuple[tuple[Array, Array], ...]]:
-    """Pairs u, v, d as functions of y and h^2: the sums in X and Y are y u/d and y v/(2 d), d the product of n + h."""
-    return _by_partials(functools.partial(_pairs, digits=digits))
 
 
 def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Array], ...]:
@@ -163,7 +117,7 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     square, ends, y = h * h, q * s, z * z
     kappa = 0.25 * ends
     even, odd, poles = edge_pair(square, ends, digits)
-    (u_even, u_odd), (v_even, v_odd), (d_even, d_odd) = _sums(digits)(y, square)
+    (u_even, u_odd), (v_even, v_odd), (d_even, d_odd) = _pairs(y, square, digits)
     norm = (d_even + h * d_odd) * (d_even - h * d_odd)
     # A poles norm/d, and S u - 2 v
     a_even, a_odd = even * d_even - square * odd * d_odd, odd * d_even - even * d_odd
@@ -197,7 +151,7 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -
     first = log(jnp.where(away, gap, off_edge), digits)
     second = log(1.0 + jnp.where(away, r, t), digits)
     square = q * q
-    far = _away(digits)(ratio, square, outside)
+    far = _alternating(ratio, square, outside, digits)
     far = jnp.where(outside, q * far, 1.0 + square * ratio * far)
     near = _towards(
         jnp.where(away, 0.125, ratio),
