@@ -23,41 +23,29 @@ class DoubtfulInputWarning(UserWarning):
 
 
 _told: contextvars.ContextVar[set[str] | None] = contextvars.ContextVar("told", default=None)
+_EVERYTHING = "all that can be said"
 
 
 @contextlib.contextmanager
 def one_question(*told: str) -> Iterator[None]:
     """Each doubt is told once within this context, and those that are told already are not told again."""
-    before = _told.get()
-    token = _told.set(before if isinstance(before, _Everything) else {*told, *(before or ())})
+    token = _told.set({*told, *(_told.get() or ())})
     try:
         yield
     finally:
         _told.reset(token)
 
 
-class _Everything(set[str]):
-    """All that can be said."""
-
-    def __contains__(self, line: object) -> bool:
-        return True
-
-
-@contextlib.contextmanager
-def own_numbers() -> Iterator[None]:
+def own_numbers() -> contextlib.AbstractContextManager[None]:
     """What the library asks by numbers of its own is not doubted."""
-    token = _told.set(_Everything())
-    try:
-        yield
-    finally:
-        _told.reset(token)
+    return one_question(_EVERYTHING)
 
 
 def doubt(*lines: str | None) -> None:
     """Warn of these doubts, unless this question has told them."""
     told = _told.get()
     for line in lines:
-        if line is not None and (told is None or line not in told):
+        if line is not None and (told is None or told.isdisjoint((line, _EVERYTHING))):
             if told is not None:
                 told.add(line)
             warnings.warn(line, DoubtfulInputWarning, stacklevel=_outside())

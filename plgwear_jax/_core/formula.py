@@ -23,7 +23,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.startup.programs import Program, follows, with_slopes
+from plgwear_jax._core.startup.programs import Program, follows, parted, steps_of, with_slopes
 from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
@@ -56,23 +56,18 @@ def formula(
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
         plain: Callable[..., Array] = kernel
 
-        def pair_along(i: int) -> Callable[..., tuple[Array, Array]]:
-            return lambda *values, digits: _value_and_slope(functools.partial(plain, digits=digits), i, values)
-
-        together = {names.index(name): pair for name, pair in (pairs or {}).items()}
-        alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()}
-        alone |= {names.index(name): slope for name, slope in (slopes or {}).items()}
-        together |= {names.index(name): pair_along(names.index(name)) for name in joint}
-
         def run(digits: int | None, *values: Array) -> Array:
             dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
             values = tuple(jnp.asarray(value, dtype) for value in values)
 
-            def given(functions: Mapping[int, Callable[..., Any]]) -> dict[int, Any]:
-                return {i: functools.partial(function, digits=digits) for i, function in functions.items()}
+            def given(functions: Mapping[str, Callable[..., Any]] | None) -> dict[int, Any]:
+                found = (functions or {}).items()
+                return {names.index(name): functools.partial(function, digits=digits) for name, function in found}
 
-            rules = _Rules(functools.partial(plain, digits=digits), given(alone), given(together))
-            result = _by_forward_mode(rules)(*values)
+            function, together = functools.partial(plain, digits=digits), given(pairs)
+            alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()} | given(slopes)
+            together |= {i: functools.partial(_value_and_slope, function, i) for i in map(names.index, joint)}
+            result = _by_forward_mode(_Rules(function, alone, together))(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
             return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
@@ -224,20 +219,15 @@ def _ruled_pair(
         return one_kernel(value, slope)
 
     def rule(primals, tangents):
-        wanted = [i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)]
-
-        def along(*moved: Array) -> tuple[Array, Array]:
-            values = dict(enumerate(primals)) | dict(zip(wanted, moved, strict=True))
-            return single(*values.values())
-
-        slopes = jax.jvp(along, [primals[i] for i in wanted], [tangents[i] for i in wanted])[1]
-        return ruled(*primals), slopes
+        moves, steps = steps_of(tangents)
+        moving, whole = parted(primals, moves)
+        return ruled(*primals), jax.jvp(lambda at: single(*whole(at)), (moving,), (steps,))[1]
 
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled
 
 
-def _value_and_slope(function: Callable[..., Array], i: int, values: tuple[Array, ...]) -> tuple[Array, Array]:
+def _value_and_slope(function: Callable[..., Array], i: int, *values: Array) -> tuple[Array, Array]:
     """The value of a function and its derivative with respect to one argument."""
 
     def along(value: Array) -> Array:
@@ -246,9 +236,9 @@ def _value_and_slope(function: Callable[..., Array], i: int, values: tuple[Array
     return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
 
 
-def _slope_of(pair: Callable[..., tuple[Array, Array]], *values: Array, digits: int | None) -> Array:
-    return pair(*values, digits=digits)[1]
+def _slope_of(pair: Callable[..., tuple[Array, Array]], *values: Array) -> Array:
+    return pair(*values)[1]
 
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
-    return lambda *values: _value_and_slope(function, i, separate_kernels(10 + i, *values))[1]
+    return lambda *values: _value_and_slope(function, i, *separate_kernels(10 + i, *values))[1]

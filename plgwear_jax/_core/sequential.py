@@ -6,10 +6,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._core.startup.programs import along_each, parted
+from plgwear_jax._core.startup.programs import along_each, parted, steps_of
 from plgwear_jax._core.xla import materialised
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
@@ -65,8 +64,7 @@ def sequential_forward_mode(function: Callable[..., Any]) -> Callable[..., Any]:
     implicit = jax.custom_jvp(_alone(function))
 
     def _rule(primals: tuple[Any, ...], tangents: tuple[Any, ...]) -> tuple[Any, Any]:
-        steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
-        moves = [not isinstance(step, SymbolicZero) for step in steps]
+        moves, steps = steps_of(tangents)
 
         def with_jacobian(*given: Any) -> tuple[Any, Any]:
             moving, whole = parted(given, moves)
@@ -74,7 +72,7 @@ def sequential_forward_mode(function: Callable[..., Any]) -> Callable[..., Any]:
             return along_each(lambda at: function(*whole(back(at))), flat, jnp.eye(flat.size, dtype=flat.dtype))
 
         value, slopes = sequential_forward_mode(with_jacobian)(*primals)
-        along = ravel_pytree([step for step in steps if not isinstance(step, SymbolicZero)])[0]
+        along = ravel_pytree(steps)[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
     implicit.defjvp(_rule, symbolic_zeros=True)

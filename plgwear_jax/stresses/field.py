@@ -1,5 +1,6 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
+import functools
 import math
 from typing import Any, Literal, NamedTuple
 
@@ -174,8 +175,7 @@ class PowerModulus(NamedTuple):
 
     def at(self, x: Array) -> Array:
         """E; at the surface 0 for k > 0, and for k < 0 that of a depth close to it."""
-        near = jnp.exp(self.k * jnp.log(jnp.where(x == 0.0, _NEAR, x)))
-        return jnp.where((x == 0.0) & (self.k > 0.0), 0.0, near)
+        return jnp.where((x == 0.0) & (self.k > 0.0), 0.0, jnp.where(x == 0.0, _NEAR, x) ** self.k)
 
     def shallow(self, x: Array) -> Array:
         """What waves too short for `images` count by: E of what the last of these reach is 1 to them, or that of x."""
@@ -188,21 +188,12 @@ class PowerModulus(NamedTuple):
         return jnp.moveaxis(horner(jnp.unstack(self.cubics[::-1, place]), (log - _STEP * place)[..., None]), -1, 0)
 
 
-class _Powers(NamedTuple):
-    """The same as `surfaces.half_space.Modulus`."""
-
-    k: Array
-
-    def between(self, x: Array, y: Array) -> Array:
-        """The mean, which is what the skin resists a strain by."""
-        end = jnp.maximum(y, 1e-30)
-        share = x / end
-        thin = share > 0.999
-        share = jnp.where(thin, 0.5, share)
-        some = share > 0.0
-        power = jnp.where(some, jnp.exp((1.0 + self.k) * jnp.log(jnp.where(some, share, 1.0))), 0.0)
-        mean = jnp.where(thin, 1.0, (1.0 - power) / ((1.0 + self.k) * (1.0 - share)))
-        return jnp.exp(self.k * jnp.log(end)) * mean
+def _mean_power(k: Array, x: Array, y: Array) -> Array:
+    """The mean of z^k between two depths, which is what the skin resists a strain by."""
+    end = jnp.maximum(y, 1e-30)
+    thin = x > 0.999 * end
+    share = jnp.where(thin, 0.5, x / end)
+    return end**k * jnp.where(thin, 1.0, (1.0 - share ** (1.0 + k)) / ((1.0 + k) * (1.0 - share)))
 
 
 Body = Piecewise | PowerModulus | None
@@ -215,7 +206,8 @@ def body_of(pressed: Pressed, half: Half) -> Body:
     if half is None:
         (k,), nu = pressed.body, pressed.nu
         depths = jnp.asarray(_DEPTHS, k.dtype)
-        found = responses(_Powers(k), jnp.append(0.0, depths)[:, None], False, depths, jnp.ones_like(k)[None], nu)
+        edges, mean = jnp.append(0.0, depths)[:, None], functools.partial(_mean_power, k)
+        found = responses(mean, edges, False, depths, jnp.ones_like(k)[None], nu)
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
         return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
@@ -262,7 +254,7 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: 
     edges, even = depths_for(body, q, 2)
 
     def at(z: Array) -> Array:
-        found = responses(body, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
+        found = responses(body.between, edges, even, z, q, nu) * jnp.where(moved, body.at(z)[:, None], 1.0)
         return (found - _own_responses(nu, z[:, None] * q)) @ fit
 
     if z.size <= _MANY:

@@ -119,9 +119,10 @@ class _PowerTerms(NamedTuple):
     mixed: Array  # what cells beside c do to those inside by their images there
 
 
-def _power_terms(
+def power_terms(
     compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
 ) -> _PowerTerms:
+    """Of cells beside c, as of `cells_of`, and of cells inside c with the edges `inner`, T - 1; there may be none."""
     edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
     cells = inner.size - 1
     count = cells * NODES
@@ -148,7 +149,7 @@ def _powers(
     Alone each term would have these take off exactly what the images inside c add. With two terms they have no closed
     form, but of cells inside c only the difference counts.
     """
-    images, of_ring, disc, mixed = _power_terms(compliance, c, width, from_c, from_1, _cells_that_stick(from_c, effort))
+    images, of_ring, disc, mixed = power_terms(compliance, c, width, from_c, from_1, _cells_that_stick(from_c, effort))
     if isinstance(compliance, OnePower):
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
@@ -334,7 +335,7 @@ def inward(
     places = -0.5 * (edges[1:] + edges[:-1])
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if not isinstance(compliance, Graded):
-        _, _, disc, mixed = _power_terms(compliance, c, width, from_c, from_1, edges)
+        _, _, disc, mixed = power_terms(compliance, c, width, from_c, from_1, edges)
         return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)

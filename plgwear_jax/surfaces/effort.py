@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from plgwear_jax._core.startup.programs import along_each
 from plgwear_jax.special.quadrature import Rule, logistic
 
 
@@ -54,8 +55,7 @@ _FEW = 4
 
 def slopes(function: Callable[[Array], Any], numbers: Array) -> Any:
     """The derivatives of its results by each of the numbers, shape (n,), along a first axis."""
-    one = jnp.eye(numbers.size, dtype=numbers.dtype)
-    return jax.vmap(lambda along: jax.jvp(function, (numbers,), (along,))[1])(one)
+    return along_each(function, numbers, jnp.eye(numbers.size, dtype=numbers.dtype))[1]
 
 
 def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Array], Any]:

@@ -10,7 +10,8 @@ for every q, thickness and ratio of moduli. Layers of one modulus each are exact
 modulus in the middle of each part, into n and into 2n parts, and extrapolated.
 """
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -184,14 +185,6 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
 # --- the way down -----------------------------------------------------------------------------------------------------
 
 
-class Modulus(Protocol):
-    """E(z) in any unit."""
-
-    def between(self, x: Array, y: Array, /) -> Array:
-        """What counts as E of a thin layer between two depths, or at one."""
-        ...
-
-
 def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     """`edges` and `even` of `responses`."""
     if len(modulus.coefficients) == 1:
@@ -199,11 +192,13 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     return _edges(modulus, q, digits)[0], False
 
 
-def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu: Array) -> Array:
+def responses(
+    between: Callable[[Array, Array], Array], edges: Array, even: bool, z: Array, q: Array, nu: Array
+) -> Array:
     """How a half-space answers waves of traction of unit amplitude, `docs/explanation/numerics.md`, "Stresses".
 
     Args:
-        modulus: Young's modulus by the depth in the unit of 1/q.
+        between: What counts as E of a thin layer between two depths, or at one, in the unit of 1/q.
         edges: Depths from 0 downwards that divide the half-space, (edges, q) or (edges, 1).
         even: Between them E is constant; else each part is halved, and the result extrapolated.
         z: Depths, (depths,).
@@ -221,8 +216,8 @@ def responses(modulus: Modulus, edges: Array, even: bool, z: Array, q: Array, nu
     bounds = every[:-1, None, None] + shares * jnp.diff(every, axis=0)[:, None, None]
     low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
     h = jnp.minimum((high - low) * q, _THICK)
-    s = jnp.broadcast_to(1.0 / modulus.between(low, high), h.shape)
-    layers = _layer_matrices(s, 1.0 / modulus.between(every[-1], every[-1]), nu, h, planes=2)
+    s = jnp.broadcast_to(1.0 / between(low, high), h.shape)
+    layers = _layer_matrices(s, 1.0 / between(every[-1], every[-1]), nu, h, planes=2)
     _, (inside, down) = _upwards(*layers)
     one, own, own_by_nu, *_ = _parts_of_matrices(q.dtype, 2)
     shape = down.shape[1:]

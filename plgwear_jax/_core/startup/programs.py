@@ -181,6 +181,13 @@ def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list
     return [x for x, move in zip(leaves, moves, strict=True) if move], whole
 
 
+def steps_of(tangents: Any) -> tuple[list[bool], list[Any]]:
+    """(Which leaves a rule of derivatives differentiates by, the steps of these), of its symbolic zeros."""
+    steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
+    moves = [not isinstance(step, SymbolicZero) for step in steps]
+    return moves, [step for step, move in zip(steps, moves, strict=True) if move]
+
+
 def along_each(function: Callable[[Any], Any], moving: Any, directions: Any) -> tuple[Any, Any]:
     """(The result, its derivatives along directions, with a first axis)."""
 
@@ -231,9 +238,8 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
     @in_full
     def _rule(*arguments):
         *words, primals, tangents = arguments
-        steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
-        moving, whole = parted(primals, [not isinstance(step, SymbolicZero) for step in steps])
-        steps = [step for step in steps if not isinstance(step, SymbolicZero)]
+        moves, steps = steps_of(tangents)
+        moving, whole = parted(primals, moves)
         leaves = jax.tree.leaves(primals)
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
             return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
