@@ -45,7 +45,6 @@ class Entry:
 # --- quantities -----------------------------------------------------------------------------------------------------
 
 Kind = Literal["fretting", "gross-slip"]
-Argument = Literal["r", "distance", "x", "z", "least", "most", "F_x", "cycles", "wear_coefficient", "share"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +61,7 @@ class Law(Entry):
     """
 
     equation: str = ""
-    arguments: tuple[Argument, ...] = ()
+    arguments: tuple[str, ...] = ()
     unbounded_at: str | None = None
 
 
@@ -117,9 +116,8 @@ def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> d
         place = unbounded_at if name.endswith("*") else None
         name = name.rstrip("*")
         unit, scale = _UNITS.get(kind, (kind, None))
-        arguments: tuple[Any, ...] = tuple(taken.split())
         words = _CALLED.get(name, name.replace("_", " ") + when)
-        found[name] = Law(words, symbol, unit, description, scale, equation, arguments, place)
+        found[name] = Law(words, symbol, unit, description, scale, equation, tuple(taken.split()), place)
     return found
 
 

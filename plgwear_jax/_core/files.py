@@ -11,8 +11,6 @@ from plgwear_jax._core.words import GivenError
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["PICTURES", "TargetError", "check_target", "write", "write_table"]
-
 PICTURES = (".png", ".pdf", ".svg")
 
 

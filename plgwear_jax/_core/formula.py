@@ -107,8 +107,8 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     default.
     """
     signature = inspect.signature(method)
-    switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool | str)}
-    static = [name for name in signature.parameters if name == "digits" or name in switches]
+    parameters = signature.parameters.items()
+    static = [name for name, one in parameters if name == "digits" or isinstance(one.default, bool | str)]
 
     def run(options: tuple[tuple[str, Any], ...], itself: Any, numbers: dict[str, Any]) -> Array:
         return call(itself, **numbers, **dict(options))

@@ -40,9 +40,7 @@ def record(cls: type[T]) -> type[T]:
 
     def post_init(self: Any) -> None:
         for name in numbers:
-            value = getattr(self, name)
-            if isinstance(value, list | tuple):
-                object.__setattr__(self, name, as_array(value))
+            object.__setattr__(self, name, as_array(getattr(self, name)))
         for field in fields:
             value = getattr(self, field.name)
             if field.name in ranges and not (value is None is field.default):

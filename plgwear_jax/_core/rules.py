@@ -12,31 +12,6 @@ from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
 
-__all__ = [
-    "BY_THEN",
-    "HOLDS",
-    "LARGER",
-    "OBJECTIVE",
-    "OF_POWER_LAW",
-    "PLACES",
-    "VARIABLES",
-    "WITHIN",
-    "Hold",
-    "Kind",
-    "WrongKeyError",
-    "domain_of",
-    "exponents_between",
-    "is_after_cycles",
-    "is_linear",
-    "limit_form",
-    "limited_quantity",
-    "one_of",
-    "placed_quantity",
-    "refuse_free_question",
-    "refuse_question",
-    "refuse_window",
-]
-
 Hold = Literal["contact_radius"]
 
 HOLDS: tuple[str, ...] = get_args(Hold)

@@ -15,7 +15,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
-from plgwear_jax._core.catalogue import QUANTITIES, kind_of
+from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
@@ -28,7 +28,6 @@ from plgwear_jax._core.rules import (
     OBJECTIVE,
     VARIABLES,
     Hold,
-    Kind,
     domain_of,
     is_after_cycles,
     is_linear,

@@ -60,14 +60,10 @@ def _solved_by_factor(factor: Array, right: Array, transposed: bool) -> Array:
     found = jax.lax.custom_linear_solve(
         lambda x: (factor.T if transposed else factor) @ x,
         columns,
-        lambda _, right: _triangular(transposed, fixed, right),
-        lambda _, right: _triangular(not transposed, fixed, right),
+        lambda _, right: (_down, _up)[transposed](fixed, right),
+        lambda _, right: (_up, _down)[transposed](fixed, right),
     )
     return found.reshape(right.shape)
-
-
-def _triangular(transposed: bool, factor: Array, right: Array) -> Array:
-    return (_up if transposed else _down)(factor, right)
 
 
 def _substitution(transposed: bool) -> Any:

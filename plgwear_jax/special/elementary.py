@@ -63,7 +63,26 @@ def crest(values: Array) -> Array:
     return jnp.where((most == inner) & (bend < 0.0), top, jnp.max(values, 0))
 
 
+def top_of(x: Array, values: Array) -> Array:
+    """Where the parabola through the largest of values at increasing x, shape (n,), and both beside it has its top.
+
+    It lies between these two; where places or values are no numbers or the same, it is the one in the middle.
+    """
+    before = jnp.clip(jnp.argmax(values) - 1, 0, x.size - 3)
+    (a, b, c), (low, at, high) = (lax.dynamic_slice(each, (before,), (3,)) for each in (x, values))
+    left, right = (at - low) / (b - a), (high - at) / (c - b)
+    bend = (right - left) / (c - a)
+    top = 0.5 * (a + b) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
+    return jnp.where(jnp.isnan(top), b, jnp.clip(top, a, c))
+
+
 # --- quotients ------------------------------------------------------------------------------------------------------
+
+
+def ratio_where(some: Any, above: Any, below: Array, other: Any = 0.0) -> Array:
+    """above/below where it is wanted, else the other value; derivatives are finite too where `below` is 0 there."""
+    return jnp.where(some, above / jnp.where(some, below, 1.0), other)
+
 
 # Quotients are kept in registers instead of memory: this halves the time of all functions that use them.
 

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from plgwear_jax.special.elementary import ratio_where
+
 _FEW_POINTS = 32  # that are compared faster one by one than by halving
 
 
@@ -39,7 +41,7 @@ def horner(coefficients: Sequence[Array], x: Array) -> Array:
 
 
 def _ratio(above: Array, below: Array) -> Array:
-    return jnp.where(below != 0.0, above / jnp.where(below != 0.0, below, 1.0), 0.0)
+    return ratio_where(below != 0.0, above, below)
 
 
 def _end(h: Array, beyond: Array, slope: Array, next_slope: Array) -> Array:

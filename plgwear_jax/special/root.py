@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import clamp_keep_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where
 
 _MOST = 60  # evaluations; six or seven are enough
 
@@ -33,8 +33,8 @@ def root_of(
             value = function(x)
             low, high = jnp.where(value < 0.0, x, low), jnp.where(value < 0.0, high, x)
             run = x - before
-            rate = jnp.where(run == 0.0, slope, (value - value_before) / jnp.where(run == 0.0, 1.0, run))
-            step = jnp.where(rate > 0.0, -value / jnp.where(rate > 0.0, rate, 1.0), -jnp.sign(value) * farthest)
+            rate = ratio_where(run != 0.0, value - value_before, run, slope)
+            step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
             step = jnp.clip(step, -farthest, farthest)
             outside = (x + step <= low) | (x + step >= high)
             done = (abs(step) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
@@ -78,5 +78,5 @@ def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, e
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):
         value, slope = jax.jvp(lambda x: function(given, x), (x,), (jnp.ones_like(x),))
-        x = x + jnp.where(slope > 0.0, (goal - value) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
+        x = x + ratio_where(slope > 0.0, goal - value, slope)
     return jnp.where(reached, clamp_keep_slope(0.0, x), never)

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
+from plgwear_jax.special.elementary import top_of
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field, fineness_of, of_each_traction
 
@@ -68,7 +69,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         side, z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
         x, z, found = xs[x_at], zs[z_at], found[side]
         peak = Peak(found[z_at, x_at], jnp.where(side == 0, x, -x), z)
-        top = _top(xs[:-1], found[z_at, :-1], x_at), _top(zs[: depths.size], found[: depths.size, x_at], z_at)
+        top = top_of(xs[:-1], found[z_at, :-1]), top_of(zs[: depths.size], found[: depths.size, x_at])
         # Nearer to the surface by smaller steps, on a power law nearer to the edges too.
         if given.half is not None:
             next_z = z + jnp.minimum(step, 0.5 * z + 1e-3 * step) * downwards
@@ -86,15 +87,6 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
     rounds = fineness_of(given.digits, ends.dtype).rounds
     rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
-
-
-def _top(at: Array, found: Array, best: Array) -> Array:
-    """Where the parabola through the best of values and both beside it has its top, else the place of one of them."""
-    inner = jnp.clip(best, 1, at.size - 2)
-    (x, y, z), (left, top, right) = (lax.dynamic_slice(each, (inner - 1,), (3,)) for each in (at, found))
-    left, right = (left - top) / (x - y), (right - top) / (z - y)
-    shift = 0.5 * (right * (y - x) + left * (z - y)) / (left - right)
-    return jnp.where((left > 0.0) & (right < 0.0), y + shift, y)
 
 
 def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:

@@ -8,8 +8,6 @@ from jax import Array
 
 from plgwear_jax._core.xla import materialised
 
-__all__ = ["NODES", "Images", "RingCells", "images_of", "mean_over", "nodes_of", "products_of", "sizes_of"]
-
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
 _X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(NODES)[0], 0.5 * np.polynomial.legendre.leggauss(NODES)[1])

@@ -268,8 +268,11 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     return found, half + half.T + _of_each_table(dtable, near, far, share, weight)
 
 
-def by_springs(compliance: Graded, c: Array, first: Array, last: Array, images: Images, effort: Effort) -> Array:
-    """What the cells from the place `first` to `last`, T - 1, do to each other by the kernel of `springs_of`."""
+def directly(compliance: Graded, c: Array, first: Array, last: Array, images: Images, effort: Effort) -> Array:
+    """What the cells from the place `first` to `last`, T - 1, do to each other if nothing else moves.
+
+    By the homogeneous half-space of the surface's modulus, and by the kernel of `springs_of`.
+    """
     kernel, integral = springs_of(compliance, c, effort)
     # At the axis the root has no slope.
     root, ends = jnp.sqrt(1.0 + images.t), jnp.maximum(1.0 + jnp.stack([first, last]), jnp.finfo(c.dtype).tiny)
@@ -278,21 +281,19 @@ def by_springs(compliance: Graded, c: Array, first: Array, last: Array, images: 
     apart = jnp.maximum(jnp.stack(apart), math.exp(_LEAST))
     below, above, opposite, less = _values_at(_lagrange_cubics(integral), _places_of(apart))
     # Weights of nodes are those of 2 dr.
-    return through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
+    added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
+    # g c/(2 Gamma(3/2)^2)
+    return compliance.strength * c * (2.0 / math.pi) * (products_of(images.share, images.weight) + 0.5 * added)
 
 
 def _graded(
     compliance: Graded, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
 ) -> tuple[Array, Images]:
-    """The homogeneous half-space of the surface's modulus, and what m(q) adds to it directly and through the inside."""
+    """What cells do to each other directly, and through the inside."""
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
-    # g c/(2 Gamma(3/2)^2)
-    strength = compliance.strength * c * (2.0 / math.pi)
-    of_ring = products_of(images.share, images.weight)
-    direct = by_springs(compliance, c, jnp.zeros_like(c), from_c[-1], images, effort)
     moved, caused = _through_inside(compliance, c, images, effort)
-    return strength * (of_ring + 0.5 * direct) - moved @ caused, images
+    return directly(compliance, c, jnp.zeros_like(c), from_c[-1], images, effort) - moved @ caused, images
 
 
 def _through_inside(compliance: Graded, c: Array, images: Images, effort: Effort) -> tuple[Array, Array]:

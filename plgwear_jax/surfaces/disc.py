@@ -4,14 +4,12 @@ Radii are in T = (r/b)^2, from 0 at the centre to 1 at the outer edge of the las
 each cell, follow from the pressures by A p. Unlike in the ring of `cycles`, no part of the contact has to stick.
 """
 
-import math
-
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.surfaces.cells import images_of, products_of
+from plgwear_jax.surfaces.cells import images_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded
-from plgwear_jax.surfaces.cycles import by_springs, power_terms
+from plgwear_jax.surfaces.cycles import directly, power_terms
 from plgwear_jax.surfaces.effort import Effort
 
 
@@ -28,6 +26,4 @@ def disc_of(compliance: Compliance, b: Array, edges: Array, effort: Effort) -> A
     if not isinstance(compliance, Graded):
         return jnp.sum(power_terms(compliance, b, none, none[None], none[None], from_b).disc, 0)
     half = jnp.full_like(b, 0.5)
-    found = images_of(from_b, from_b, none, half, half)
-    added = by_springs(compliance, b, from_b[0], from_b[-1], found, effort)
-    return compliance.strength * b * (2.0 / math.pi) * (products_of(found.share, found.weight) + 0.5 * added)
+    return directly(compliance, b, from_b[0], from_b[-1], images_of(from_b, from_b, none, half, half), effort)

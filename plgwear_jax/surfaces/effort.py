@@ -67,4 +67,4 @@ def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Ar
         return ruled(effort, *primals), jax.tree.map(lambda by: jnp.tensordot(tangents[0], by, 1), found)
 
     ruled.defjvp(rule)
-    return functools.wraps(function)(lambda effort, numbers: ruled(effort, numbers))
+    return ruled

@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Image, Outline, inwards
-from plgwear_jax.special.elementary import crest
+from plgwear_jax.special.elementary import crest, top_of
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
@@ -207,7 +207,8 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
-_PLACES = np.linspace(0.0, 1.0, 26)[1:-1]  # of the depths that are compared, see `deepest`
+# Of the depths that are compared, see `deepest`, and around the top of these.
+_PLACES, _CLOSER = np.linspace(0.0, 1.0, 26)[1:-1], np.array([-0.004, 0.0, 0.004])
 
 
 def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
@@ -218,22 +219,11 @@ def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
         y = jnp.expm1(places * places * (3.0 - 2.0 * places) * jnp.log1p(end))
         return jax.vmap(lambda y: depth_beside(lack, a, y, effort))(y)
 
-    places = jnp.asarray(_PLACES, a.dtype)
-    depths = depths_at(places)
-    most = jnp.clip(jnp.argmax(depths), 1, _PLACES.size - 2)
-    x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
+    places, near = jnp.asarray(_PLACES, a.dtype), jnp.asarray(_CLOSER, a.dtype)
     # Once more, nearer to the top, and there by a parabola: it has the second derivatives of a top that moves.
-    near = 0.1 * (x[2] - x[0]) * jnp.asarray([-0.5, 0.0, 0.5], a.dtype)
-    around = _top_of(x, h) + near
-    top = _top_of(around, depths_at(around))
+    around = top_of(places, depths_at(places)) + near
+    top = top_of(around, depths_at(around))
     return crest(depths_at(jax.lax.stop_gradient(top + near)))
-
-
-def _top_of(x: Array, h: Array) -> Array:
-    """Where the parabola through three points has its top, between the first and the last of them."""
-    left, right = (h[1] - h[0]) / (x[1] - x[0]), (h[2] - h[1]) / (x[2] - x[1])
-    bend = (right - left) / (x[2] - x[0])
-    return jnp.clip(0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0), x[0], x[2])
 
 
 # --- the contact unworn and worn --------------------------------------------------------------------------------------

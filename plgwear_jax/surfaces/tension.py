@@ -12,6 +12,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Outline
+from plgwear_jax.special.elementary import ratio_where
 from plgwear_jax.surfaces.compliance import Compliance, OnePower
 from plgwear_jax.surfaces.punch import own_pressures, pressure_inside
 from plgwear_jax.surfaces.ring import Worn
@@ -79,7 +80,7 @@ def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, A
     G = jnp.concatenate([-image.first[None], image.fallen(edges[1:] - 1.0)])
     size, inner = jnp.diff(edges), edges[:-1]
     inside = jnp.maximum(edges - inner[:, None], 0.0) ** s
-    slopes = jnp.diff(G) / jnp.where(size > 0.0, size, 1.0)
+    slopes = ratio_where(size > 0.0, jnp.diff(G), size)
     parts = jnp.diff(inside) * (slopes * punch.stiffness / punch.force)
     own = jnp.sum(parts[:, :count], -1)  # beside the stick area 0
     shares = jnp.stack([(1.0 - phi) * (1.0 + wide) * jnp.sum(parts, -1), own, own])
