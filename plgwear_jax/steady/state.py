@@ -162,8 +162,9 @@ class Bodies(NamedTuple):
         if flat is None:
             first = jnp.asarray(np.eye(effort.modes, 1), c.dtype)
             flat = solve_symmetric(self.compliance.matrices(c, effort)[0], first)[:, 0]
-        shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
-        return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
+        # The whole matrix takes `flat` to a depth of 1, so that the energy of both is the first pressure.
+        share = flat @ self.compliance.of_indenter(effort) @ flat / flat[0]
+        return self.ratio + share * (self.other - self.ratio)
 
 
 def _bodies(

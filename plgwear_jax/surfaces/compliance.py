@@ -12,7 +12,7 @@ with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shape
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -108,14 +108,13 @@ class PowerLaw(NamedTuple):
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        power, homogeneous = self.shares(c, effort)
-        return homogeneous + power, -self.k * power
-
-    def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
-        """(M of the half-space, M of the indenter)."""
-        del effort
         power = jnp.exp(self.log_g - self.k * jnp.log(c)) * self.power_terms
-        return power, self.homogeneous * self.homogeneous_terms
+        return self.of_indenter(effort) + power, -self.k * power
+
+    def of_indenter(self, effort: Effort) -> Array:
+        """M of the indenter."""
+        del effort
+        return self.homogeneous * self.homogeneous_terms
 
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
@@ -194,6 +193,11 @@ class OnTheLaw(NamedTuple):
     punches: tuple[Array, Array, Array] | None
 
 
+def _of_surface(effort: Effort, dtype: Any) -> Array:
+    """M of 1/q."""
+    return jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), dtype)
+
+
 class Graded(NamedTuple):
     """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^4)."""
 
@@ -233,13 +237,11 @@ class Graded(NamedTuple):
         constants = foundation(effort)
         both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c, effort), -1)
         excess, slope = jnp.moveaxis(jnp.asarray(constants.matrix, c.dtype) @ both, -1, 0)
-        diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
-        return self.strength * (diagonal + excess), self.strength * slope
+        return self.strength * (_of_surface(effort, c.dtype) + excess), self.strength * slope
 
-    def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
-        """(M of the half-space, M of the indenter)."""
-        diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
-        return self.matrices(c, effort)[0] - self.indenter * diagonal, self.indenter * diagonal
+    def of_indenter(self, effort: Effort) -> Array:
+        """M of the indenter."""
+        return self.indenter * _of_surface(effort, self.indenter.dtype)
 
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
