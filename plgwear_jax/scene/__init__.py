@@ -125,7 +125,7 @@ class Scene:
         """The cycles of the wear: those of a history that has its own, or of [wear]; None without."""
         if self.wear is None:
             return None
-        own = None if self.load is None else self.load.cycles
+        own = self.load and self.load.cycles
         return self.wear.cycles if own is None else float(own.sum())
 
     @property
@@ -345,8 +345,7 @@ class Scene:
                 key = "[output] distance"
             whose = "the stick radius" if load is not None else "the radius of the punch"
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
-        shape = self.contact.fields.get("shape")
-        heights = None if shape is None else shape.file
+        heights = getattr(self.contact.fields.get("shape"), "file", None)
         lacking = any(np.any(np.isnan(value)) for value in values.values())
         if heights is not None and lacking:
             end = f"ends at r = {heights['r'][-1]:g} m, inside the worn radius"
@@ -356,8 +355,8 @@ class Scene:
         found = {}
         for name in (name for name in names if name in values):
             law, value = laws[name], values[name]
-            beside: tuple[Any, ...] = ()
             if "r" in law.arguments:
+                beside: tuple[Any, ...] = ()
                 if f"{name} beside" in values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(values["edge distance"]), float(values[f"{name} beside"])
                 found[name] = Quantity(value, law.unit, law.description, values["radii"], *beside)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_quantity, refuse_question
+from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_quantity
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
@@ -42,7 +42,7 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
     if "scenarios" in arguments:
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
-    space, kind, limits = given.asked(), given.contact.kind, {}
+    kind, limits = given.contact.kind, {}
     # The front replaces a limit of x by its own values; of several limits of one quantity those at other places stay.
     for one, limit in arguments.pop("limits").items():
         several = limit if isinstance(limit, list | tuple) else [limit]
@@ -53,10 +53,6 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
         ]
         if others:
             limits[one] = others if several[1:] else limit
-    try:
-        refuse_question(space.variables, bool(space.hold), space.objective, [*limits, name], kind=kind)
-    except WrongKeyError as error:
-        raise SceneError(f"[design] {error}") from None
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
     return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
@@ -64,15 +60,14 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
 def _question(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load, wear = given.asked(), given.load, given.wear
-    acting = None
-    if load is not None and given.wears_otherwise:  # the blocks of a history, or a displacement over a life
-        acting = load.record()
-    elif load is not None:  # forces in N, with the rig of their displacements
-        acting = load.force if load.rig_stiffness is None else Force(load.force, load.rig_stiffness)
+    # The blocks of a history, or a displacement over a life; else forces in N, with the rig of their displacements.
+    acting = load and (load.record() if given.wears_otherwise else Force(load.force, load.rig_stiffness))
+    lasting = {}
     if wear is not None and given.life is not None:
         scattered = {} if space.scatter is None else space.scatter.columns
         own = () if "wear_coefficient" in scattered else scattered  # which has a coefficient for each friction
         wear.refuse_frictions([*space.variables, *own, *(load.pressed if load else ())])
+        lasting = {"cycles": given.life, "law": wear.law}
     return {
         "contact": given.build_contact(),
         "load": acting,
@@ -81,7 +76,7 @@ def _question(given: "Scene") -> dict[str, Any]:
         "hold": space.hold,
         "minimise": space.minimise,
         "limits": _limits_of(space),
-        **({} if wear is None or given.life is None else {"cycles": given.life, "law": wear.law}),
+        **lasting,
     }
 
 
@@ -148,13 +143,13 @@ def _limits_of(space: DesignSpace) -> dict[str, Any]:
 
 def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     """What varies: within a window k and E0, as far as it reaches."""
-    window = variables.get("modulus")
+    others = dict(variables)
+    window = others.pop("modulus", None)
     if window is None:
-        return variables
+        return others
     (first, second), *moduli = np.log([*window.values()])
     part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
     reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
-    others = {name: x for name, x in variables.items() if name != "modulus"}
     return {"k": exponents_between(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
@@ -174,6 +169,8 @@ def answer(question: str, **arguments: Any) -> Any:
     """What `optimise` answers; refused are numbers that it refuses, such as a modulus beyond the range of numbers."""
     try:
         found = getattr(optimise, question)(**arguments)
+    except WrongKeyError as error:
+        raise SceneError(f"[design] {error}") from None
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
     values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)

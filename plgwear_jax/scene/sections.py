@@ -193,8 +193,6 @@ class LoadSection(SimpleNamespace):
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
-        if self.file is None:
-            return not (self.tangential_force or self.displacement)
         return not (self.given * self.columns.get("weight", 1.0)).any()
 
     def refuse_rest(self) -> None:
@@ -211,8 +209,10 @@ class LoadSection(SimpleNamespace):
         if self.cycles is None:
             return every[0]
         own = {"cycles": self.cycles, **self.pressed}
-        blocks = ({name: column.item(row) for name, column in own.items()} for row in range(len(every)))
-        return [loads.Block(load, **block) for load, block in zip(every, blocks, strict=True)]
+        return [
+            loads.Block(load, **{name: column.item(row) for name, column in own.items()})
+            for row, load in enumerate(every)
+        ]
 
     @cached_property
     def moved(self) -> Any:

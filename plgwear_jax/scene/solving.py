@@ -13,6 +13,7 @@ from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.surfaces import Elastic
 
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
@@ -68,14 +69,10 @@ def scene_values(
 
 def homogeneous(contact: Any) -> Any:
     """The contact; k = 0 in a file under an elastic parabola is a homogeneous half-space, which has closed forms."""
-    if isinstance(contact, GrossSlipContact) or contact.indenter is None or contact.shape is not None:
-        return contact
-    material = contact.material
-    if not isinstance(material, PowerLawGraded) or material.k != 0.0 or material.nu == "holl":
-        return contact
-    from plgwear_jax.surfaces import Elastic
-
-    return dataclasses.replace(contact, material=Elastic(material.E0, material.nu))
+    material, elastic = contact.material, getattr(contact, "indenter", None) is not None and contact.shape is None
+    if elastic and isinstance(material, PowerLawGraded) and material.k == 0.0 and material.nu != "holl":
+        return dataclasses.replace(contact, material=Elastic(material.E0, material.nu))
+    return contact
 
 
 class DisplacementEffect(NamedTuple):

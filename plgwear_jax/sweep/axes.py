@@ -95,8 +95,8 @@ def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
     """The values of the range start:stop:count[:spacing], whose parts are given; `said` begins a complaint."""
     if len(parts) not in (3, 4):
         raise AxisError(f"{said}: must be {_FORMS}")
-    start, stop = map(number_in, parts[:2])
-    if start is None or stop is None or not np.isfinite([start, stop]).all():
+    start, stop = ends = np.array([*map(number_in, parts[:2])], float)  # a word is NaN
+    if not np.isfinite(ends).all():
         raise AxisError(f"{said}: start and stop must be finite numbers")
     if not (parts[2].strip().isdecimal() and 1 <= int(parts[2]) <= _MOST):
         raise AxisError(f"{said}: the count must be a whole number from 1 to {_MOST}")
@@ -112,12 +112,12 @@ def _spaced(name: str, said: str, parts: list[str]) -> np.ndarray:
         able = ", ".join(axis for axis, kind in AXES.items() if kind.interval is not None)
         raise AxisError(f"{said}: logit is only for {able}")
     lower, upper = within
-    if not lower < min(start, stop) <= max(start, stop) < upper:
+    if not lower < ends.min() <= ends.max() < upper:
         must = "> 0" if spacing == "log" else f"between {lower:g} and {upper:g}"
         raise AxisError(f"{said}: with {spacing} both ends must be {must}")
     if spacing == "log":
         return np.geomspace(start, stop, count)
-    first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
+    first, last = (math.log((end - lower) / (upper - end)) for end in ends)
     values = lower + (upper - lower) / (1.0 + np.exp(-np.linspace(first, last, count)))
-    values[[0, -1]] = start, stop
+    values[[0, -1]] = ends
     return values

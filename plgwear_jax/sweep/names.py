@@ -60,7 +60,7 @@ class AxisNames:
         own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
             has them.
         load: The load.
-        of_load: The numbers of the load.
+        of_load: The numbers of the load, None where it has none of its own.
         allowed: All names; elements of an array are one.
     """
 
@@ -77,22 +77,13 @@ class AxisNames:
             self.own[name if name in AXES else path] = value
         self.of_load = {
             path.removesuffix("_amplitude") if load.lasts else f"load{path.removeprefix('of')}": value
-            for path, value in paths_of(load).items()
+            for path, value in paths_of(load or (), lambda one: one is None).items()
         }
         self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
         self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
         if isinstance(contact, FrettingContact):
             self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES]
             self.allowed += ["cycles", "wear_coefficient", "share"]
-
-    def part_of_load(self, name: str) -> str | None:
-        """The path in the load of a number of a block, also of one that it has not; None of other names."""
-        path = f"of{name.removeprefix('load')}"
-        try:
-            number = name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(self.load, path))
-        except (AttributeError, LookupError, TypeError):
-            number = False
-        return path if number else None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -101,7 +92,7 @@ class SweepTarget:
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
-        names: The names of its numbers.
+        known: The names of its numbers, and of those of its load.
         load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
@@ -113,7 +104,7 @@ class SweepTarget:
     """
 
     contact: FrettingContact | GrossSlipContact | None
-    names: AxisNames
+    known: AxisNames
     load: Any
     inputs: tuple[str, ...]
     holl: bool
@@ -173,10 +164,6 @@ class SweepQuantity:
     smooth: bool = True
 
 
-# A search or a march over cycles takes a thousand times as long as a formula.
-SEARCHES = {"optimal_exponent", "design", "transient"}
-
-
 def variable_name(quantity: str) -> str:
     """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
     return re.sub(r"\W+", "_", quantity).strip("_")
@@ -232,8 +219,11 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     if stem == SLIPS and "displacement" in subject.inputs:
         onset = known["gross_slip_displacement"].evaluate
         return SweepQuantity(
-            *(stem, subject.inputs, lambda values, memo: ~(values["displacement"] < onset(values, memo))),
-            *("1", "the whole contact slips before any wear"),
+            stem,
+            subject.inputs,
+            lambda values, memo: ~(values["displacement"] < onset(values, memo)),
+            "1",
+            "the whole contact slips before any wear",
             smooth=False,
         )
     if stem not in known:
@@ -302,13 +292,13 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
 
 
 def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
-    path, slopes = subject.names.paths.get(by, ""), _slopes_of(asked, subject)
+    path, slopes = subject.known.paths.get(by, ""), _slopes_of(asked, subject)
     if not (by in slopes or (path and slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(slopes)}" if slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
     def evaluate(values: Values, _: dict[Any, Any]) -> Array:
-        name = next((one for one in values if subject.names.paths.get(one) == path), by)
+        name = next((one for one in values if subject.known.paths.get(one) == path), by)
 
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
@@ -337,8 +327,8 @@ def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
     for name, value in values.items():
-        if name in subject.names.paths:
-            contact = with_leaf(contact, subject.names.paths[name], value)
+        if name in subject.known.paths:
+            contact = with_leaf(contact, subject.known.paths[name], value)
     return contact
 
 
@@ -367,7 +357,7 @@ SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 
 def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
-    numbers = [name for name, value in subject.names.own.items() if not isinstance(value, str) and not np.ndim(value)]
+    numbers = [name for name, value in subject.known.own.items() if not isinstance(value, str) and not np.ndim(value)]
     left_out = {"load_case", "nu"} if subject.holl else {"load_case"}
     return [name for name in (*asked.needs, *numbers) if asked.smooth and name not in left_out]
 

@@ -27,7 +27,6 @@ from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
-    SEARCHES,
     SweepQuantity,
     SweepTarget,
     axis_unit,
@@ -43,26 +42,24 @@ FORMULAS = 2
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class SweepPlan:
+class SweepPlan(SweepTarget):
     """Everything that determines the content of a sweep, whoever computes it.
 
     Attributes:
         names: The quantities.
         axes: The values along each axis; of loads their row numbers.
         fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
-        subject: The contact, its loads, and what else the quantities depend on.
         loads: The names of the loads, if these are an axis.
         dtype: float64 or float32.
-        chunk: The shape of a chunk.
+        most: The most points of a chunk; None for the default.
     """
 
     names: tuple[str, ...]
     axes: Mapping[str, np.ndarray]
     fixed: Mapping[str, Any]
-    subject: SweepTarget
     loads: tuple[str, ...]
     dtype: np.dtype
-    chunk: tuple[int, ...]
+    most: int | None
 
     def __getstate__(self) -> dict[str, Any]:
         # sent to other processes: the fields, not the cached functions, which each process makes itself
@@ -77,6 +74,17 @@ class SweepPlan:
     def points(self) -> int:
         """The number of points."""
         return math.prod(self.shape)
+
+    @functools.cached_property
+    def chunk(self) -> tuple[int, ...]:
+        """The shape of a chunk: by default of some megabytes of results, or of about a second if points are slow."""
+        heads, usual, least = {name.split(".")[0] for name in self.names}, 2**20, 2**10
+        if self.slow:
+            usual, least = 2**2 if "design" in heads else 2**8, 1
+        elif heads & {"optimal_exponent", "design", "transient"}:  # which take a thousand times as long as a formula
+            usual = 2**14
+        amplitudes = 1 if self.amplitudes is None else self.amplitudes[0].shape[1]
+        return chunk_shape(self.shape, self.most or max(usual // amplitudes, least))
 
     @functools.cached_property
     def places(self) -> list[dict[str, slice]]:
@@ -102,7 +110,7 @@ class SweepPlan:
     @functools.cached_property
     def asked(self) -> tuple[SweepQuantity, ...]:
         """The quantities, made into functions."""
-        return tuple(resolve(name, self.subject) for name in self.names)
+        return tuple(resolve(name, self) for name in self.names)
 
     @functools.cached_property
     def variables(self) -> dict[str, xr.Variable]:
@@ -116,7 +124,7 @@ class SweepPlan:
             along = [place for place, length in enumerate(array.shape) if length == 2]
             dims, shape, chunks = ([each[place] for place in along] for each in ([*self.axes], self.shape, self.chunk))
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
-            digits = self.subject.digits or self.subject.digits_of(asked.name) or f"all of {self.dtype}"
+            digits = self.digits or self.digits_of(asked.name) or f"all of {self.dtype}"
             about = {
                 "quantity": asked.name,
                 "units": asked.unit,
@@ -131,24 +139,22 @@ class SweepPlan:
 
     def evaluate(self, *rows: Array) -> tuple[Array, ...]:
         """The quantities on the outer product of the rows, each with as many axes as there are rows."""
-        count = len(rows)
         values: dict[str, Any] = {LOAD: jnp.zeros((), np.int32)} | {
             name: value if isinstance(value, str) else jnp.asarray(value, self.dtype)
             for name, value in self.fixed.items()
         }
-        for place, (name, row) in enumerate(zip(self.axes, rows, strict=True)):
-            values[name] = row.reshape([-1 if place == axis else 1 for axis in range(count)])
+        values |= zip(self.axes, jnp.meshgrid(*rows, indexing="ij", sparse=True), strict=True)
         shared: dict[Any, Any] = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
-        return tuple(x.reshape((1,) * (count - x.ndim) + x.shape) for x in found)
+        return tuple(jnp.expand_dims(x, tuple(range(len(rows) - x.ndim))) for x in found)
 
     def coordinate_attributes(self, name: str) -> dict[str, str]:
         """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
         if name == LOAD:
             return {"label": "load", "long_name": "load"}
-        kind, of_punch = leaf(name), name == "radius" and hasattr(self.subject.contact, "depth")
+        kind, of_punch = leaf(name), name == "radius" and hasattr(self.contact, "depth")
         return {
-            "units": axis_unit(name, self.subject.contact),
+            "units": axis_unit(name, self.contact),
             "label": "radius of the punch $a$" if of_punch else kind.label,
             "long_name": kind.description,
             "spacing": spacing_of(name, self.axes.get(name, np.zeros(1))),
@@ -172,7 +178,7 @@ class SweepPlan:
 
         with in_precision(self.dtype):  # a worker has not set jax_enable_x64
             shared = jax.shard_map(one_chunk, mesh=sharding.mesh, in_specs=split, out_specs=split, check_vma=False)
-            options: Any = compiler_options(1) if self.subject.slow else None  # else XLA compiles for half a minute
+            options: Any = compiler_options(1) if self.slow else None  # else XLA compiles for half a minute
             return jax.jit(shared).lower(*rows).compile(options), sharding
 
     def _start(self, numbers: Sequence[int]) -> list[Array]:
@@ -193,18 +199,18 @@ class SweepPlan:
         for (batch, found), _ in itertools.pairwise(started):
             for device, number in enumerate(batch):
                 kept = {name: slice(part.stop - part.start) for name, part in self.places[number].items()}
-                variables = {}
-                for (name, variable), array in zip(self.variables.items(), found, strict=True):
-                    place = (kept[axis] if axis in variable.dims else 0 for axis in kept)
-                    variables[name] = np.asarray(array)[(device, *place)]
+                variables = {
+                    name: np.asarray(array)[(device, *(kept[axis] if axis in one.dims else 0 for axis in kept))]
+                    for (name, one), array in zip(self.variables.items(), found, strict=True)
+                }
                 yield number, variables
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
         """A description of the sweep that can be compared with another and read by people."""
-        subject, heads = self.subject, {name.split(".")[0] for name in self.names}
-        kinds = {name: type(getattr(subject.contact, name, None)).__name__ for name in BODIES}
-        rows = {name: value for name, value in subject.names.own.items() if np.ndim(value)}
+        heads = {name.split(".")[0] for name in self.names}
+        kinds = {name: type(getattr(self.contact, name, None)).__name__ for name in BODIES}
+        rows = {name: value for name, value in self.known.own.items() if np.ndim(value)}
         return _told(
             {
                 "version": __version__,
@@ -212,13 +218,13 @@ class SweepPlan:
                 "quantities": self.names,
                 **self.axes,
                 **self.fixed,
-                "contact": type(subject.contact).__name__,
+                "contact": type(self.contact).__name__,
                 "bodies": kinds | rows,
-                "loads": {"names": self.loads, "amplitudes": subject.amplitudes},
-                "held": type(subject.load).__name__,
-                "bounds": subject.bounds if "optimal_exponent" in heads else "not used",
-                "design": subject.design if "design" in heads else "not used",
-                "digits": "all" if subject.digits is None else subject.digits,
+                "loads": {"names": self.loads, "amplitudes": self.amplitudes},
+                "held": type(self.load).__name__,
+                "bounds": self.bounds if "optimal_exponent" in heads else "not used",
+                "design": self.design if "design" in heads else "not used",
+                "digits": "all" if self.digits is None else self.digits,
                 "dtype": str(self.dtype),
                 "axes": [*self.axes],
                 "chunk": self.chunk,
@@ -242,14 +248,6 @@ def _told(value: Any) -> Any:
 
 
 # --- chunks ---------------------------------------------------------------------------------------------------------
-
-
-def default_chunk(names: Sequence[str], amplitudes: int, slow: bool = False) -> int:
-    """The points of a chunk: some megabytes of results, or about a second of searching or of slow contacts."""
-    heads = {name.split(".")[0] for name in names}
-    if slow:
-        return max((2**2 if "design" in heads else 2**8) // amplitudes, 1)
-    return max((2**14 if heads & SEARCHES else 2**20) // amplitudes, 2**10)
 
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:

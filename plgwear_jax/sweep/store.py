@@ -172,7 +172,7 @@ class SweepStore:
         return SweepError(f"{self.name}: cannot be written: {error.strerror or error}")
 
 
-def write_chunk(arrays: Mapping[str, Any], plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
+def write_chunk(arrays: Any, plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
     """Write a chunk into arrays, of a store or in memory."""
     for name, part in plan.parts(number).items():
         arrays[name][part] = variables[name]

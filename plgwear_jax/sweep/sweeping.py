@@ -30,10 +30,9 @@ from plgwear_jax.sweep.names import (
     SLIPS,
     AxisNames,
     QuantityError,
-    SweepTarget,
     axis_unit,
 )
-from plgwear_jax.sweep.plan import LOAD, SweepPlan, chunk_shape, default_chunk
+from plgwear_jax.sweep.plan import LOAD, SweepPlan
 from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, open_sweep, write_chunk
 
 Progress = Callable[[int, int], None]
@@ -113,9 +112,9 @@ def sweep(
     for name in names:
         if names.count(name) > 1:
             raise QuantityError(f"{name}: is asked for more than once")
-    for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
-        if not isinstance(contact, FrettingContact):
-            raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
+    for name, one, has in (("load", load, "one"), ("loads", loads, "them")):
+        if one is not None and not isinstance(contact, FrettingContact):
+            raise SweepError(f"{name}: only a FrettingContact has {has}")
     if contact is not None:
         doubt(*of_contact(contact))
     if loads is not None and not loads:
@@ -124,7 +123,7 @@ def sweep(
     given = None if load is None else load_of(load)
     held = given if given is not None and not given.lasts else None
     known = AxisNames(contact, given)
-    of_load = {name: values for name, values in known.of_load.items() if name not in axes}
+    of_load = {name: value for name, value in known.of_load.items() if value is not None and name not in axes}
     rows, fixed = _sorted_out(of_load | axes, known, contact)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
@@ -138,7 +137,6 @@ def sweep(
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
-    subject = SweepTarget(contact, known, held, inputs, holl, amplitudes, design, bounds, digits)
 
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
@@ -146,9 +144,8 @@ def sweep(
     rows = {name: row if name == LOAD else check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
-    width = 1 if amplitudes is None else amplitudes[0].shape[1]
-    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, width, subject.slow))
-    plan = SweepPlan(names, rows, fixed, subject, tuple(loads), dtype, shape)
+    target = contact, known, held, inputs, holl, amplitudes, design, bounds, digits
+    plan = SweepPlan(*target, names, rows, fixed, tuple(loads), dtype, chunk)
     _refuse(plan)
     try:
         used = {axis for variable in plan.variables.values() for axis in variable.dims}
@@ -197,13 +194,14 @@ def _followed(steps: Generator[int], done: int, points: int, progress: Progress 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
     try:
-        arrays = {name: np.empty(variable.shape, variable.dtype) for name, variable in plan.variables.items()}
+        empty = {name: one.copy(data=np.empty(one.shape, one.dtype)) for name, one in plan.variables.items()}
     except (MemoryError, ValueError):
         size = sum(variable.nbytes for variable in plan.variables.values())
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
-    steps = _run(plan, range(len(plan.places)), functools.partial(write_chunk, arrays, plan))
+    found = labelled(plan).assign(empty)
+    steps = _run(plan, range(len(plan.places)), functools.partial(write_chunk, found, plan))
     _followed(steps, 0, plan.points, progress)
-    return labelled(plan).assign({name: one.copy(data=arrays[name]) for name, one in plan.variables.items()})
+    return found
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------
@@ -234,8 +232,8 @@ def _sorted_out(
     paths = {known.paths[name]: name for name in fixed}
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
-        path, of_block = known.paths.get(name), known.part_of_load(name)
-        if path is None and name not in known.allowed and of_block is None:
+        path, of_block = known.paths.get(name), name.startswith("load[") and name in known.of_load
+        if path is None and name not in known.allowed and not of_block:
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
             raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, known.allowed)}")
         if path is not None:
@@ -252,8 +250,10 @@ def _sorted_out(
             continue
         array = check_axis(name, values)
         try:
-            if path is not None or of_block is not None:
-                with_leaf(known.load if path is None else contact, path or of_block, array)
+            if path is not None:
+                with_leaf(contact, path, array)
+            elif of_block:
+                with_leaf(known.load, f"of{name.removeprefix('load')}", array)
         except ValueError as error:
             raise AxisError(f"{name}: {error}") from None
         if array.ndim:
@@ -269,7 +269,7 @@ def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.
     for name, (force, weight) in loads.items():
         try:
             force = check_axis("tangential_force", force)
-            pairs.append((force, np.asarray(tail_weights(force, np.asarray(weight)))))
+            pairs.append((force, tail_weights(force, np.asarray(weight))))
         except (ValueError, TypeError) as error:
             raise SweepError(f"load {name}: {error}") from None
     longest = max(force.size for force, _ in pairs)
@@ -279,10 +279,9 @@ def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.
 
 def _refuse(plan: SweepPlan) -> None:
     """Refuse amplitudes that reach the friction force in any combination of the axes, and what lacks an input."""
-    subject = plan.subject
-    if {LOAD, "tangential_force"} & {*subject.inputs}:
+    if {LOAD, "tangential_force"} & {*plan.inputs}:
         known: dict[str, Any] = {"factor": 1.0, "tangential_force": 0.0, **plan.fixed, **plan.axes}
-        forces, _ = subject.amplitudes or (known["tangential_force"], None)
+        forces, _ = plan.amplitudes or (known["tangential_force"], None)
         largest = np.max(known["factor"]) * np.max(forces)
         limit = np.min(known["friction"]) * np.min(known["normal_force"])
         if not PARTIAL_SLIP.contains(largest / limit):
@@ -291,12 +290,12 @@ def _refuse(plan: SweepPlan) -> None:
     for asked in plan.asked:
         for need in asked.needs:
             if need not in (*plan.axes, *plan.fixed, LOAD):
-                by_phi = need == "tangential_force" and "phi" in subject.names.allowed
-                unit = axis_unit(need, subject.contact)
+                by_phi = need == "tangential_force" and "phi" in plan.known.allowed
+                unit = axis_unit(need, plan.contact)
                 in_units = f" in {unit}" if unit != "1" else ""
                 raise QuantityError(
                     f"{asked.name}: needs {need}{in_units}{', phi, displacement or loads' if by_phi else ''}"
                 )
     for name in plan.fixed:
-        if subject.contact is None and not any(name in asked.needs for asked in plan.asked):
+        if plan.contact is None and not any(name in asked.needs for asked in plan.asked):
             raise AxisError(f"{name}: none of {', '.join(plan.names)} depends on it")

@@ -251,7 +251,7 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     given = read(with_files(text, 'table = "loads.csv"', loads=LOADS))
     design, front = given.arguments(), vars(given.front(points=5))
     for found in (design, front):
-        assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
+        assert_array_equal(found.pop("load").tangential_force, [0.1, 0.4, 0.2])
         assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
         assert found.pop("contact") == given.build_contact()
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius", "minimise": "wear_volume"}
