@@ -6,13 +6,14 @@ The fit is by least squares. SciPy is imported when a fit is made.
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Domain, check
+from plgwear_jax._core import ranges
+from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, check
 from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
@@ -25,7 +26,6 @@ from plgwear_jax.wear_laws import WearLaw, law_of
 
 __all__ = ["Fit", "Measurements", "fit_wear_coefficient", "log_likelihood"]
 
-_MEASURED = Domain(">= 0 and finite", lambda value: (value >= 0.0) & (value < float("inf")))
 _MEASURABLE = "volume", "contact_radius", "depth"  # of a `Run`
 _LEVEL = 0.95  # of confidence
 _STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
@@ -78,7 +78,7 @@ class Measurements:
         if shapes != {()}:
             raise ValueError(f"load takes one amplitude or a list of Block, not an array of {max(shapes)}")
         check("cycles", self.cycles, NUMBER)
-        check(self.what, self.measured, POSITIVE if self.relative else _MEASURED)
+        check(self.what, self.measured, POSITIVE if self.relative else ranges.NUMBER)
         check("deviation", self.deviation, POSITIVE)
         if self.r is not None:
             check("r", self.r, RADIUS)
@@ -180,69 +180,67 @@ def _worn(volume: Any) -> float:
     return float(volume)
 
 
-class _OneRun:
-    """Worn volumes under one amplitude.
+class _Model(NamedTuple):
+    """Worn volumes by the wear coefficient.
 
-    The time scales with the wear coefficient, so that one run gives the volumes with every coefficient. Its values and
-    slopes are taken at points so dense that cubics between them have errors below 1e-8 of the volume, under a constant
-    force.
+    Attributes:
+        at: Volumes at the cycles of the data by log(K).
+        curve: Volumes with coefficients of shape (c, 1) at other cycles of shape (n,); both broadcast.
+        ends: log(K) between hardly any wear and all of it.
+        most: The most that any coefficient wears.
+        steady: The final volume; None without one.
     """
 
-    def __init__(self, run: Run, cycles: np.ndarray):
-        from scipy.interpolate import CubicHermiteSpline
+    at: Callable[[Any], np.ndarray]
+    curve: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    ends: tuple[float, float]
+    most: Any
+    steady: float | None = None
 
-        # Up to the end, or a tenth of it, where a run has no state at its last time.
-        self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
-        volume, rate, steady = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid)), run.steady
-        self.most, self.cycles, logs = _worn(volume[-1]), cycles, np.log(self.grid)
-        self.steady = None if steady is None else float(steady.wear_volume) if run.load.holds_force else self.most
-        self.volume = CubicHermiteSpline(logs, volume, self.grid * rate)
-        # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
-        last = np.interp(self.most * (1.0 if steady is None else 1.0 - 1e-6), volume, logs)
-        self.ends = float(logs[0] - np.log(cycles.max())), float(last - np.log(cycles.min()))
 
-    def at(self, log: float) -> np.ndarray:
-        """Volumes at the cycles of the data by log(K)."""
-        return self.curve(np.exp(log), self.cycles)
+def _by_one_run(run: Run, cycles: np.ndarray) -> _Model:
+    """Volumes under one amplitude: the time scales with the wear coefficient, so that one run gives all of them.
 
-    def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        """Volumes with some coefficients at other cycles; both broadcast."""
-        x, first, last = coefficient * cycles, self.grid[0], self.grid[-1]
+    Its values and slopes are taken at points so dense that cubics between them have errors below 1e-8 of the volume,
+    under a constant force.
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    # Up to the end, or a tenth of it, where a run has no state at its last time.
+    grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
+    volume, rate, steady, logs = np.asarray(run.volume(grid)), np.asarray(run.rate(grid)), run.steady, np.log(grid)
+    most, spline = _worn(volume[-1]), CubicHermiteSpline(logs, volume, grid * rate)
+    # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
+    last = np.interp(most * (1.0 if steady is None else 1.0 - 1e-6), volume, logs)
+    ends = float(logs[0] - np.log(cycles.max())), float(last - np.log(cycles.min()))
+
+    def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+        x = coefficient * cycles
         # Before the first point the volume grows with x, after the last one not at all.
-        return np.minimum(x / first, 1.0) * self.volume(np.log(np.clip(x, first, last)))
+        return np.minimum(x / grid[0], 1.0) * spline(np.log(np.clip(x, grid[0], grid[-1])))
+
+    final = None if steady is None else float(steady.wear_volume) if run.load.holds_force else most
+    return _Model(lambda log: curve(np.exp(log), cycles), curve, ends, most, final)
 
 
-class _ManyRuns:
-    """Worn volumes over blocks of given cycles: a run for each of some coefficients."""
+def _by_many_runs(run_with: Callable[[Any], Run], cycles: np.ndarray, logs: np.ndarray, known: Any = None) -> _Model:
+    """Volumes over blocks of given cycles, by a run for each of some log(K), with those that are known."""
+    from scipy.interpolate import PchipInterpolator
 
-    steady = None
+    def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+        """NaN with infinite coefficients."""
+        wears = POSITIVE.contains(coefficient)
+        found = np.asarray(run_with(np.where(wears, coefficient, 1.0)[:, 0]).volume(cycles[:, None])).T
+        return np.where(wears, found, np.where(coefficient == 0.0, 0.0, math.nan))
 
-    def __init__(self, run_with: Callable[[Any], Run], least: float, cycles: np.ndarray, volume: np.ndarray):
-        self.run_with, self.cycles = run_with, cycles
-        first = np.asarray(run_with(least).volume(cycles))
-        slow = (
-            least * volume.max() / _worn(first.max())
-        )  # the coefficient without any change of the contact by its wear
-        self.logs, self.volumes = np.zeros(0), np.zeros((0, cycles.size))
-        self.follow(np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
-
-    def follow(self, logs: np.ndarray) -> None:
-        """Compute the runs of these log(K) too."""
-        from scipy.interpolate import PchipInterpolator
-
-        volumes = self.curve(np.exp(logs)[:, None], self.cycles)
-        # The largest coefficients may wear more than a run follows.
-        followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
-        self.logs, places = np.unique(np.append(self.logs, logs[followed]), return_index=True)
-        self.volumes = np.append(self.volumes, volumes[followed], axis=0)[places]
-        self.most = self.volumes.max(axis=0)  # with any coefficient
-        self.at, self.ends = PchipInterpolator(self.logs, self.volumes), (float(self.logs[0]), float(self.logs[-1]))
-
-    def curve(self, coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        """Volumes with coefficients of shape (c, 1) at other cycles, shape (c, n); NaN with infinite ones."""
-        one = coefficient[:, 0]
-        found = np.asarray(self.run_with(np.where((one > 0.0) & (one < math.inf), one, 1.0)).volume(cycles[:, None])).T
-        return np.where(coefficient > 0.0, np.where(coefficient < math.inf, found, math.nan), coefficient)
+    volumes = curve(np.exp(logs)[:, None], cycles)
+    # The largest coefficients may wear more than a run follows.
+    followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
+    logs, volumes = logs[followed], volumes[followed]
+    if known is not None:
+        logs, places = np.unique(np.append(known.x, logs), return_index=True)
+        volumes = np.append(known(known.x), volumes, axis=0)[places]
+    return _Model(PchipInterpolator(logs, volumes), curve, (float(logs[0]), float(logs[-1])), volumes.max(axis=0))
 
 
 @concrete_only("contact.over_cycles(load, law).volume(cycles) works there")
@@ -313,10 +311,12 @@ def fit_wear_coefficient(
             return contact.over_cycles(held, law_of(coefficient, exponent))
 
         if held.lasts:
-            model = _OneRun(run_with(1.0), N)
+            model = _by_one_run(run_with(1.0), N)
         else:
             least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
-            model = _ManyRuns(run_with, least, N, target)
+            # the coefficient without any change of the contact by its wear
+            slow = least * target.max() / _worn(np.max(run_with(least).volume(N)))
+            model = _by_many_runs(run_with, N, np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
         known = target.max() if deviation is None else deviations[worn]
 
         def misfit(log: float) -> float:
@@ -330,8 +330,8 @@ def fit_wear_coefficient(
             return tried, min((_least_near(misfit, tried, i) for i in minima), key=misfit)
 
         tried, best = most_likely()
-        if isinstance(model, _ManyRuns):
-            model.follow(best + np.linspace(-0.5, 0.5, _NODES))
+        if not held.lasts:
+            model = _by_many_runs(run_with, N, best + np.linspace(-0.5, 0.5, _NODES), model.at)
             tried, best = most_likely()
         least, freedom, fitted = misfit(best), N.size - 1, np.zeros_like(volume)
         fitted[worn] = model.at(best)

@@ -27,7 +27,7 @@ import numpy as np
 
 from plgwear_jax._core import ranges
 from plgwear_jax._core.catalogue import leaf
-from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
+from plgwear_jax._core.ranges import NUMBER, Domain
 from plgwear_jax._core.units import scales_of, text_cells
 from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
 
@@ -140,13 +140,14 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     except (csv.Error, ValueError) as error:
         said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
         raise TableError(f"{name}: row {row}: {said}") from None
-    found, columns = Table(name, {}, _frozen(rows[1:])), dict[str, np.ndarray]()
+    columns = dict[str, np.ndarray]()
+    found = Table(name, columns, _frozen(rows[1:]))
     for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
         if factor is None:
             _refuse_without_unit(found, column, given)
         # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-        columns[column] = _frozen(given / round(1.0 / factor) if factor and factor < 1.0 else given * (factor or 1.0))
-    found = dataclasses.replace(found, columns=columns)
+        size = factor or 1.0
+        columns[column] = _frozen(given / round(1.0 / size) if size < 1.0 else given * size)
     form.check(found)
     return found
 
@@ -250,9 +251,9 @@ def _allowed(column: str, form: Form) -> Domain:
     """What the cells of a column may be; the text is that for messages."""
     if column in form.domains:
         return Domain(f"must be in {form.domains[column].text}", form.domains[column].contains)
-    _, domain, meaning = _COLUMNS.get(column, ("", FINITE, ""))
-    sign = {NUMBER: " >= 0", POSITIVE: " > 0"}.get(domain, "")
-    return Domain(f"must be a finite number{sign}{', ' if meaning else ''}{meaning}", domain.contains)
+    _, domain, meaning = _COLUMNS[column]
+    sign = ">= 0" if domain is NUMBER else "> 0"
+    return Domain(f"must be a finite number {sign}{', ' if meaning else ''}{meaning}", domain.contains)
 
 
 def _units_of(column: str) -> Mapping[str, float]:

@@ -88,15 +88,15 @@ class DesignSpace(SimpleNamespace):
         return found
 
     @cached_property
-    def allowed(self) -> dict[str, Any] | None:
-        """The limits by name: above, below or between with the place, or the window; None without any."""
+    def allowed(self) -> dict[str, Any]:
+        """The limits by name: above, below or between with the place, or the window."""
         allowed = dict(self.limits or {})
         if "modulus" in allowed:
             allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
             if len(allowed["modulus"]["at"]) > 2:
                 text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
                 raise WrongKeyError("limits.modulus.at", text)
-        return allowed or None
+        return allowed
 
     @property
     def level(self) -> float:
@@ -133,7 +133,7 @@ class DesignSpace(SimpleNamespace):
 
     def _refuse(self) -> None:
         """Refuse what a design cannot have, for this contact under this load."""
-        reading, variables, allowed = self.reading, self.variables, self.allowed or ()
+        reading, variables, allowed = self.reading, self.variables, self.allowed
         material, kind, load = reading.material, reading.contact.kind, reading.load
         lasts = reading.wear is not None and self.objective in BY_THEN
         if load is not None and load.pressed and not (lasts and load.cycles is not None):
@@ -147,7 +147,7 @@ class DesignSpace(SimpleNamespace):
             objective = placed_quantity("minimise", self.objective, places, kind)
         except WrongKeyError as error:  # these places have no keys of their own
             raise WrongKeyError("minimise", error.text) from None
-        for name, given in each_limit(self.allowed):
+        for name, given in each_limit(allowed):
             if name != "modulus":
                 limited_quantity(name, given, kind)
         if not self.free:
@@ -169,7 +169,7 @@ class DesignSpace(SimpleNamespace):
             return
         kept = [name for name in self.variables if name not in (*OF_POWER_LAW, "modulus")]
         asked = [f"vary.{name}" for name in self.variables if name not in kept]
-        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.allowed or {}))
+        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in self.allowed)
         if not asked:
             return
         first, *others = asked

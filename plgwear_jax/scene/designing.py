@@ -132,7 +132,7 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
 
 def _limits_of(space: DesignSpace) -> dict[str, Any]:
     """The limits as Python takes them: a window, also one within which the modulus varies, is one at two depths."""
-    limits = dict(space.allowed or {})
+    limits = dict(space.allowed)
     window = limits.pop("modulus", None)
     if not space.free:
         window = space.variables.get("modulus", window)

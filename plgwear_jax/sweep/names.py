@@ -73,7 +73,7 @@ class AxisNames:
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
             for place in [f"[{i}]" for i in range(np.shape(value)[-1])] if np.ndim(value) else [""]:
-                self.paths |= {name + place: path + place, path + place: path + place}
+                self.paths |= dict.fromkeys((name + place, path + place), path + place)
             self.own[name if name in AXES else path] = value
         self.of_load = {
             path.removesuffix("_amplitude") if load.lasts else f"load{path.removeprefix('of')}": value
@@ -126,7 +126,7 @@ class SweepTarget:
     @property
     def for_life(self) -> bool:
         """Designs are those of a life."""
-        return self.design is not None and self.design.get("cycles") is not None
+        return (self.design or {}).get("cycles") is not None
 
     @property
     def marched(self) -> bool:
@@ -227,13 +227,12 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
             smooth=False,
         )
     if stem not in known:
-        text = f"{one_line(name)}: there is no such quantity"
-        by = near(stem, known)
+        by = near_or_all(stem, known)
         if contact is None and (head == "transient" or stem in FRETTING):
             by = "; it is that of a contact, as an input file gives it (--scene)"
-        if not by and head in known and tail:
+        elif head in known and tail and not near(stem, known):
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
-        raise QuantityError(f"{text}{by or near_or_all(stem, known)}")
+        raise QuantityError(f"{one_line(name)}: there is no such quantity{by}")
     if subject.load is not None and needs_force(stem):
         raise QuantityError(f"{stem}: {never_steady(subject.load)}")
     return known[stem]
@@ -274,8 +273,10 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         if mean:  # along a last axis
-            wide = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
-            values = wide | {axis: values[axis] for axis in ("load_case", "factor") if axis in values}
+            values = {
+                axis: x if isinstance(x, str) or axis in ("load_case", "factor") else jnp.asarray(x)[..., None]
+                for axis, x in values.items()
+            }
         if mean not in memo:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
@@ -391,10 +392,11 @@ def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> Sweep
     else:
         minimised = given.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
         objective = minimised if isinstance(minimised, str) else next(iter(minimised))
-        varied = {name: leaf(name) for name in given["vary"]}
-        rows = [[name, kind.unit, f"best {kind.description or kind.words}"] for name, kind in varied.items()]
-        rows += [[objective, entry(objective).unit, f"least {entry(objective).description}"]]
-        rows += [["saving", "1", f"share of the {objective} saved against the reference"]]
+        rows = [[name, leaf(name).unit, f"best {leaf(name).description}"] for name in given["vary"]]
+        rows += [
+            [objective, entry(objective).unit, f"least {entry(objective).description}"],
+            ["saving", "1", f"share of the {objective} saved against the reference"],
+        ]
     fields = {name: about for name, *about in [*rows, *text_cells(_FLAGS)]}
     if field not in fields:
         raise QuantityError(f"{one_line(stem)}: {head} has no such field{near_or_all(field, fields)}")
@@ -403,7 +405,7 @@ def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> Sweep
         if given is None:
             return vars(optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits))
         contact = contact_at(subject, values)
-        asked = dict(given) | {name: values[name] for name in given if name in values}
+        asked = {name: values.get(name, one) for name, one in given.items()}
         if "law" in asked and "wear_coefficient" in values:
             asked["law"] = values["wear_coefficient"]
         load, weight = _load_at(subject, contact, values) if subject.inputs else (None, None)

@@ -153,7 +153,11 @@ def sweep(
         raise
     except (ValueError, TypeError) as error:  # of the library itself
         raise SweepError(str(error)) from None
-    for name in rows:
+    numbers = rows
+    if contact is None:  # single values count too, which are no axes of a quantity
+        used.update(*(asked.needs for asked in plan.asked))
+        numbers = rows | fixed
+    for name in numbers:
         if name not in used:
             raise AxisError(f"{name}: none of {', '.join(names)} depends on it")
     if out is None:
@@ -296,6 +300,3 @@ def _refuse(plan: SweepPlan) -> None:
                 raise QuantityError(
                     f"{asked.name}: needs {need}{in_units}{', phi, displacement or loads' if by_phi else ''}"
                 )
-    for name in plan.fixed:
-        if plan.contact is None and not any(name in asked.needs for asked in plan.asked):
-            raise AxisError(f"{name}: none of {', '.join(plan.names)} depends on it")
