@@ -160,12 +160,12 @@ class Scene:
         Raises:
             SceneError: The scene has no test over cycles, or no [wear].
         """
-        load = self.tested().record()
-        if self.wear is None:
+        load, wear = self.tested(), self.wear
+        if wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
-        self.wear.refuse_frictions(self.tested().pressed)
+        wear.refuse_frictions(load.pressed)
         contact: Any = self.build_contact()
-        return contact.over_cycles(load, self.wear.law, digits=digits)
+        return contact.over_cycles(load.record(), wear.law, digits=digits)
 
     def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
@@ -340,9 +340,8 @@ class Scene:
                 values |= solving.scene_values(tuple(some), points, digits, contact, acting, weights, places)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
-            key = "[design] limits.edge_pressure.distance"
-            if output is not None and output.distance is not None:
-                key = "[output] distance"
+            of_limit = getattr(output, "distance", None) is None
+            key = "[design] limits.edge_pressure.distance" if of_limit else "[output] distance"
             whose = "the stick radius" if load is not None else "the radius of the punch"
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
         heights = getattr(self.contact.fields.get("shape"), "file", None)

@@ -45,7 +45,7 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
 def each_limit(allowed: Mapping[str, Any] | None) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The limits with the names of what they limit; of one quantity there may be several."""
     for name, given in (allowed or {}).items():
-        yield from ((name, one) for one in (given if isinstance(given, list | tuple) else (given,)))
+        yield from ((name, one) for one in (given if isinstance(given, tuple) else (given,)))
 
 
 class DesignSpace(SimpleNamespace):
@@ -234,6 +234,6 @@ def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | N
 
 def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> float | None:
     """The distance from the edge at which a scene wants pressures, or limits them, in m; None if it gives none."""
-    if output is not None and output.distance is not None:
-        return output.distance
-    return next((one["distance"] for _, one in each_limit(design and design.limits) if "distance" in one), None)
+    own = getattr(output, "distance", None)
+    limited = (one["distance"] for _, one in each_limit(design and design.limits) if "distance" in one)
+    return next(limited, None) if own is None else own

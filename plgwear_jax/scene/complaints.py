@@ -44,9 +44,11 @@ class Reading(SimpleNamespace):
     def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
         super().__init__(**dict.fromkeys(NAMES), file=file, document=document, folder=folder, wrong=set())
         self._lines: list[tuple[list[float], str]] = []
-        for name in document:
+        for name, value in document.items():
             if name not in NAMES:
-                self.refuse((name,), "")
+                wrong = f"there is no such section{near_or_all(name, NAMES)}"
+                stray = f"stands outside the sections; allowed are {', '.join(NAMES)}"
+                self.refuse((name,), wrong if isinstance(value, dict) else stray)
 
     def end(self) -> None:
         """Raise the first error in the order of the file, if there is any; what is absent comes last."""
@@ -57,18 +59,14 @@ class Reading(SimpleNamespace):
         """Keep an error in the key of this path, or in a section: what it must be."""
         place, value = self._find(path)
         section, *keys = map(bare, path)
-        given, told = shown(value), f"[{section}] {'.'.join(keys)}".rstrip()
-        if path[0] not in NAMES and not isinstance(value, dict):
-            line = f"{section} = {given}: stands outside the sections; allowed are {', '.join(NAMES)}"
-        elif path[0] not in NAMES:
-            line = f"{told}: there is no such section{near_or_all(path[0], NAMES)}"
-        elif value is _ABSENT:
-            line = f"{told}: missing; it {text}" if keys else f"{told}: {text}"
+        told = f"[{section}] {'.'.join(keys)}".rstrip()
+        if value is _ABSENT:
+            text = f"missing; it {text}" if keys else text
         elif keys:
-            line = f"{told} = {given}: {text}"
-        else:
-            line = f"{told}: {text}" if isinstance(value, dict) else f"{section} = {given}: {text}"
-        self._keep(path[0], place, f"{self.file}: {line}")
+            told = f"{told} = {shown(value)}"
+        elif not isinstance(value, dict):
+            told = f"{section} = {shown(value)}"
+        self._keep(path[0], place, f"{self.file}: {told}: {text}")
 
     def read(
         self, section: str, build: Callable[[Self, str, dict[str, Any]], Any], kind: Callable[[Any], str] | None = None

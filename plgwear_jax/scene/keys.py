@@ -36,7 +36,7 @@ SECTIONS["Limits"]["properties"] |= {
 Refuse = Callable[[tuple[str, ...], str], None]  # what is done with the path of a wrong key, and what it must be
 
 
-def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tuple[str, ...] = ()) -> dict[str, Any]:
+def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tuple[str, ...]) -> dict[str, Any]:
     """The values of those keys of a section that are there or have a default, as the library takes them.
 
     Args:
@@ -106,9 +106,9 @@ def _validator() -> Any:
     with needs("input files", "cli"):
         from jsonschema import Draft202012Validator, ValidationError, validators
 
-    def increasing(validator: Any, _: Any, value: Any, __: Any) -> Iterator[ValidationError]:
-        numbers = validator.is_type(value, "array") and all(validator.is_type(one, "number") for one in value)
-        if numbers and any(low >= high for low, high in itertools.pairwise(value)):
+    def increasing(_: Any, __: Any, numbers: Any, ___: Any) -> Iterator[ValidationError]:
+        # The type of the list and of its items stand before in a schema, and the first error ends it.
+        if any(low >= high for low, high in itertools.pairwise(numbers)):
             yield ValidationError("not increasing")
 
     def is_number(_: Any, value: Any) -> bool:

@@ -75,10 +75,8 @@ def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     if "table" in fields:
         file = from_table("HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table"), reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
-    for name in ("indenter", "shape"):
-        if name in fields:
-            given = fields[name]
-            fields[name] = _body_of(reading, *given) if isinstance(given, tuple) else None
+    for name in {"indenter", "shape"} & fields.keys():
+        fields[name] = _body_of(reading, *fields[name]) if isinstance(fields[name], tuple) else None
     return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
 
 
@@ -177,8 +175,8 @@ class LoadSection(SimpleNamespace):
         )
         if file is not None and not found.of_displacement:
             forces = file["tangential_force"]
-            own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * forces for name in PRESSED} | found.pressed
-            limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
+            limit = math.prod(columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * forces
+            text = "this is gross slip, it must be below mu F_N ="
             file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
         return found
 

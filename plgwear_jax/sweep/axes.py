@@ -34,7 +34,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
         array = array.astype(float)
     inside = domain.contains(array)
     if not np.all(inside):
-        first = int(np.argmin(inside)) if array.ndim else 0
+        first = int(np.argmin(inside))
         where = f" at index {first}" if array.ndim else ""
         raise AxisError(f"{name} = {np.ravel(array)[first]}{where}: must be {domain.text}")
     return array

@@ -121,7 +121,7 @@ def sweep(
         raise SweepError("loads: name at least one")
     loads = loads or {}
     given = None if load is None else load_of(load)
-    held = given if given is not None and not given.lasts else None
+    held = None if given is None or given.lasts else given
     known = AxisNames(contact, given)
     of_load = {name: value for name, value in known.of_load.items() if value is not None and name not in axes}
     rows, fixed = _sorted_out(of_load | axes, known, contact)
@@ -129,19 +129,19 @@ def sweep(
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
+    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+    dtypes = {row.dtype for row in rows.values()}
+    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
+    # Checked once more: rounded to float32 a value may have left its range.
+    rows = {name: check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
     if len(loads) > 1:
         rows[LOAD] = np.arange(len(loads), dtype=np.int32)
-    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-    dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
-    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
 
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
-    # Checked once more: rounded to float32 a value may have left its range.
-    rows = {name: row if name == LOAD else check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
     target = contact, known, held, inputs, holl, amplitudes, design, bounds, digits

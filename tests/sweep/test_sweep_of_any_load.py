@@ -64,6 +64,8 @@ def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
     assert_allclose(found.penetration, mean, rtol=1e-12)
     with pytest.raises(sweep.AxisError, match=r"^tangential_force = 4.0: this is gross slip"):
         sweep.sweep("penetration", contact=CONTACT, loads=table, factor=[1.0, 2.0])
+    with pytest.raises(sweep.AxisError, match=r"^load\[0\].load.lasts: is no axis of a FrettingContact"):
+        sweep.sweep("transient.wear_volume", contact=CONTACT, load=BLOCKS, **LIFE, **{"load[0].load.lasts": [0.5, 1.0]})
     found = sweep.sweep("penetration", contact=CONTACT, load=loads.Force([1.0, 2.0]))
     assert_array_equal(found.tangential_force, [1.0, 2.0])
 
