@@ -302,7 +302,7 @@ def fit_wear_coefficient(
         N, target = cycles[worn], volume[worn]
         if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-        deviations = given * (volume if relative else np.ones_like(volume))
+        deviations = (target.max() if deviation is None else given) * (volume if relative else np.ones_like(volume))
         unknown = N[deviations[worn] <= 0.0]
         if unknown.size:
             raise ValueError(f"volume = 0 after {unknown[0]:g} cycles: has no relative deviation")
@@ -317,10 +317,9 @@ def fit_wear_coefficient(
             # the coefficient without any change of the contact by its wear
             slow = least * target.max() / _worn(np.max(run_with(least).volume(N)))
             model = _by_many_runs(run_with, N, np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
-        known = target.max() if deviation is None else deviations[worn]
 
         def misfit(log: float) -> float:
-            return float(np.sum(((model.at(log) - target) / known) ** 2))
+            return float(np.sum(((model.at(log) - target) / deviations[worn]) ** 2))
 
         def most_likely() -> tuple[np.ndarray, float]:
             """(Some log(K), the best one); points early and late in a test can each have a minimum."""
@@ -372,7 +371,7 @@ def fit_wear_coefficient(
             cycles=cycles,
             volume=volume,
             fitted=fitted,
-            deviation=np.full_like(volume, scatter * target.max()) if deviation is None else deviations,
+            deviation=scatter * deviations if deviation is None else deviations,
             steady_volume=model.steady,
             doubt=said,
             curve_cycles=curve_cycles,

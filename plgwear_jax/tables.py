@@ -313,7 +313,7 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
     for column in known:
         match = re.fullmatch(rf"{re.escape(column)}\s*(?:_(.+)|\((.*)\)|\[(.*)\])", cell)
         if match and cell not in known and _units_of(column):
-            unit = next(unit for unit in match.groups() if unit is not None).strip().translate(_SIGNS)
+            unit = match[match.lastindex or 0].strip().translate(_SIGNS)
             unit = re.sub(r"(?<=m)3$", "^3", unit)
             return (_RELATIVE, unit) if (column, unit) == ("deviation", "%") else (column, unit)
     return cell, None

@@ -185,11 +185,12 @@ class Scene:
         law, limits = laws_of(self.contact).get(its[0]), each_limit(self.asked().allowed)
         needed = [place for place in PLACES if place in getattr(law, "arguments", ())] or ["r"]
         limit = next((one for own, one in limits if own in its and {*needed} <= {*one}), {})
-        values = text.split(",") if at else [limit[place] for place in needed if limit]
-        try:
-            places = {place: float(x) for place, x in zip(needed if values else (), values, strict=True)}
-        except ValueError:
-            places = {needed[0]: math.nan}
+        places = {place: limit[place] for place in needed if limit}
+        if at:
+            try:
+                places = dict(zip(needed, map(float, text.split(",")), strict=True))
+            except ValueError:
+                places = {needed[0]: math.nan}
         try:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
@@ -203,8 +204,7 @@ class Scene:
 
     def minimising(self, objective: dict[str, dict[str, float]]) -> "Scene":
         """The scene with another quantity that is minimised, of `traded`."""
-        ((name, places),) = objective.items()
-        space = DesignSpace(**vars(self.asked()) | {"minimise": {name: places} if places else name})
+        space = DesignSpace(**vars(self.asked()) | {"minimise": objective})
         return dataclasses.replace(self, design_space=space)
 
     def design(self) -> "Design":

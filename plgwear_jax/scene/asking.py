@@ -106,13 +106,11 @@ class DesignSpace(SimpleNamespace):
     @cached_property
     def scatter(self) -> "Table | None":
         """The scenarios; None without."""
-        reading = self.reading
         if self.scenarios is None:
             return None
-        wear, names = reading.wear, self.numbers
-        names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
-        columns = {name: domain_of(name) for name in names}
-        return from_table("scenarios", self.scenarios, reading, columns)
+        lasts = getattr(self.reading.wear, "cycles", None) is not None
+        columns = {name: domain_of(name) for name in self.numbers + ["wear_coefficient"] * lasts}
+        return from_table("scenarios", self.scenarios, self.reading, columns)
 
     @property
     def numbers(self) -> list[str]:
@@ -192,7 +190,7 @@ class DesignSpace(SimpleNamespace):
                 raise WrongKeyError(f"vary.{name}", f"is no number of this contact{near_or_all(name, self.numbers)}")
         varied = [name for name in PRESSED if name in self.variables]
         if varied and load is not None and not (load.of_displacement or load.pressed):
-            lowest = (self.variables[name][0] if name in varied else getattr(contact, name) for name in PRESSED)
+            lowest = (self.variables.get(name, [getattr(contact, name)])[0] for name in PRESSED)
             if not load.largest < math.prod(lowest):
                 text = f"at the lowest {' and '.join(varied)} the whole contact slips"
                 raise WrongKeyError(f"vary.{varied[0]}", text)

@@ -1,6 +1,5 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
-import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.asking import DesignSpace, edge_distance
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
+from plgwear_jax.wear_laws import law_of
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -98,17 +98,14 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
         wear = given.wear
         if wear is None or given.life is None:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        law: Any = wear.law
-        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
-    found = optimise.Scenarios(_in_scenarios(given, scatter), scatter.columns.get("weight"), laws)
+        laws = law_of(scatter["wear_coefficient"], wear.exponent)
+    # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
     forces = None if given.life is not None else forces_in_scenarios(given)
-    if forces is None:
-        return {"scenarios": found}
-    if np.isnan(forces).any():
+    if forces is not None and np.isnan(forces).any():
         text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
         raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
-    # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
-    return {"scenarios": dataclasses.replace(found, tangential_force=forces)}
+    weight = scatter.columns.get("weight")
+    return {"scenarios": optimise.Scenarios(_in_scenarios(given, scatter), weight, laws, forces)}
 
 
 def _in_scenarios(given: "Scene", scatter: "Table") -> Any:

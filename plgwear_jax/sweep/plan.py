@@ -186,8 +186,8 @@ class SweepPlan(SweepTarget):
         program, sharding = self.program
         rows, filled = [], [*numbers, *[numbers[-1]] * (sharding.num_devices - len(numbers))]
         for (name, values), size in zip(self.axes.items(), self.chunk, strict=True):
-            parts = (values[self.places[number][name]] for number in filled)
-            rows.append(np.stack([np.pad(part, (0, size - part.size), mode="edge") for part in parts]))
+            starts = [self.places[number][name].start for number in filled]
+            rows.append(values.take(np.add.outer(starts, np.arange(size)), mode="clip"))
         with in_precision(self.dtype):
             return program(*jax.device_put(rows, sharding))
 
