@@ -308,7 +308,7 @@ class Scene:
             left_out = STRESSES | ({"edge_intensity"} if load is not None and load.is_zero else set())
             names = [name for name, law in laws.items() if given.issuperset(law.arguments) and name not in left_out]
             points = 0
-        table = None if load is None else load.table
+        table = load and load.table
         for name in names:
             if table is not None and {"r", "F_x"} <= {*laws[name].arguments}:
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'

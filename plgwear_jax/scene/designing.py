@@ -156,7 +156,7 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         return
     assert given.load is not None
     contact = solving.homogeneous(given.build_contact())
-    found = solving.scene_values(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
+    found = solving.scene_values(("stick_radius",), 0, None, contact, Force(given.load.largest), None, {})
     widest = float(found["stick_radius"])
     if distance >= widest:
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")

@@ -230,9 +230,7 @@ class LoadSection(SimpleNamespace):
     @cached_property
     def slides(self) -> SceneError | None:
         """What says that the contact slips as a whole before any wear, under the first such displacement; else None."""
-        if not self.of_displacement or self.pressed:
-            return None
-        if not self.in_gross_slip.any():
+        if self.pressed or not self.in_gross_slip.any():
             return None
         first, wear = self.in_gross_slip.argmax(), self.wear
         work = self.contact.normal_force * self.moved.path[first]

@@ -26,7 +26,7 @@ def scene_values(
     contact: FrettingContact | GrossSlipContact,
     load: Force | None,
     weights: np.ndarray | None,
-    places: Mapping[str, float | None] | None = None,
+    places: Mapping[str, float | None],
 ) -> dict[str, Array]:
     """The named quantities; weighted sums where the load has weights.
 
@@ -39,7 +39,7 @@ def scene_values(
     coefficient in 1/Pa.
     """
     frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
-    given: dict[str, Any] = {"distance": None, **(places or {})}
+    given: dict[str, Any] = {**places}
 
     def value_of(name: str) -> Any:
         return read(contact, name, load, given, digits=digits, solved=solved)

@@ -46,8 +46,8 @@ def spacing_of(name: str, values: np.ndarray) -> str:
     with np.errstate(all="ignore"):
         stretched = {"linear": values, "log": np.log(values), "logit": np.log((values - lower) / (upper - values))}
         uneven = {kind: np.ptp(np.diff(u)) / np.abs(u[-1] - u[0]) for kind, u in stretched.items() if values.size > 2}
-    found = {kind: float(value) for kind, value in uneven.items() if np.isfinite(value)}
-    return "linear" if found.get("linear", 0.0) < 1e-3 else min(found, key=found.__getitem__)
+    uneven = {kind: np.nan_to_num(value, nan=np.inf) for kind, value in uneven.items()}
+    return "linear" if uneven.get("linear", 0.0) < 1e-3 else min(uneven, key=uneven.__getitem__)
 
 
 # --- as text --------------------------------------------------------------------------------------------------------

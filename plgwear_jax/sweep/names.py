@@ -80,10 +80,10 @@ class AxisNames:
             for path, value in paths_of(load or (), lambda one: one is None).items()
         }
         self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
-        self.allowed += ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
+        arguments = ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
         if isinstance(contact, FrettingContact):
-            self.allowed[-2:] = [*reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES]
-            self.allowed += ["cycles", "wear_coefficient", "share"]
+            arguments = *reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES, "cycles", "wear_coefficient", "share"
+        self.allowed += arguments
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

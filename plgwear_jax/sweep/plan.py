@@ -121,8 +121,8 @@ class SweepPlan(SweepTarget):
         rows = [jax.ShapeDtypeStruct((2,), values.dtype) for values in self.axes.values()]
         found = {}
         for asked, array in zip(self.asked, jax.eval_shape(self.evaluate, *rows), strict=True):
-            along = [place for place, length in enumerate(array.shape) if length == 2]
-            dims, shape, chunks = ([each[place] for place in along] for each in ([*self.axes], self.shape, self.chunk))
+            along = [length == 2 for length in array.shape]
+            dims, shape, chunks = (list(itertools.compress(x, along)) for x in (self.axes, self.shape, self.chunk))
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
             digits = self.digits or self.digits_of(asked.name) or f"all of {self.dtype}"
             about = {
