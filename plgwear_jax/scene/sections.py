@@ -68,15 +68,24 @@ class Body(SimpleNamespace):
         return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
 
 
-def _body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+def body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
+    material = reading.material
+    if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
+        layers, moduli = len(values["thickness"]), len(values["modulus"])
+        text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
+        raise WrongKeyError("modulus", f"{text}, not {moduli}")
+    if section == "GrossSlip" and material is not None and material.kind != "power law":
+        raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
+    if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
+        raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
     fields, file = dict(values), None
     kind = fields.pop("kind", MATERIALS.get(section, ""))
     if "table" in fields:
         file = from_table("HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table"), reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in {"indenter", "shape"} & fields.keys():
-        fields[name] = _body_of(reading, *fields[name]) if isinstance(fields[name], tuple) else None
+        fields[name] = body_of(reading, *fields[name]) if isinstance(fields[name], tuple) else None
     return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
 
 
@@ -86,31 +95,12 @@ def kind_of_material(given: Mapping[str, Any]) -> str:
     return next((kind for key, kind in keys.items() if key in given), "Material")
 
 
-def material_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
-    """The section [material]."""
-    if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
-        layers, moduli = len(values["thickness"]), len(values["modulus"])
-        text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
-        raise WrongKeyError("modulus", f"{text}, not {moduli}")
-    return _body_of(reading, section, values)
-
-
 def kind_of_contact(given: Mapping[str, Any]) -> str:
     """Which contact a section means."""
     kind = given.get("kind")
     if not isinstance(kind, str) or kind not in _CONTACTS:
         raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, _CONTACTS)}')
     return _CONTACTS[kind]
-
-
-def contact_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
-    """The section [contact]."""
-    material = reading.material
-    if section == "GrossSlip" and material is not None and material.kind != "power law":
-        raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
-    if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
-        raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
-    return _body_of(reading, section, values)
 
 
 # --- loads and wear -------------------------------------------------------------------------------------------------
@@ -160,9 +150,14 @@ class LoadSection(SimpleNamespace):
         if force is not None and not force < limit:
             text = f"this is gross slip, F_x = {force:g} N is not below mu F_N = {limit:g} N"
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
-        file = None if named is None else from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
-        columns: Mapping[str, Any] = {} if file is None else file.columns
-        found = cls(
+        file = named and from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
+        columns: Mapping[str, Any] = file.columns if file else {}
+        if file and "tangential_force" in columns:
+            forces = columns["tangential_force"]
+            limit = math.prod(columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * forces
+            text = "this is gross slip, it must be below mu F_N ="
+            file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
+        return cls(
             **values,
             file=file,
             columns=columns,
@@ -173,12 +168,6 @@ class LoadSection(SimpleNamespace):
             contact=contact,
             wear=reading.wear,
         )
-        if file is not None and not found.of_displacement:
-            forces = file["tangential_force"]
-            limit = math.prod(columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * forces
-            text = "this is gross slip, it must be below mu F_N ="
-            file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
-        return found
 
     @cached_property
     def given(self) -> "np.ndarray":
@@ -236,8 +225,7 @@ class LoadSection(SimpleNamespace):
         work = self.contact.normal_force * self.moved.path[first]
         by, worn = "Archard's law", f"{work:.4g} N m times the wear coefficient"
         if wear is not None and not wear.others:
-            name, given = next((name, x) for name in COEFFICIENTS if (x := getattr(wear, name)) is not None)
-            by = f"{by} with [wear] {name} = {given:g}"
+            by = f"{by} with [wear] {wear.kind} = {getattr(wear, wear.kind):g}"
             worn = f"{1e18 * wear.archard * work:.4g} µm³"
         begins = written(self.moved.gross_slip, "m")
         begins += "" if self.rig_stiffness is None else " at the actuator"
@@ -321,6 +309,7 @@ class WearSection(SimpleNamespace):
         half_space_coefficient: Coefficient of the half-space in 1/Pa, or 1/Pa^exponent, if it wears too; `coefficient`
             is then that of the indenter.
         cycles: Number of cycles of the life.
+        kind: The key of its coefficient.
         friction: The coefficient of friction of the contact.
         others: The keys that only some commands take.
     """
@@ -335,7 +324,7 @@ class WearSection(SimpleNamespace):
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
         if contact is not None and contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
-        return cls(**values, friction=getattr(contact, "friction", None), others=others)
+        return cls(**values, kind=kind, friction=getattr(contact, "friction", None), others=others)
 
     def refuse_frictions(self, names: Iterable[str]) -> None:
         """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""
