@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.words import GivenError, bare, near_or_all, shown
-from plgwear_jax.scene.keys import SECTIONS, values_of
+from plgwear_jax.scene.keys import SECTIONS, definition_of, values_of
 
 _ABSENT = object()
 NAMES = "material", "contact", "load", "wear", "design", "output"
@@ -68,15 +68,12 @@ class Reading(SimpleNamespace):
             told = f"{section} = {shown(value)}"
         self._keep(path[0], place, f"{self.file}: {told}: {text}")
 
-    def read(
-        self, section: str, build: Callable[[Self, str, dict[str, Any]], Any], kind: Callable[[Any], str] | None = None
-    ) -> None:
+    def read(self, section: str, build: Callable[[Self, str, dict[str, Any]], Any]) -> None:
         """Read a section.
 
         Args:
             section: Its name.
             build: Makes it from what is read so far, its name in `SECTIONS`, and the values of all its keys.
-            kind: Tells this name by its keys, if there are several.
         """
         given = self.document.get(section)
         if given is None:
@@ -84,7 +81,7 @@ class Reading(SimpleNamespace):
         with self.telling(section):
             if not isinstance(given, dict):
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
-            name = section.capitalize() if kind is None else kind(given)
+            name = definition_of(section, given)
             values = values_of(name, given, self.refuse, (section,))
             if section not in self.wrong:
                 setattr(self, section, build(self, name, dict.fromkeys(SECTIONS[name]["properties"]) | values))

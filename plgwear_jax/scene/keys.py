@@ -16,11 +16,13 @@ from typing import Any
 
 from plgwear_jax._core.catalogue import QUANTITIES, entry
 from plgwear_jax._core.extras import needs
-from plgwear_jax._core.rules import limit_form
-from plgwear_jax._core.words import near_or_all
+from plgwear_jax._core.rules import WrongKeyError, limit_form
+from plgwear_jax._core.words import near, near_or_all
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
+_BY_KEY = {"table": "Tabulated", "thickness": "Layers", "modulus": "Layers"}
+_CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
 SECTIONS: dict[str, Any] = _SCHEMA["$defs"]  # and the forms of values, in lower case
 _ALLOWED = {"$ref": "#/$defs/Allowed"}
@@ -32,6 +34,19 @@ SECTIONS["Limits"]["properties"] |= {
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
+
+
+def definition_of(section: str, given: Mapping[str, Any]) -> str:
+    """The name in `SECTIONS` of what a section of the file means, by its keys; a `WrongKeyError` if it says nothing."""
+    if section == "material":
+        return next((name for key, name in _BY_KEY.items() if key in given), "Material")
+    if section != "contact":
+        return section.capitalize()
+    kind = given.get("kind")
+    if not isinstance(kind, str) or kind not in _CONTACTS:
+        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, _CONTACTS)}')
+    return _CONTACTS[kind]
+
 
 Refuse = Callable[[tuple[str, ...], str], None]  # what is done with the path of a wrong key, and what it must be
 

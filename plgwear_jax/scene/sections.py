@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.units import written
-from plgwear_jax._core.words import near, one_line
+from plgwear_jax._core.words import one_line
 from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import MATERIALS, SECTIONS
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 LOADS = "tangential_force", "displacement", "table", "history"
 COEFFICIENTS = "coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J"
 PRESSED = "friction", "normal_force"
-_CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
@@ -87,20 +86,6 @@ def body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     for name in {"indenter", "shape"} & fields.keys():
         fields[name] = body_of(reading, *fields[name]) if isinstance(fields[name], tuple) else None
     return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
-
-
-def kind_of_material(given: Mapping[str, Any]) -> str:
-    """Which of the materials a section means."""
-    keys = {"table": "Tabulated", "thickness": "Layers", "modulus": "Layers"}
-    return next((kind for key, kind in keys.items() if key in given), "Material")
-
-
-def kind_of_contact(given: Mapping[str, Any]) -> str:
-    """Which contact a section means."""
-    kind = given.get("kind")
-    if not isinstance(kind, str) or kind not in _CONTACTS:
-        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, _CONTACTS)}')
-    return _CONTACTS[kind]
 
 
 # --- loads and wear -------------------------------------------------------------------------------------------------
