@@ -45,7 +45,8 @@ def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
 def each_limit(allowed: Mapping[str, Any] | None) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The limits with the names of what they limit; of one quantity there may be several."""
     for name, given in (allowed or {}).items():
-        yield from ((name, one) for one in (given if isinstance(given, tuple) else (given,)))
+        for one in given if isinstance(given, tuple) else (given,):
+            yield name, one
 
 
 class DesignSpace(SimpleNamespace):

@@ -304,7 +304,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
 
-        x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path or by))
+        x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
 
     unit, below = asked.unit, axis_unit(by, subject.contact)

@@ -229,7 +229,7 @@ def _sorted_out(
     """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
     for name, value in known.own.items():
-        if isinstance(value, str) or not np.ndim(value):
+        if not np.ndim(value):
             fixed[name] = value
         elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
