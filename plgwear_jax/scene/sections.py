@@ -165,6 +165,8 @@ class LoadSection(SimpleNamespace):
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
+        if self.file is None:
+            return not (self.tangential_force or self.displacement)
         return not (self.given * self.columns.get("weight", 1.0)).any()
 
     def refuse_rest(self) -> None:
