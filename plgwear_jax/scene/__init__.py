@@ -26,7 +26,7 @@ from plgwear_jax.scene.sections import (
     Body,
     LoadSection,
     WearSection,
-    body_of,
+    body_from,
 )
 
 if TYPE_CHECKING:
@@ -410,8 +410,8 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     for section in ("material", "contact"):
         if section not in document:
             reading.refuse((section,), "missing; every input file needs this section")
-    reading.read("material", body_of)
-    reading.read("contact", body_of)
+    reading.read("material", body_from)
+    reading.read("contact", body_from)
     reading.read("wear", WearSection.of)
     reading.read("load", LoadSection.of)
     if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:

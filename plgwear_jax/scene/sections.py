@@ -67,7 +67,7 @@ class Body(SimpleNamespace):
         return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
 
 
-def body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
     """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
     material = reading.material
     if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
@@ -84,7 +84,7 @@ def body_of(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
         file = from_table("HEIGHTS" if section == "Profile" else "MODULUS", fields.pop("table"), reading)
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in {"indenter", "shape"} & fields.keys():
-        fields[name] = body_of(reading, *fields[name]) if isinstance(fields[name], tuple) else None
+        fields[name] = body_from(reading, *fields[name]) if isinstance(fields[name], tuple) else None
     return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
 
 
