@@ -70,14 +70,14 @@ def of_contact(contact: Any) -> list[str]:
         return found
     if np.max(radius) > WIDE:
         found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
-    thickness = _layers(contact.material)
+    thickness = layers(contact.material)
     if np.size(thickness) and np.max(thickness) > np.min(radius):
         sizes = f"{written(float(np.max(thickness)), 'm')}, thicker than the radius of the indenter"
         found.append(f"thickness: a layer of {sizes}, {written(float(np.min(radius)), 'm')}? thickness is in m")
     return found
 
 
-def _layers(material: Any) -> Any:
+def layers(material: Any) -> Any:
     """The thicknesses of layers in m; none of a modulus without jumps."""
     thickness, depth = getattr(material, "thickness", None), getattr(material, "depth", None)
     if thickness is not None:

@@ -73,14 +73,14 @@ def plgwear(
 for _command in (
     new.new,
     solve.solve,
-    design.design_command,
-    front.front_command,
+    design.design,
+    front.front,
     wear.wear,
     regimes.regimes,
     coating.coating,
-    sweep.sweep_command,
+    sweep.sweep,
     sweep.plot,
     figures.figures,
     new.schema,
 ):
-    app.command(_command.__name__.removesuffix("_command"))(refusing(_command))
+    app.command(_command.__name__)(refusing(_command))

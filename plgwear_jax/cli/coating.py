@@ -147,7 +147,7 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
     fitted = each_with_unit("modulus", fit.fitted, "power law")
     near = np.round(100.0 * (fit.fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
     report.table(
-        each_with_unit("depth", fit.depth, "depth"),
+        each_with_unit("depth", fit.depth),
         each_with_unit("modulus", fit.modulus, "modulus"),
         fitted._replace(cells=[cell if sure else "" for cell, sure in zip(fitted.cells, known, strict=True)]),
         Column("difference (%)", [f"{x:+.2g}" if sure else "" for x, sure in zip(near, known, strict=True)]),

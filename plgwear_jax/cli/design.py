@@ -9,7 +9,7 @@ from plgwear_jax.cli.report import Report
 from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
 
-def design_command(
+def design(
     scene_file: SceneFile,
     as_json: AsJson = False,
     picture: Picture = None,

@@ -1,6 +1,6 @@
 """What `plgwear design` says about a design: numbers, words and tables."""
 
-import dataclasses
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, pla
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.cli.question import amplitudes_told
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
-from plgwear_jax.contact import FrettingContact, is_closed
+from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
 
@@ -26,8 +26,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         is known; and the picture of it, with what that shows.
     """
     question, comparison, objective = found.question, optimise.compared(found), found.objective
-    distance = float(np.asarray(comparison.distance)) if isinstance(found.reference, FrettingContact) else None
-    words = {"edge_pressure": placed("edge_pressure", {"distance": distance or 0.0})}
+    words = {"edge_pressure": placed("edge_pressure", {"distance": comparison.distance})}
     if given.life is not None:
         words[objective] = f"{entry(objective).words} after {counted(given.life)} cycles"
 
@@ -35,8 +34,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         return words.get(name) or entry(name).words
 
     limited = {  # what each limit limits, at its place
-        one.name: called(one.quantity) if {*one.places} <= {"distance"} else placed(one.quantity, one.places)
-        for one in question.limits
+        one.name: placed(one.quantity, one.places) if one.places else called(one.quantity) for one in question.limits
     }
     both = described(found, comparison)
     lessened = called(objective).partition(", ")[0]
@@ -45,9 +43,8 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
-    report.put(edge_distance=distance, objective=objective, load=load)
-    names = {name: name if name in ("k", "E0", "z0", "nu") else called(name).partition(",")[0] for name in found.bounds}
-    _tell_allowed(report, found, best_called, names, limited)
+    report.put(edge_distance=comparison.distance, objective=objective, load=load)
+    _tell_allowed(report, found, best_called, limited)
     report.put(
         less_wear_percent=100.0 * found.saving,
         **fields(found, "hold", "converged", "certified", "scan_found_nothing_better"),
@@ -65,9 +62,9 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
             best, reference = both["edge_pressure"]
             gain += f", at {best / reference:.3g} times its {words['edge_pressure']}"
         if found.rival is not None:
-            more = found.rival_value / float(found.value) - 1.0
+            more = found.rival_value / found.value - 1.0
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
-            rival = f"the next best minimum, at {_where(found.rival)}, is {worse if more > 1e-9 else 'as good'}"
+            rival = f"the next best minimum, at {_where(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
         tension = _tensions(found) if STRESSES & asked and question.by_force else None
         report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
@@ -81,15 +78,14 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
 
 def _tensions(found: optimise.Design) -> str:
     """The largest tension of both contacts under the largest load, and where: only where stresses are asked for."""
-    assert found.load is not None
-    told, values = list[str](), list[float]()
-    for contact in (found.contact, found.reference):
-        steady = contact.steady(np.max(found.load.amplitudes))  # pyright: ignore[reportCallIssue]
-        values.append(float(steady.peak_tension))
-        at = placed("tension", dict(zip("xz", steady.peak_tension_at, strict=True))).partition(" at ")[2]
-        told.append(f"{measured('peak_tension', values[-1])} at {at}")
-    times = f"{values[0] / values[1]:.3g} times that of the reference"
-    return f"its peak tension, {told[0]}, is {times}, {told[1]}"
+    contacts: Any = found.contact, found.reference
+    best, other = both = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
+    its, that = (
+        f"{measured('tension', one.peak_tension)} at {_where(zip('xz', one.peak_tension_at, strict=True))}"
+        for one in both
+    )
+    times = f"{best.peak_tension / other.peak_tension:.3g} times that of the reference"
+    return f"its peak tension, {its}, is {times}, {that}"
 
 
 def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:
@@ -121,20 +117,19 @@ def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> 
     return {"line": f"{said} {line}", "loss": loss}
 
 
-def _tell_allowed(
-    report: Report, found: optimise.Design, called: str, names: dict[str, str], limited: dict[str, str]
-) -> None:
+def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: dict[str, str]) -> None:
     """What was varied and limited, and which bounds and limits the design reaches."""
     rows, variables = [], {}
     for name, ends in found.bounds.items():
         side, value = found.at_bound[name], found.variables[name]
-        variables[name] = {"value": value, "bounds": list(ends), "at_bound": side}
+        variables[name] = {"value": value, "bounds": ends, "at_bound": side}
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
-            gain = abs(float(found.minimum.bound_multipliers[name]))
+            gain = abs(found.minimum.bound_multipliers[name])
             standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
-        rows.append((names[name], measured(name, value), measured(name, ends), standing))
+        named = name if name in (*OF_POWER_LAW, "nu") else entry(name).name
+        rows.append((named, measured(name, value), measured(name, ends), standing))
     for name, state in found.limits.items():
         standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:
@@ -179,12 +174,12 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
         return
     forever = optimise.in_steady_state(found)
     flips_at = None if forever.flips_at is None else forever.flips_at * cycles
-    best, least = forever.best.variables, float(forever.best.value)
+    best, least = forever.best.variables, forever.best.value
     report.put(
         life={
             **vars(question.horizon.law),
             "cycles": cycles,
-            "volume": float(found.value),
+            "volume": found.value,
             "volume_for_ever": forever.volume,
             "reference_volume_for_ever": forever.reference_volume,
             "best_for_ever": {"variables": best, "volume": least},
@@ -198,9 +193,9 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     if flips_at is None:
         report.say(f"{worn}; no other coating wears less in the steady state")
         return
-    times = forever.best_by_then / float(found.value)
+    times = forever.best_by_then / found.value
     report.say(
-        f"{worn}, and the steady-state optimum, {_where(best)}, wears {least}",
+        f"{worn}, and the steady-state optimum, {_where(best.items())}, wears {least}",
         f"beyond {counted(float(f'{flips_at:.3g}'))} cycles the steady-state optimum wears less; "
         f"after {counted(cycles)} it has worn {times:.3g} times as much",
     )
@@ -221,8 +216,8 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[s
     return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
 
 
-def _where(variables: dict[str, float]) -> str:
-    return ", ".join(f"{name} = {measured(name, value)}" for name, value in variables.items())
+def _where(values: Iterable[tuple[str, Any]]) -> str:
+    return ", ".join(f"{name} = {measured(name, value)}" for name, value in values)
 
 
 def _verdict(found: optimise.Design) -> str:
@@ -240,7 +235,7 @@ def _verdict(found: optimise.Design) -> str:
 
 def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     """The changes if an input grows by 1 %; inputs that change nothing are only named."""
-    report.put(sensitivities=dataclasses.asdict(slopes))
+    report.put(sensitivities=fields(slopes, "variables", "saving"))
     varied, rows, idle = [*next(iter(slopes.variables.values()))], [], []
     for source, by in slopes.variables.items():
         changes = [slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())]
@@ -273,7 +268,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     rings = [coating.worn(contact, force) for contact in contacts]
     worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
     depths = np.geomspace(min(0.5 * at[at > 0.0][0], 0.03 * widest), max(2.0 * at[-1], 3.0 * widest), 300)
-    curves = [depths, *(np.asarray(contact.material.modulus_at(depths)) for contact in contacts)]
+    curves = [depths, *(contact.material.modulus_at(depths) for contact in contacts)]
     moduli = found.modulus, found.power_law.material.modulus, found.reference.material.modulus_at(at)
     load, sides = amplitudes_told(given, found.objective), ("best", "power_law", "reference")
     values = found.value, found.power_law_value, found.reference_value
@@ -282,7 +277,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         load=load,
         **fields(found, "objective", "modulus"),
         depth=profile.at,
-        at_bound=list(found.at_bound),
+        at_bound=found.at_bound,
         **fields(profile, "lower", "upper", "steepness"),
         value=dict(zip(sides, values, strict=True)),
         contact_radius=dict(zip(sides, found.contact_radii, strict=True)),
@@ -312,7 +307,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     report.say(f"{less(found.saving)} {objective.name} than the reference", freedom, verdict)
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
-    report.say(doubts.of_design(depths, curves[1], widest, float(np.max(worn[1, 0]))))
+    report.say(doubts.of_design(depths, curves[1], widest, worn[1, 0].max()))
     return [verdict], found.contact_radii[2], "free_picture", found, curves, counts, worn
 
 

@@ -21,7 +21,7 @@ from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fiel
 from plgwear_jax.cli.terminal import computing, refuse, warn
 
 
-def front_command(
+def front(
     scene_file: SceneFile,
     x: Annotated[
         str, typer.Option(help="First quantity of the trade-off, with its place in m if it needs one: wear_depth@5e-5.")
@@ -79,7 +79,7 @@ def front_command(
     )
 
     along, certain = found.x, np.asarray(found.certified)
-    same = bool(np.ptp(along) <= 1e-9 * np.max(along))
+    same = np.ptp(along) <= 1e-9 * np.max(along)
     shown = slice(1 if same else None)
     words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
     if given.life is not None:

@@ -79,7 +79,7 @@ def regimes(
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
     columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
     report.write_table({name: np.ravel(values) for name, values in columns.items()})
-    report.doubt(given, onset=float(cut.gross_slip_displacement[0]))
+    report.doubt(given, onset=cut.gross_slip_displacement[0])
     _tell(report, found, cut, own, rig)
     report.end()
 
@@ -102,7 +102,7 @@ def _computed(
     contact, load = homogeneous(given.build_contact()), given.load
     assert load is not None
     own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
-    own = np.unique(np.asarray(own))
+    own = np.unique(own)
     own = own[own > 0.0]
     force = float(contact.normal_force)
     first, last = forces or (force / _DECADE, force * _DECADE)
@@ -113,7 +113,7 @@ def _computed(
     if moves is None:
         # Both ends of the transition stay well inside, and so does the load.
         within = np.append(onset, own)
-        moves = float(within.min()) / 3.0, 3.0 * float(within.max())
+        moves = within.min() / 3.0, 3.0 * within.max()
     told = np.append(onset[2] * np.array(_SHARES), own)
     # Always as many, so that all files need the same program.
     between = np.linspace(0.0, max(2.5 * onset[2], 1.1 * told.max()), max(_CUT - told.size, 2))[1:]
@@ -136,10 +136,9 @@ def _tell(
 
     from plgwear_jax.contact import CRITERIA
 
-    force, onset = float(cut.normal_force[0]), float(cut.gross_slip_displacement[0])
-    at_onset = {"energy_ratio": cut.gross_slip_energy_ratio, "loop_aperture": cut.gross_slip_aperture}
-    at_onset = {name: float(value[0]) for name, value in at_onset.items()}
-    where = {name: float(cut.displacement_where(name, level)[0]) for name, level in CRITERIA.items()}
+    force, onset = cut.normal_force[0], cut.gross_slip_displacement[0]
+    at_onset = dict(zip(CRITERIA, (cut.gross_slip_energy_ratio[0], cut.gross_slip_aperture[0]), strict=True))
+    where = {name: cut.displacement_where(name, level)[0] for name, level in CRITERIA.items()}
     report.put(
         rig_stiffness=rig,
         load={"normal_force": force, "displacement_amplitude": own},

@@ -212,7 +212,7 @@ class Report:
         from plgwear_jax._core import doubts
 
         if onset is None and given.load is not None and given.load.of_displacement:
-            onset = float(given.load.moved.gross_slip.max())
+            onset = given.load.moved.gross_slip.max()
         for line in doubts.of_input(given.build_contact(), contact_radius, onset):
             warn(f"{self.scene}: {line}")
 

@@ -18,7 +18,7 @@ from plgwear_jax.cli.terminal import computing, plots, refuse, set_up, warn
 _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 
 
-def sweep_command(
+def sweep(
     *,
     quantity: Annotated[
         list[str],
@@ -102,7 +102,7 @@ def sweep_command(
     def follow(done: int, points: int) -> None:
         before.append(done)
         bar.update(task.id, completed=done, total=points)
-        if before[0] < points:  # else there is nothing to do
+        if done < points:  # else there is nothing to do
             bar.start()
 
     try:
@@ -154,7 +154,7 @@ def _with_axes(command: Any) -> inspect.Signature:
     return inspect.Signature(options)
 
 
-sweep_command.__signature__ = _with_axes(sweep_command)  # pyright: ignore[reportFunctionMemberAccess]
+sweep.__signature__ = _with_axes(sweep)  # pyright: ignore[reportFunctionMemberAccess]
 
 
 def _name_and_text(given: str, text: str, form: str) -> tuple[str, str]:
@@ -189,7 +189,8 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     lasts = "transient" in kinds.values()
-    if given.wear is not None and "wear_coefficient" not in axes and (lasts or (designed and given.life is not None)):
+    followed = lasts or (designed and given.life is not None)
+    if given.wear is not None and "wear_coefficient" not in axes and followed:
         given.wear.refuse_frictions(axes)
     if given.wear is not None and lasts:
         known = {"wear_coefficient": given.wear.archard, "cycles": given.lasts}
@@ -203,7 +204,7 @@ def _subject(
         read = {str(file): tables.read(file, tables.LOADS) for file in loads}
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
     elif given.load is not None:
-        found |= _load_of(given.load, axes, lasts or (designed and given.life is not None))
+        found |= _load_of(given.load, axes, followed)
     return found
 
 

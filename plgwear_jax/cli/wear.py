@@ -113,7 +113,7 @@ def _share_out(given: "Scene", share: float, worn: dict[str, float]) -> str:
     lengths = rows.get("thickness", np.diff(rows.get("depth", ())))
     if getattr(given.material, "k", 0.0):
         lengths = [given.build_contact().steady(0.0).contact_radius]  # pyright: ignore
-    deepest, least = share * worn["deepest_wear"], float(min(lengths, default=math.inf))
+    deepest, least = share * worn["deepest_wear"], min(lengths, default=math.inf)
     if deepest > 0.1 * least:
         depth, most = measured("depth", deepest), measured("depth", least)
         text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
@@ -148,7 +148,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
         steady = None if run.final is None else {name: float(value) for name, value in run.final._asdict().items()}
         at_end = abs(cycles - (life or cycles[-1])).argmin()
-        end = {name: float(values[at_end]) for name, values in columns.items()}
+        end = {name: values[at_end] for name, values in columns.items()}
         worn = steady or end
         if share:
             both = _share_out(given, share, end if life else worn)
@@ -317,7 +317,7 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
     refuse_extremes(K > 0.0)
     report.draw("fit_picture", found)
     of_volume = 1e9 * K if exponent == 1.0 else None
-    of_energy = None if of_volume is None or "friction" in load.pressed else of_volume / float(contact.friction)
+    of_energy = None if of_volume is None or "friction" in load.pressed else of_volume / contact.friction
     report.put(
         {"wear_coefficient": unit},
         measured=data.name,
@@ -330,7 +330,7 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
     )
     report.say(load.remark if load.cycles is None else f"history {load.history}: {load.given.size} blocks")
-    size = float(np.max([found.volume, found.fitted]))
+    size = np.max([found.volume, found.fitted])
     columns = [
         Column("cycles", [counted(number) for number in found.cycles.tolist()]),
         shared("volume", found.volume, "measured", size=size, number=".4g"),

@@ -8,6 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.domains import ArrayLike
+from plgwear_jax._core.doubts import layers
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.fitting import Fit
 from plgwear_jax.plots.style import (
@@ -32,7 +33,6 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
-from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.wear.run import Run
 
@@ -63,7 +63,7 @@ def regimes_picture(
     left, right = panels = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
     own = np.asarray(own)
     words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness is not None else " $u_x$")
-    x, y, force = found.displacement_amplitude, found.normal_force, float(cut.normal_force[0])
+    x, y, force = found.displacement_amplitude, found.normal_force, cut.normal_force[0]
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
     left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1)
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
@@ -137,10 +137,7 @@ def stress_picture(steady: Steady) -> Figure:
     turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)[_TICKS]
     lines: Style = {"color": "w", "width": 1.2e-3, "headwidth": 0.0, "headlength": 0.0, "headaxislength": 0.0}
     axes.quiver(x[_TICKS[1]], z[_TICKS[0]], np.cos(turn), np.sin(turn), angles="xy", pivot="mid", scale=45.0, **lines)
-    material = steady.contact.material
-    depths = np.asarray(getattr(material, "depth", [0.0]))
-    # where the modulus jumps
-    for depth in (*np.cumsum(getattr(material, "thickness", [])), *depths[1:][np.diff(depths) == 0.0]):
+    for depth in np.cumsum(layers(steady.contact.material)):  # where the modulus jumps
         axes.axhline(depth, **GUIDE | {"color": "w", "zorder": 2})
     for edge, colour, words in ((a, "k", "contact"), (c, GREEN, "stick area")):
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
@@ -211,8 +208,9 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     crowded = np.linspace(0.0, 1.0, 121) ** 2
     r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
-    shape, before = np.asarray(unworn_of(run.contact)(r)), np.asarray(run.contact.steady(0.0).initial_pressure(r))
-    deepest, highest = float(np.max(depths)), (2.5 if inner > 0.0 else 1.1) * before.max()
+    start = run.contact.steady(0.0)
+    shape, before = (np.asarray(field(r)) for field in (start.profile, start.initial_pressure))
+    deepest, highest = depths.max(), (2.5 if inner > 0.0 else 1.1) * before.max()
     for key, name, words, unworn, rows in (
         ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths),
         ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths),

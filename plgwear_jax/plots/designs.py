@@ -63,7 +63,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """
     comparison = comparison or compared(design)
     found = comparison.quantities
-    radius = float(found["contact_radius"][1] if "contact_radius" in found else np.asarray(design.reference.radius))
+    radius = found.get("contact_radius", (None, design.reference.radius))[1]
     best = "best" if design.keeps_limits else "closest design, limits violated"
     labels = [
         f"{words}, $k = {float(its.material.k):.3g}$" if hasattr(its.material, "k") else words  # pyright: ignore
@@ -109,7 +109,7 @@ def _conditions(design: Design) -> str:
 
 
 def _three_panels(
-    depths: Any, moduli: Any, labels: Sequence[str], radius: float, windows: Any = ()
+    depths: Any, moduli: Any, labels: Sequence[str], radius: Any, windows: Any = ()
 ) -> tuple[Figure, Any]:
     """A page whose first panel has moduli over the depth, with bars between the lowest and the highest one allowed."""
     figure = page(18.0, 8.4)
@@ -153,7 +153,7 @@ def _draw_depths(
     for edge, symbol in zip(radii[-1][[0, -1]], ("$c$", end), strict=True):
         if edge > 0.0:
             mark(axes, edge, symbol)
-    if not mark_roughness(axes, float(np.max(depths))):
+    if not mark_roughness(axes, np.max(depths)):
         axes.set_title(f"below the roughness, {ROUGHNESS}", loc="right")
     label(axes, "r", "wear_depth", words or entry("wear_depth").name)
 

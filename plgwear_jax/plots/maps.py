@@ -128,15 +128,13 @@ def _is_number(row: xr.DataArray) -> bool:
 def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.DataArray, list[str]]:
     """The quantity along the axes that are drawn, the horizontal one last, and in print what all others are."""
     dims, name = [str(dim) for dim in variable.dims], variable.name
-    if not dims:
-        raise MapError(f"{name}: is a single number, {float(variable):g}; there is nothing to draw")
     for axis in at:
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
     variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
     variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
     if variable.ndim == 0:
-        raise MapError(f"{name}: every axis has a single value; there is nothing to draw")
+        raise MapError(f"{name}: is a single number, {float(variable):g}; there is nothing to draw")
     if variable.ndim > 2:
         spans = "; ".join(_axis_told(variable[dim]) for dim in variable.dims)
         raise MapError(f"{name}: choose a value for {variable.ndim - 2} of its {variable.ndim} axes: {spans}")

@@ -114,7 +114,7 @@ def show_units(
         size: The number that the prefix has to suit; by default the largest limit.
     """
     lower, upper = np.sort(np.abs(axis.get_view_interval()))
-    factor, prefixed = readable(float(size or upper), entry(name).unit if unit is None else unit)
+    factor, prefixed = readable(size or upper, entry(name).unit if unit is None else unit)
     if axis.get_scale() == "linear" and upper >= 1e4 * factor:  # the prefixes of a volume are nine decades apart
         power = int(np.log10(upper / factor))
         factor, prefixed = factor * 10.0**power, f"$10^{power}$ {prefixed}".rstrip()

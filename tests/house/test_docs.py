@@ -358,9 +358,9 @@ def test_the_promised_accuracy_is_that_of_the_tests():
 
 
 def test_a_trade_off_curve_has_as_many_points_everywhere():
-    from plgwear_jax.cli.front import front_command
+    from plgwear_jax.cli import front
 
-    functions = front_command, optimise.front, scene.Scene.front
+    functions = front.front, optimise.front, scene.Scene.front
     assert {inspect.signature(function).parameters["points"].default for function in functions} == {21}
 
 

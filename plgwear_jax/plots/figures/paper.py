@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from scipy import optimize
 
-from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax import GrossSlipContact, fretting, gross_slip, material
 from plgwear_jax._core.units import text_cells
 from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, STYLE, Style, page
 
@@ -121,27 +121,21 @@ def _equal_at(quantity: Callable[..., Any], one: float, other: float, lower: flo
     return root(lambda phi: np.log(quantity(one, phi)) - np.log(quantity(other, phi)), lower, upper)
 
 
-def _poisson(k: Any, nu: float | str) -> np.ndarray:
-    """Poisson's ratio: the number nu, Holl's ratio for "holl", the smaller of Holl's ratio and 1/2 for "admissible"."""
-    holl = np.asarray(material.holl_ratio(k))
-    return holl if nu == "holl" else np.minimum(holl, 0.5) if nu == "admissible" else np.full_like(holl, nu)
-
-
-def stiffness_of(k: Any, nu: float | str) -> Any:
-    """F_N0/(2 E0 d a) of Eq. (8) for z0 = a."""
-    value = _poisson(k, nu)
-    h_N = np.asarray(material.h_N(k, "holl" if nu == "holl" else value))
-    return h_N / ((1.0 - value) * (1.0 + value) * (1.0 + np.asarray(k)))
+def stiffness_of(k: Any, nu: Any) -> np.ndarray:
+    """F_N0/(2 E0 d a) of Eq. (8) for z0 = a; "admissible" is the smaller one of Holl's ratio and 1/2."""
+    ratio = np.minimum(material.holl_ratio(k), 0.5) if nu == "admissible" else nu
+    punch = GrossSlipContact(material.PowerLawGraded(1.0, 1.0, k, ratio), 1.0, 1.0)
+    return np.asarray(punch.steady().initial_force) / 2.0
 
 
 def balance_of(k: Any, nu: float | str) -> Any:
     """z0/a at which the initial force equals that on the homogeneous half-space with the same E0, Eq. (8)."""
-    return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / np.asarray(k))
+    return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / k)
 
 
 def modulus_factor(k: Any, nu: Any) -> Any:
     """E0/(1-nu^2) over E/(1-nu^2) of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
-    return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * np.asarray(material.h_N(k, nu)))
+    return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * material.h_N(k, nu))
 
 
 def listed(values: Any, form: str, name: str = "") -> str:
@@ -201,7 +195,7 @@ def numbers() -> Mapping[str, float]:
     """The values of `NUMBERS` as computed by the library, by name."""
     slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
     best, both, factors = root(slope, -0.5, 0.9), EXPONENTS[::2], modulus_factor(EXPONENTS, "holl")
-    plane = 1.0 - _poisson(EXPONENTS, "holl") ** 2
+    plane = 1.0 - material.holl_ratio(EXPONENTS) ** 2
     values = [
         best,
         gross_slip.volume_change(best),
@@ -223,6 +217,11 @@ def numbers() -> Mapping[str, float]:
 
 
 # --- sketches ---------------------------------------------------------------------------------------------------------
+
+
+def crowded(lower: float, upper: float, count: int) -> np.ndarray:
+    """Numbers between two of -1 to 1, dense towards 1 and -1, where functions have infinite slopes."""
+    return np.sin(0.5 * np.pi * np.linspace(lower, upper, count))
 
 
 def of_k(k: float) -> str:
@@ -248,10 +247,7 @@ def sketch(axes: Axes, surface: Any, body: Any, depth: Any, top: float, bottom: 
     axes.set_axis_off()
 
 
-_Place = tuple[Any, Any]
-
-
-def arrow(axes: Axes, start: _Place, end: _Place, words: str, at: _Place, heads: str = "-|>") -> None:
+def arrow(axes: Axes, start: Any, end: Any, words: str, at: tuple[Any, Any], heads: str = "-|>") -> None:
     """An arrow from start to end, or with two heads the length between both, and words at a place."""
     style = {"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}
     axes.annotate("", end, start, arrowprops=style, zorder=6)

@@ -18,6 +18,7 @@ from plgwear_jax.plots.figures.paper import (
     Claim,
     arrow,
     balance_of,
+    crowded,
     listed,
     numbers,
     of_k,
@@ -51,7 +52,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
     Beside it the pressure before and after wear, Eqs. (2), (9), for k = −0.5, 0, 0.5.
     """
     axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
-    r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
+    r = crowded(0.0, 1.0, 301)
     for k, style in OF_EXPONENT.items():
         pressures.plot(r, gross_slip.initial_pressure(r, k), label=f"initial, {of_k(k)}", **style)
     for k, words, dashes in ((0.5, r"$k = \pm 0.5$", "-"), (0.0, "$k = 0$", DASHED)):
@@ -99,7 +100,7 @@ def _check_punch(k: float) -> list[Claim]:
 
 def _draw_punch(page: FigureBase, k: float) -> None:
     axes, top = page.subplots(), -0.32
-    r = np.append(np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3)
+    r = np.append(crowded(0.0, 1.0, 161), 1.0 + np.linspace(0.0, 1.0, 161) ** 3)
     steady, inside = gross_slip.steady_displacement(r, k), r <= 1.0
     axes.fill_between(r, top, steady, inside, facecolor="0.93", zorder=0)
     axes.fill_between(r, steady, 1.0, inside, **WORN | {"zorder": 1, "label": r"worn, $\Delta V$"})
@@ -145,7 +146,7 @@ def _check_change() -> list[Claim]:
 def effective_volume_change(page: FigureBase) -> None:
     """Fig. 4: the effective volume change of the punch over the exponent, Eq. (7)."""
     axes = page.subplots()
-    k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 401)) * ALMOST
+    k = crowded(-1.0, 1.0, 401) * ALMOST
     best, most = numbers()["best_k"], 100.0 * numbers()["best_change"]
     axes.plot(k, 100.0 * gross_slip.volume_change(k), **BEST)
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
@@ -182,7 +183,7 @@ def normal_forces(page: FigureBase) -> None:
     is the initial force on the homogeneous half-space.
     """
     panels = page.subplots(1, 2, sharey=True)
-    k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 241)) * ALMOST
+    k = crowded(-1.0, 1.0, 241) * ALMOST
     ratio = gross_slip.force_ratio(k)
     for axes, nu in zip(panels, ("admissible", "holl"), strict=True):
         for depth, colour in zip(DEPTHS, (BLUE, "k", ORANGE), strict=True):
@@ -204,7 +205,7 @@ def _check_tendencies() -> list[Claim]:
     size = np.geomspace(1e-4, 0.999, 400)
     left, right = balance_of(-size, _LAW), balance_of(size, _LAW)
     even = root(lambda k: np.log(balance_of(k, _LAW)), 0.01, 0.5)
-    at = {k: float(balance_of(k, _LAW)) for k in (-0.9, -0.5, 0.5, 0.9)}
+    at = {k: balance_of(k, _LAW) for k in (-0.9, -0.5, 0.5, 0.9)}
     rows = (
         ("↓", "−1 < k < 0", "z0 < a", left > 1.0, left > 1.0,
          f"without exception: it falls wherever z0 < {left.min():.2f} a"),

@@ -1,6 +1,6 @@
 """Section 3 of the paper: fretting."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from plgwear_jax.plots.figures.paper import (
     WORN,
     Claim,
     arrow,
+    crowded,
     listed,
     modulus_factor,
     numbers,
@@ -171,12 +172,11 @@ def _check_profiles() -> list[Claim]:
     return [Claim(said, found, rising(grows, 1)) for said, found, grows in rows]
 
 
-def _draw_column(page: FigureBase, draw: Callable[[Axes, float, float, Style], None], **frame: Any) -> None:
-    """A column of panels, one for each exponent, with what is drawn for each amplitude, and one legend."""
+def _column(page: FigureBase, **frame: Any) -> Iterator[tuple[Axes, float]]:
+    """A column of panels, each with its exponent, and the legend of what is drawn in them."""
     panels = page.subplots(3, 1, sharex=True, sharey=True)
-    for k, axes in zip(EXPONENTS, panels, strict=True):
-        for phi, style in OF_AMPLITUDE.items():
-            draw(axes, k, phi, style)
+    yield from zip(panels, EXPONENTS, strict=True)
+    for axes in panels:
         axes.set(**frame)
     panels[-1].set_xlabel("$r/a_0$")
     letters(panels, [of_k(k) for k in EXPONENTS])
@@ -190,17 +190,14 @@ def limiting_profiles(page: FigureBase) -> None:
     The contact radius is the same for all, as by Eq. (27). Dots mark the edges of the worn ring.
     """
     r = np.linspace(0.0, 2.0, 401)
-
-    def draw(axes: Axes, k: float, phi: float, style: Style) -> None:
-        if phi == AMPLITUDES[0]:
-            axes.plot(r, 0.5 * r**2, **_THIN)
-        ends = np.array([fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)])
-        # dense close to the stick-slip boundary, where the profile rises like a power of the distance
-        ring = ends[0] + np.ptp(ends) * np.linspace(0.0, 1.0, 201) ** 3
-        axes.plot(ring, fretting.profile(ring, k, phi), **style)
-        axes.plot(ends, 0.5 * ends**2, ".", color=style["color"], markersize=4.0)
-
-    _draw_column(page, draw, xlim=(0.0, 2.0), ylim=(0.0, 1.6), ylabel=r"$f_\infty\, R/a_0^2$")
+    for axes, k in _column(page, xlim=(0.0, 2.0), ylim=(0.0, 1.6), ylabel=r"$f_\infty\, R/a_0^2$"):
+        axes.plot(r, 0.5 * r**2, **_THIN)
+        for phi, style in OF_AMPLITUDE.items():
+            ends = np.array([fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)])
+            # dense close to the stick-slip boundary, where the profile rises like a power of the distance
+            ring = ends[0] + np.ptp(ends) * np.linspace(0.0, 1.0, 201) ** 3
+            axes.plot(ring, fretting.profile(ring, k, phi), **style)
+            axes.plot(ends, 0.5 * ends**2, ".", color=style["color"], markersize=4.0)
 
 
 def _check_volumes() -> list[Claim]:
@@ -291,14 +288,11 @@ def worn_pressures(page: FigureBase) -> None:
 
     It is printed as a second Fig. 9. Dotted lines mark the stick radius.
     """
-    r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
-
-    def draw(axes: Axes, k: float, phi: float, style: Style) -> None:
-        if phi == AMPLITUDES[0]:
-            axes.plot(r, fretting.initial_pressure(r, k), **_THIN)
-        stick = float(fretting.stick_radius(k, phi))
-        inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
-        axes.plot(inside, fretting.steady_pressure(inside, k, phi), **style)
-        axes.axvline(stick, **GUIDE | {"color": style["color"]})
-
-    _draw_column(page, draw, xlim=(0.0, 1.05), ylim=(0.0, 5.0), ylabel=r"$p_\infty\, \pi a_0^2/F_N$")
+    r = crowded(0.0, 1.0, 301)
+    for axes, k in _column(page, xlim=(0.0, 1.05), ylim=(0.0, 5.0), ylabel=r"$p_\infty\, \pi a_0^2/F_N$"):
+        axes.plot(r, fretting.initial_pressure(r, k), **_THIN)
+        for phi, style in OF_AMPLITUDE.items():
+            stick = float(fretting.stick_radius(k, phi))
+            inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
+            axes.plot(inside, fretting.steady_pressure(inside, k, phi), **style)
+            axes.axvline(stick, **GUIDE | {"color": style["color"]})
