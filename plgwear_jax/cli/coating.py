@@ -143,15 +143,14 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         **columns,
         **fields(fit, "scatter", "felt", "covered"),
     )
-    known = np.isfinite(fit.fitted) & (fit.fitted > 0.0)
-    fitted = each_with_unit("modulus", fit.fitted, "power law")
-    near = np.round(100.0 * (fit.fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
+    fitted = np.where((fit.fitted > 0.0) & np.isfinite(fit.fitted), fit.fitted, np.nan)
+    near = np.round(100.0 * (fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
     report.table(
         each_with_unit("depth", fit.depth),
         each_with_unit("modulus", fit.modulus, "modulus"),
-        fitted._replace(cells=[cell if sure else "" for cell, sure in zip(fitted.cells, known, strict=True)]),
-        Column("difference (%)", [f"{x:+.2g}" if sure else "" for x, sure in zip(near, known, strict=True)]),
-        Column("counts (%)", [f"{100.0 * share:.2g}" if share > 0.0 else "0" for share in fit.weight]),
+        each_with_unit("modulus", fitted, "power law"),
+        Column("difference (%)", [f"{x:+.2g}" if x == x else "" for x in near]),
+        Column("counts (%)", [f"{100.0 * share:.2g}" for share in fit.weight]),
         title=name,
         more="rows",
     )

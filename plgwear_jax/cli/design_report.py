@@ -39,7 +39,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     both = described(found, comparison)
     lessened = called(objective).partition(", ")[0]
     verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
-    conflict_told = None if conflict is None else _conflict_told(found, conflict, limited)
+    conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
@@ -51,7 +51,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         conflict=conflict and fields(conflict, "allowed", "reachable"),
         verdict=verdict,
         **fields(found.minimum, "projected_gradient", "steps"),
-        rival=None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
+        rival=found.rival and {"variables": found.rival, "value": found.rival_value},
         if_10_percent_higher=higher,
     )
     if not found.keeps_limits:  # savings have no meaning here
@@ -67,7 +67,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
             rival = f"the next best minimum, at {_where(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
         tension = _tensions(found) if STRESSES & asked and question.by_force else None
-        report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
+        report.say(gain, tension, verdict, rival, higher and higher["line"])
     report.say(doubtful(found, comparison))
     _tell_life(report, given, found)
     if sensitivities and found.keeps_limits:
@@ -173,7 +173,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     if not told or cycles is None or question.horizon is None:
         return
     forever = optimise.in_steady_state(found)
-    flips_at = None if forever.flips_at is None else forever.flips_at * cycles
+    flips_at = forever.flips_at and forever.flips_at * cycles
     best, least = forever.best.variables, forever.best.value
     report.put(
         life={
@@ -187,8 +187,8 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
             "flips_at_cycles": flips_at,
         }
     )
-    volumes = (measured(found.objective, volume) for volume in (forever.volume, forever.reference_volume, least))
-    worn, reference, least = volumes
+    values = forever.volume, forever.reference_volume, least
+    worn, reference, least = (measured(found.objective, value) for value in values)
     worn = f"in the steady state it wears {worn}, the reference {reference}"
     if flips_at is None:
         report.say(f"{worn}; no other coating wears less in the steady state")
@@ -238,13 +238,12 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     report.put(sensitivities=fields(slopes, "variables", "saving"))
     varied, rows, idle = [*next(iter(slopes.variables.values()))], [], []
     for source, by in slopes.variables.items():
-        changes = [slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())]
-        if all(abs(change) < _NEGLIGIBLE for change in changes):
+        changes = slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())
+        cells = [f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes]
+        if {*cells} == {"0"}:
             idle.append(source)
-        else:
-            # not the best k, which is a result
-            label = "k of the reference" if source == "k" else source
-            rows.append([label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes)])
+        else:  # the best k is a result
+            rows.append(["k of the reference" if source == "k" else source, *cells])
     headings = "input", "saving (points)", *(name if is_linear(name) else f"{name} (%)" for name in varied)
     columns = (Column(heading, [row[i] for row in rows], left=i == 0) for i, heading in enumerate(headings))
     report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")

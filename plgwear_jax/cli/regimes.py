@@ -66,7 +66,7 @@ def regimes(
     moves = interval("--displacement", displacement, within, form.format(entry("displacement_amplitude").unit))
     forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
     positive("--rig-stiffness", rig_stiffness, "in N/m")
-    rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
+    rig = rig_stiffness or given.load.rig_stiffness
     report = Report(scene_file, as_json, picture, csv_file, kind="regimes")
     with computing("computing the loops", one_question=True):
         import numpy as np

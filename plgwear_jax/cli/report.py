@@ -69,8 +69,8 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
 def each_with_unit(
     name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
 ) -> Column:
-    """A column of values of a quantity, each with its own unit; the heading is by default the quantity's name."""
-    cells = [measured(name, value) for value in values]
+    """A column of values of a quantity, NaN for none, each with its own unit, by default below the quantity's name."""
+    cells = [measured(name, value) if value == value else "" for value in values]
     return Column(heading or entry(name).name, cells, "" if end is None else measured(name, end), wrap=wrap)
 
 
@@ -102,9 +102,7 @@ def shared(
     return Column(f"{heading}\n{unit}" if "\n" in heading else f"{heading} ({unit})", cells, below)
 
 
-def by_quantity(
-    headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] | None = None
-) -> list[Column]:
+def by_quantity(headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] = {}) -> list[Column]:
     """The columns of a table with a row for each quantity, which compares its values.
 
     Args:
@@ -113,7 +111,7 @@ def by_quantity(
         words: Replacements of the catalogue's words, by the name of the quantity.
     """
     cells = [measures(values, name) for name, values in rows.items()]
-    named = Column("", [(words or {}).get(name) or entry(name).words for name in rows], left=True, wrap=True)
+    named = Column("", [words.get(name) or entry(name).words for name in rows], left=True, wrap=True)
     return [named, *(Column(heading, [row[i] for row in cells]) for i, heading in enumerate(headings))]
 
 
@@ -152,14 +150,14 @@ class Report:
             if file is not None:
                 files.check_target(file, suffixes)
 
-    def put(self, units: Mapping[str, str] | None = None, /, **facts: Any) -> None:
+    def put(self, units: Mapping[str, str] = {}, /, **facts: Any) -> None:
         """Add results in SI units to the JSON object; their units are those of the catalogue, or `units`."""
         self._found |= facts
         for name, value in facts.items():
             for one, x in (value if isinstance(value, dict) else {name: value}).items():
-                unit = None if isinstance(x, dict | str) or x is None else unit_of(one)
-                self._units |= {} if unit is None else {one: unit}
-        self._units |= units or {}
+                if not isinstance(x, dict | str | None) and (unit := unit_of(one)):
+                    self._units[one] = unit
+        self._units |= units
 
     def say(self, *lines: str | None) -> None:
         """Add lines; those that are None or empty are left out."""
@@ -193,7 +191,7 @@ class Report:
         headings: Mapping[str, str],
         rows: Mapping[str, Any],
         *more: Column,
-        words: Mapping[str, str] | None = None,
+        words: Mapping[str, str] = {},
     ) -> None:
         """Compare quantities: a table with a row for each, and an object for each side in the JSON object.
 
@@ -232,7 +230,8 @@ class Report:
         written = {kind: str(file) for kind, file in self._files.items() if file is not None}
         if self._as_json:
             found = self._found | ({"units": self._units} if self._units else {})
-            found |= {kind: file for kind, file in written.items() if kind == "picture"}
+            if "picture" in written:
+                found["picture"] = written["picture"]
             # A number that is not finite becomes null.
             finite = json.loads(json.dumps(found, default=lambda array: array.tolist()), parse_constant=lambda _: None)
             typer.echo(json.dumps(finite))

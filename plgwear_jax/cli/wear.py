@@ -147,7 +147,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         for name in _BLOCKS if blocks else _COURSE:
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
         steady = None if run.final is None else {name: float(value) for name, value in run.final._asdict().items()}
-        at_end = abs(cycles - (life or cycles[-1])).argmin()
+        at_end = cycles.searchsorted(life or cycles[-1])
         end = {name: values[at_end] for name, values in columns.items()}
         worn = steady or end
         if share:
@@ -155,7 +155,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
     refuse_extremes(np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     report.write_table(columns)
     law = vars(wear.law)
-    report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
+    report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else {}, **law)
     if share:
         report.put(half_space_share=share)
     slips = columns["stick_radius"] <= 0.0
@@ -216,7 +216,7 @@ def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.nda
         more="blocks",
     )
     if slips.size:
-        which = f"block {slips[0]}" if slips.size == 1 else f"blocks {', '.join(map(str, slips[:9]))}"
+        which = f"block{'s' if slips[1:].size else ''} {', '.join(map(str, slips[:9]))}"
         more = f" and {slips.size - 9} more" if slips.size > 9 else ""
         report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
 

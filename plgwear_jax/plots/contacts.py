@@ -148,7 +148,7 @@ def stress_picture(steady: Steady) -> Figure:
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
-        show_units(axis, words=words, unit=entry("r").unit, size=a)
+        show_units(axis, "r", words, size=a)
     axes.legend(loc="lower right", frameon=True, facecolor="0.2", edgecolor="none", labelcolor="w")
     return figure
 

@@ -245,10 +245,8 @@ def _norm(variable: xr.DataArray) -> Normalize:
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return Normalize(0.0, 1.0)
-    lower, upper, size = finite.min(), finite.max(), np.abs(finite).max()
-    if np.isinf(values).any():
-        size = np.quantile(np.abs(finite), 0.99)
-        lower, upper = max(lower, -size), min(upper, size)
+    size = np.quantile(np.abs(finite), 0.99 if np.isinf(values).any() else 1.0)
+    lower, upper = np.clip([finite.min(), finite.max()], -size, size)
     if lower < -1e-6 * size and upper > 1e-6 * size:  # smaller values are rounding errors
         usual = np.median(np.abs(finite))
         return AsinhNorm(usual, -size, size) if size > 30.0 * usual > 0.0 else Normalize(-size, size)
