@@ -26,13 +26,6 @@ def leave_off(wanted: bool) -> None:
     _left_off = wanted
 
 
-def folder() -> Path:
-    """The folder of the cache."""
-    import platformdirs
-
-    return platformdirs.user_cache_path("plgwear", appauthor=False)
-
-
 def use(one_question: bool) -> None:
     """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
 
@@ -70,21 +63,20 @@ def use(one_question: bool) -> None:
 def _prepared() -> Path | None:
     """The folder, ready to be written to; None if it cannot be, or if others can: the files are executed."""
     import filelock
+    import platformdirs
 
     try:
-        place = folder()
+        place = platformdirs.user_cache_path("plgwear", appauthor=False)
         place.parent.mkdir(exist_ok=True)  # only one level: a missing home folder is not made
         place.mkdir(mode=0o700, exist_ok=True)
         about = place.stat()
         if hasattr(os, "getuid") and (about.st_uid != os.getuid() or about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)):
             return None
         with filelock.FileLock(place / ".lockfile", timeout=1.0):  # JAX's own
-            names = {*os.listdir(place)}
             # Half-written programs lack the file with their time of use, without which JAX stops writing.
-            for name in names:
-                stem = name.removesuffix("-cache")
-                if stem != name and f"{stem}-atime" not in names:
-                    (place / name).unlink(missing_ok=True)
+            for program in place.glob("*-cache"):
+                if not program.with_name(f"{program.name.removesuffix('cache')}atime").exists():
+                    program.unlink(missing_ok=True)
     except (OSError, RuntimeError, NotImplementedError):  # also: no home, no locks on this disk
         return None
     return place

@@ -66,9 +66,9 @@ def coating(
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
     text = ""
-    if out is not None:
+    if out:
         named = given.load.table or given.load.history
-        if named is not None and out.resolve().parent != scene_file.resolve().parent:
+        if named and out.resolve().parent != scene_file.resolve().parent:
             refuse(f"--out {one_line(str(out))}: must be in the folder of the input file, where {one_line(named)} is")
         text = read_text(scene_file, "an input file is a TOML file", ValueError)
         if _MATERIAL.search(text) is None:
@@ -97,7 +97,7 @@ def coating(
     report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
-    if out is not None:
+    if out:
         whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
         files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
     report.doubt(given, idealisation.quantities["contact_radius"][0])
@@ -112,7 +112,7 @@ def coating(
     )
     report.say(f"indentation: {_REMARK}")
     report.end()
-    if fit.doubt is not None:
+    if fit.doubt:
         warn(f"{data.name}: {fit.doubt}")
 
 

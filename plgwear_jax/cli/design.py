@@ -31,7 +31,7 @@ def design(
     if space.free and given.wears_otherwise:
         text = "a free gradient under blocks, or in gross slip, has no steady state to report"
         refuse(f"{scene_file}: [load]: {text}; in Python, scene.load(file).free_design() finds it")
-    if sensitivities and space.scatter is not None:
+    if sensitivities and space.scatter:
         refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
     report = Report(scene_file, as_json, picture, kind="design")
     with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least", one_question=True):

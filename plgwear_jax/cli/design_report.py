@@ -27,7 +27,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     """
     question, comparison, objective = found.question, optimise.compared(found), found.objective
     words = {"edge_pressure": placed("edge_pressure", {"distance": comparison.distance})}
-    if given.life is not None:
+    if given.life:
         words[objective] = f"{entry(objective).words} after {counted(given.life)} cycles"
 
     def called(name: str) -> str:
@@ -61,13 +61,13 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         if "edge_pressure" in both:
             best, reference = both["edge_pressure"]
             gain += f", at {best / reference:.3g} times its {words['edge_pressure']}"
-        if found.rival is not None:
+        if found.rival:
             more = found.rival_value / found.value - 1.0
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
             rival = f"the next best minimum, at {_where(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
         tension = _tensions(found) if STRESSES & asked and question.by_force else None
-        report.say(gain, tension, verdict, rival, higher and higher["line"])
+        report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
     report.say(doubtful(found, comparison))
     _tell_life(report, given, found)
     if sensitivities and found.keeps_limits:
@@ -167,7 +167,7 @@ def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited:
 def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     """What a design for a life does in the steady state, and after how many cycles another one is better."""
     question, cycles = found.question, given.life
-    if cycles is None and given.wear is not None and given.wear.cycles is not None:
+    if cycles is None and given.wear and given.wear.cycles:
         report.say(f"cycles: {found.objective} has no value after cycles; this is for the steady state")
     told = question.by_force and found.keeps_limits and question.scenarios is None
     if not told or cycles is None or question.horizon is None:

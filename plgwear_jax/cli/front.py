@@ -82,7 +82,7 @@ def front(
     same = np.ptp(along) <= 1e-9 * np.max(along)
     shown = slice(1 if same else None)
     words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
-    if given.life is not None:
+    if given.life:
         words[found.y_name] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (

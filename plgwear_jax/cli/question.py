@@ -93,7 +93,7 @@ def _slipping(given: "Scene", rows: Any) -> str:
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space, name = given.load, given.asked(), entry(objective).name
-    if space.scatter is not None:
+    if space.scatter:
         rows = space.scatter.row
         said = (
             f"the {name} is its {_part(space.level)} over them, limits are for the worst, all else is for the reference"
@@ -101,7 +101,7 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
         return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{_slipping(given, rows)}; {said}"
     if load is None:
         return None
-    if load.cycles is not None and given.life is not None:
+    if load.cycles is not None and given.life:
         return f"history {one_line(str(load.history))}: {load.cycles.size} blocks, {given.life:g} cycles in all"
     if load.table is None:
         kept = f"; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"

@@ -147,7 +147,7 @@ class Report:
             picture = picture or Path(f"{scene_file.stem}-{kind}.png")
         self._files = {"picture": picture, "table": table, "scene": scene}
         for file, suffixes in zip(self._files.values(), (files.PICTURES, (".csv",), (".toml",)), strict=True):
-            if file is not None:
+            if file:
                 files.check_target(file, suffixes)
 
     def put(self, units: Mapping[str, str] = {}, /, **facts: Any) -> None:
@@ -222,12 +222,12 @@ class Report:
 
     def write_table(self, columns: "Mapping[str, np.ndarray]") -> None:
         """Write the .csv file, if the command was given one: names of the columns, and rows in SI units."""
-        if self._files["table"] is not None:
-            files.write_table(self._files["table"], columns)
+        if file := self._files["table"]:
+            files.write_table(file, columns)
 
     def end(self) -> None:
         """Print the words, and the names of the files that were written, or with --json the object."""
-        written = {kind: str(file) for kind, file in self._files.items() if file is not None}
+        written = {kind: str(file) for kind, file in self._files.items() if file}
         if self._as_json:
             found = self._found | ({"units": self._units} if self._units else {})
             if "picture" in written:

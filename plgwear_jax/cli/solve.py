@@ -31,7 +31,7 @@ def solve(
     Example: plgwear solve design/electrical_contact.toml
     """
     given = read_scene(scene_file)
-    if picture is not None and given.load is None:
+    if picture and not given.load:
         refuse("--picture: stresses are those of a fretting contact")
     report = Report(scene_file, as_json, picture)
     with computing("computing the quantities", one_question=True):
@@ -45,7 +45,7 @@ def solve(
         endless = quantity.radii is None and not name.startswith("peak_") and np.isinf(value)
         refuse_extremes(not (np.any(np.isnan(value)) or endless), f"{name} exceeds")
         known[name] = {key: one for key, one in quantity._asdict().items() if one is not None}
-        if quantity.edge_distance is not None:
+        if quantity.edge_distance:
             place = f"edge - {measured('distance', quantity.edge_distance)}"
         if quantity.radii is not None:
             known[name]["radii_unit"] = entry("r").unit
@@ -66,7 +66,7 @@ def solve(
     headings = "quantity", "value", "unit", "at r", "meaning"
     columns = [Column(one, [row[i] for row in rows], "", i != 1, i == 4) for i, one in enumerate(headings)]
     report.table(*(column for column in columns if column.heading != "at r" or any(column.cells)))
-    if picture is not None and given.load is not None:
+    if picture and given.load:
         contact: Any = given.build_contact()
         report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))
     report.end()

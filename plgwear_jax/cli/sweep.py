@@ -179,7 +179,7 @@ def _subject(
     if designed:
         given.asked()
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
-    if given.design_space is not None and others:
+    if given.design_space and others:
         if given.design_space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
             warn(
                 f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
@@ -190,9 +190,9 @@ def _subject(
     found: dict[str, Any] = {"contact": given.build_contact()}
     lasts = "transient" in kinds.values()
     followed = lasts or (designed and given.life is not None)
-    if given.wear is not None and "wear_coefficient" not in axes and followed:
+    if given.wear and "wear_coefficient" not in axes and followed:
         given.wear.refuse_frictions(axes)
-    if given.wear is not None and lasts:
+    if given.wear and lasts:
         known = {"wear_coefficient": given.wear.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
@@ -203,7 +203,7 @@ def _subject(
 
         read = {str(file): tables.read(file, tables.LOADS) for file in loads}
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
-    elif given.load is not None:
+    elif given.load:
         found |= _load_of(given.load, axes, followed)
     return found
 

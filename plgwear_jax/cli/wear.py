@@ -72,14 +72,14 @@ def wear(
     positive("--until", until, "a depth in m")
     positive("--deviation", deviation, "a share of the volumes")
     kind = "wear" if volumes is None else "fit"
-    if volumes is not None and csv_file is not None:
+    if volumes and csv_file:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
     report = Report(scene_file, as_json, picture, csv_file, kind=kind)
-    if volumes is not None:
-        if digits is not None:
+    if volumes:
+        if digits:
             refuse("--digits: a fit computes the volumes as exactly as it can")
         _fit(given, volumes, deviation, report, until)
-    elif deviation is not None:
+    elif deviation:
         refuse("--deviation: is that of volumes that --fit reads")
     else:
         _course(given, report, until, digits)
@@ -169,7 +169,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         report.doubt(given, worn.get("worn_radius", columns["contact_radius"][-1]))
         # few cycles after which nearly all is worn, or to which gross slip is followed
         doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
-        if doubtful is not None:
+        if doubtful:
             warn(f"{report.scene}: [wear]: {doubtful}")
         regime = "partial slip" if not slips.any() else "gross slip, then partial slip" if slips[0] else "mixed slip"
         regime = "gross slip" if slips.all() else regime
@@ -186,7 +186,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             report.say(f"{regime} {held}: {much}; {on}")
         else:
             report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
-            if life is not None:
+            if life:
                 unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
                 after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
                 report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
@@ -194,10 +194,10 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             then = "".join(f", {much} after {number}" for much, number in later)
             report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
     report.say(both)
-    if until is not None:
+    if until:
         ends = f": the largest wear depth is {measured('depth', worn['deepest_wear'])}" if steady or blocks else ""
         _tell_until(given, report, until, float(run.cycles_to(depth=until)), ends)
-    if blocks and wear.cycles is not None:
+    if blocks and wear.cycles:
         report.say("[wear] cycles: the history has cycles of its own, which count here")
     report.end()
 
@@ -240,7 +240,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
 
     if run.steady is None:
         last = float(run.lasting_cycles)
-        if life is not None and life > last:
+        if life and life > last:
             told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
             refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
         printed, shares = [life or last], dict[float, float]()
@@ -260,7 +260,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
 
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
     ends, last, share = dict[str, float](), "", list[Column]()
-    if steady is not None:
+    if steady:
         none = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
         ends, last = steady | none | {"contact_radius": steady["worn_radius"]}, "steady state"
         share = [Column("share\n\n%", [rounded(x) for x in 100.0 * rows["volume"] / steady["volume"]], "100")]
@@ -294,7 +294,7 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
     cycles, volume = data["cycles"], data["volume"]
     if not (volume[cycles > 0.0] > 0.0).any():
         refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-    if share is not None and {"deviation", "relative_deviation"} & data.columns.keys():
+    if share and {"deviation", "relative_deviation"} & data.columns.keys():
         refuse(f"--deviation: {data.name} has a column of deviations")
     load, exponent = given.tested(), getattr(given.wear, "exponent", None) or 1.0
     with computing("fitting the wear coefficient", one_question=False):
@@ -337,17 +337,17 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
         shared("volume", found.fitted, "fitted", size=size, number=".4g"),
         shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
     ]
-    if found.steady_volume is not None:
+    if found.steady_volume:
         columns.append(Column("share (%)", [f"{x:.3g}" for x in 100.0 * found.fitted / found.steady_volume]))
     report.table(*columns, more="rows")
     others = {"mm³/(N m)": of_volume, "mm³ per J of friction": of_energy}
-    also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x is not None)
+    also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x)
     report.say(f"wear coefficient: {K:.4g} {unit}{' = ' if also else ''}{also}")
     if low == low and (low or high < math.inf):  # not NaN, nor all that is possible
         report.say(
             f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
         )
-    if until is not None:
+    if until:
         tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
         best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
         first, last = first if high < math.inf else 0.0, last if low > 0.0 else math.inf
@@ -358,5 +358,5 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
             given, report, until, best, "", f", 95 % confidence: {within}" if low == low and best < math.inf else ""
         )
     report.end()
-    if found.doubt is not None:
+    if found.doubt:
         warn(f"{data.name}: {found.doubt}")

@@ -62,7 +62,7 @@ def regimes_picture(
     figure = page(18.0, 8.2)
     left, right = panels = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
     own = np.asarray(own)
-    words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness is not None else " $u_x$")
+    words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness else " $u_x$")
     x, y, force = found.displacement_amplitude, found.normal_force, cut.normal_force[0]
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
     left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1)
@@ -181,25 +181,25 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     """
     figure = page(18.0, 8.5)
     panels = figure.subplot_mosaic("abd;acd")
-    states, styles, ends = [*shown], [], run.final is not None
+    states, styles, final = [*shown], [], run.final
     axes, cycles = panels["a"], np.asarray(cycles, float)
     volumes = np.asarray(run.volume(cycles))
-    end = float(run.final.volume) if run.final is not None else volumes.max()
+    end = float(final.volume) if final else volumes.max()
     axes.loglog(cycles, volumes[0] / cycles[0] * cycles, label="wear of the first cycles", **FORBIDDEN)
     axes.loglog(cycles, volumes, color="k", label=entry("volume").name)
-    if ends:
+    if final:
         axes.axhline(end, color=ORANGE)
-    if life is not None:
+    if life:
         mark(axes, life, "life")
     axes.set(xlim=cycles[[0, -1]], ylim=(volumes[0], 3.0 * end))
     label(axes, "cycles", "volume")
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, volume, "o", color=shade["color"], **DOT)
-        share = f" ({100.0 * volume / end:.0f} %)" if ends else ""
+        share = f" ({100.0 * volume / end:.0f} %)" if final else ""
         mantissa, _, exponent = f"{number:.1e}".partition("e")
         told = f"{number:.0f}" if 1.0 <= number < 1e3 else rf"${mantissa}\times 10^{{{int(exponent)}}}$"
         styles.append(shade | {"label": f"{told} cycles{share}"})
-    if ends:
+    if final:
         states.append(float(run.lasting_cycles))
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
@@ -229,7 +229,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
     deep = measured("wear_depth", deepest)
-    panels["c"].set_title(f"{'steady state' if ends else 'in the end'}: {deep} deep", loc="right")
+    panels["c"].set_title(f"{'steady state' if final else 'in the end'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
     legend_above(figure, (panels["a"], panels["c"]), 4)
     return figure
@@ -288,7 +288,7 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     if np.all(np.isfinite(low)):
         left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 %")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
-    if fit.steady_volume is not None:
+    if fit.steady_volume:
         left.axhline(fit.steady_volume, **_END)
     right.axhline(0.0, **BEST)
     left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from scipy import optimize
 
-from plgwear_jax import GrossSlipContact, fretting, gross_slip, material
+from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core.units import text_cells
+from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, STYLE, Style, page
 
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
