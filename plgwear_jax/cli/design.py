@@ -39,10 +39,8 @@ def design(
     with working("comparing it with the reference"):
         from plgwear_jax.cli.design_report import tell_design, tell_freely
 
-        if space.free:
-            doubts, radius, *picture_of = tell_freely(report, given, found)
-        else:
-            doubts, radius, *picture_of = tell_design(report, given, found, sensitivities)
+        told = tell_freely(report, given, found) if space.free else tell_design(report, given, found, sensitivities)
+        doubts, radius, *picture_of = told
     report.draw(*picture_of)
     report.doubt(given, radius)
     report.end()

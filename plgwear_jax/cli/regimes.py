@@ -72,8 +72,6 @@ def regimes(
         import numpy as np
 
         found, cut, own = _computed(given, moves, forces, rig)
-    ratios = np.append(found.energy_ratio, cut.energy_ratio)
-    refuse_extremes(POSITIVE.contains(ratios).all(), "the loops exceed")
     report.draw("regimes_picture", found, cut, own, rig)
     names = "normal_force", "displacement_amplitude"
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
@@ -120,6 +118,7 @@ def _computed(
     columns = np.concatenate([np.geomspace(*moves, _AMPLITUDES), told, between])
     order = np.argsort(columns, kind="stable")
     whole = slip_regimes(contact, columns[order], np.append(rows, force), rig_stiffness=rig)
+    refuse_extremes(POSITIVE.contains(whole.energy_ratio).all(), "the loops exceed")
     of_map = order < _AMPLITUDES
     found = whole.part(np.arange(rows.size), np.flatnonzero(of_map))
     return found, whole.part(np.array([rows.size]), np.flatnonzero(~of_map)), own
