@@ -163,9 +163,9 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         correlated = fit.covariance[0, 1] / np.sqrt(variance[0] * variance[1]) if variance.all() else 0.0
         correlation = f"; correlation of k and log E0: {correlated:.2g}"
     E0, z0 = (f"{name} = {measured(name, law[name])}" for name in ("E0", "z0"))
-    low, high = (measured("depth", depth) for depth in fit.felt)
+    felt = measured("depth", fit.felt)
     report.say(
         f"power law: k = {law['k']:.4g}{k_within}",
         f"{E0}{E_within} at {z0}, the contact radius, a free choice{correlation}",
-        f"the depths from {low} to {high} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
+        f"the depths from {felt} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
     )

@@ -159,7 +159,7 @@ def _tell(
         ),
         title=f"{report.scene} at the normal force {measured('normal_force', force)}",
     )
-    energy, sliding = (rounded(value) for value in at_onset.values())
+    energy, sliding = map(rounded, at_onset.values())
     begins = f"gross slip begins at {measured('displacement_amplitude', onset)}"
     report.say(f"{begins}, where the energy ratio is {energy} and the sliding ratio {sliding}")
     for name, level in CRITERIA.items():

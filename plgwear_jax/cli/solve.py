@@ -58,7 +58,7 @@ def solve(
                 meaning += f"; unbounded at {quantity.unbounded_at}"
         number, _, unit = measured(name, value).partition(" ")
         rows.append([name, number, unit, place, meaning])
-    radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
+    radius, onset = map(quantities.get, ("contact_radius", "gross_slip_displacement"))
     report.doubt(given, *(one and float(one.value) for one in (radius, onset)))
     report.put(quantities=known)
     if not slides:

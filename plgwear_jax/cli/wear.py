@@ -211,7 +211,7 @@ def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.nda
     left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
     report.table(
         Column("block\n\n", [f"{i + 1}" for i in range(columns["cycles"].size)]),
-        Column("cycles\nso far\n", [counted(number) for number in columns["cycles"].tolist()]),
+        Column("cycles\nso far\n", [*map(counted, columns["cycles"])]),
         *(shared(name, values, _HEADINGS.get(name)) for name, values in columns.items() if name not in left_out),
         more="blocks",
     )
@@ -263,7 +263,7 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
     if steady:
         none = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
         ends, last = steady | none | {"contact_radius": steady["worn_radius"]}, "steady state"
-        share = [Column("share\n\n%", [rounded(x) for x in 100.0 * rows["volume"] / steady["volume"]], "100")]
+        share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
     # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
     largest, most = max(ends.get("volume", 0.0), *rows["volume"]), rows["volume_per_cycle"].max()
     unit, _ = readable(largest, entry("volume").unit)
@@ -273,7 +273,7 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
         return shared(name, count * rows[name], heading, end=ends.get(name), size=size)
 
     return [
-        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"]], last),
+        Column("cycles\n\n", [*map(counted, rows["cycles"])], last),
         column("volume"),
         *share,
         column("deepest_wear"),
@@ -332,7 +332,7 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
     report.say(load.remark if load.cycles is None else f"history {load.history}: {load.given.size} blocks")
     size = np.max([found.volume, found.fitted])
     columns = [
-        Column("cycles", [counted(number) for number in found.cycles.tolist()]),
+        Column("cycles", [*map(counted, found.cycles)]),
         shared("volume", found.volume, "measured", size=size, number=".4g"),
         shared("volume", found.fitted, "fitted", size=size, number=".4g"),
         shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),

@@ -123,7 +123,7 @@ def stress_picture(steady: Steady) -> Figure:
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    a, c, p_0 = (float(x) for x in (steady.contact_radius, steady.stick_radius, steady.peak_initial_pressure))
+    a, c, p_0 = map(float, (steady.contact_radius, steady.stick_radius, steady.peak_initial_pressure))
     x, z = a * np.linspace(-_REACH, _REACH, 161), a * np.linspace(2e-3, _REACH, 81)
     stress = steady.stress(x, z[:, None])
     tension = np.asarray(stress.principal) / p_0
@@ -143,8 +143,7 @@ def stress_picture(steady: Steady) -> Figure:
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
     told = []
     for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
-        place = (float(at) for at in getattr(steady, f"{name}_at"))
-        axes.plot(*place, marker, label=f"largest {words}", **_PEAK)
+        axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **_PEAK)
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):

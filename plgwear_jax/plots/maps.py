@@ -127,7 +127,7 @@ def _is_number(row: xr.DataArray) -> bool:
 
 def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.DataArray, list[str]]:
     """The quantity along the axes that are drawn, the horizontal one last, and in print what all others are."""
-    dims, name = [str(dim) for dim in variable.dims], variable.name
+    dims, name = [*map(str, variable.dims)], variable.name
     for axis in at:
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
@@ -152,7 +152,7 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
     """The place on an axis nearest to a value."""
     values, said = row.to_numpy(), f"{row.name} = {one_line(str(wanted))}: is"
     if not _is_number(row):
-        names = [str(value) for value in values]
+        names = [*map(str, values)]
         if wanted not in names:
             raise MapError(f"{said} not in the sweep{near_or_all(str(wanted), names)}")
         return names.index(str(wanted))
@@ -219,7 +219,7 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
     axis.set_label_text(row.attrs["label"])
     if not _is_number(row):
-        axis.set_ticks(np.arange(values.size), [_no_formula(value) for value in values])
+        axis.set_ticks(np.arange(values.size), [*map(_no_formula, values)])
         return np.arange(values.size)
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1

@@ -179,7 +179,7 @@ def _column(page: FigureBase, **frame: Any) -> Iterator[tuple[Axes, float]]:
     for axes in panels:
         axes.set(**frame)
     panels[-1].set_xlabel("$r/a_0$")
-    letters(panels, [of_k(k) for k in EXPONENTS])
+    letters(panels, map(of_k, EXPONENTS))
     legend_above(page, panels[0], 2)
 
 
