@@ -87,6 +87,20 @@ def legend_above(figure: FigureBase, shown: Any, columns: int) -> None:
     figure.legend(handles=handles, loc="outside upper center", ncols=columns)
 
 
+class _Prefixed(ScalarFormatter):
+    """Prints values in SI units in a unit with a prefix."""
+
+    def __init__(self, factor: float) -> None:
+        super().__init__()
+        self._factor = factor
+
+    def set_locs(self, locs: Any) -> None:
+        super().set_locs([place / self._factor for place in locs])
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return super().__call__(x / self._factor, pos)
+
+
 def show_units(
     axis: Axis, name: str = "", words: str | None = None, unit: str | None = None, size: float | None = None
 ) -> None:
@@ -106,12 +120,7 @@ def show_units(
         factor, prefixed = factor * 10.0**power, f"$10^{power}$ {prefixed}".rstrip()
     axis.set_label_text(f"{words or entry(name).label} ({prefixed})".removesuffix(" ()"))
     if axis.get_scale() != "log":
-        power = round(np.log10(factor))
-        formatter = ScalarFormatter(useOffset=not power)
-        if power:  # numbers over this power of ten, which the label says
-            formatter.set_powerlimits((power, power))
-        axis.set_major_formatter(formatter)
-        axis.offsetText.set_visible(not power)
+        axis.set_major_formatter(_Prefixed(factor))
         return
     short = 1e-3 <= lower / factor < upper / factor < 1e5
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
