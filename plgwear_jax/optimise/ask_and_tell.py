@@ -456,14 +456,10 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     above = values[:, 1:] / scale[1:]
     excess, worst = xp.maximum(above, 0.0).sum(1), above.max(1, initial=-np.inf)
     height, keeps = (values[:, 0] - lowest[0]) / scale[0], known & (worst <= 0.0)
-    merit = xp.where(known, height + 10.0 * excess, np.inf)
-    valley = _valleys(plan, merit)
-    if plan.limits:
-        # First the valleys among points that keep the limits, then those where they are broken least.
-        valley = valley | _valleys(plan, xp.where(keeps, height, np.inf))
-        valley = valley | _valleys(plan, xp.where(known, excess, np.inf)) & ~keeps
-        merit = xp.where(keeps, height, 2.0 + merit)
-    valleys, count = _lowest_of(xp.where(valley, merit, np.inf), plan.starts), valley.sum()
+    # Points that keep the limits lie below all others, which are the higher the more they break them.
+    depth = xp.where(keeps, height, xp.where(known, 2.0 + excess, np.inf))
+    valley = _valleys(plan, depth)
+    valleys, count = _lowest_of(xp.where(valley, depth, np.inf), plan.starts), valley.sum()
     points = xp.asarray(plan.mesh().reshape(-1, plan.variables))
     start = points[valleys]
     for step in (-1, 1) if plan.limits and plan.variables == 1 else ():
