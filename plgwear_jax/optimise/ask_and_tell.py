@@ -405,10 +405,7 @@ def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Sear
     xp = namespace(values)
     new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
     # After the scan there is no such row, and nothing changes.
-    if xp is np:
-        scanned = np.where((np.arange(plan.passes) == state.passes)[:, None, None], new, state.scanned)
-    else:
-        scanned = state.scanned.at[state.passes].set(new)
+    scanned = xp.where((np.arange(plan.passes) == state.passes)[:, None, None], new, state.scanned)
     # The scan is kept out of the branches, which would copy it.
     rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, values, slopes))
     values, slopes = (
