@@ -18,7 +18,7 @@ from plgwear_jax._core.rules import BY_THEN, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states, stem_and_side
 from plgwear_jax.optimise.conditions import conditions, inclination, solved_by_elimination
-from plgwear_jax.optimise.evaluation import Known, Rows, evaluate
+from plgwear_jax.optimise.evaluation import Known, evaluate
 from plgwear_jax.optimise.question import Question, keeps, moved
 
 
@@ -245,42 +245,42 @@ def sensitivities(found: Design) -> Sensitivities:
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
     best = found.variables
 
-    def rows(question: Question, variables: Mapping[str, float]) -> Rows:
-        """Values, (1 + m,), and slopes, (1 + m, n), at a point."""
-        at = evaluate(question, variables, runs)
-        return at.values[0], at.slopes[0]
+    def rows(question: Question, variables: Mapping[str, float]) -> np.ndarray:
+        """The objective and the limits at a point with their slopes, (1 + m, 1 + n)."""
+        return evaluate(question, variables, runs).rows[0]
 
     here = rows(question, best)
 
-    def changes(steps: np.ndarray, beside: list[Rows]) -> Rows:
-        """Derivatives of values and slopes by what is changed in steps."""
+    def changes(steps: np.ndarray, beside: list[np.ndarray]) -> np.ndarray:
+        """Derivatives of rows by what is changed in steps."""
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        values, slopes = (np.array(part) - now for now, part in zip(here, zip(*beside, strict=True), strict=True))
-        return np.tensordot(_weights_of(steps), values, 1), np.tensordot(_weights_of(steps), slopes, 1)
+        return np.tensordot(_weights_of(steps), np.array(beside) - here, 1)
 
     curvatures = []
     for name, value in best.items():
         steps = _input_steps(name, value)
         beside = [rows(question, {**best, name: moved(name, value, step)}) for step in steps]
-        curvatures.append(changes(steps, beside)[1])
-    state = conditions(*here, np.stack(curvatures, axis=-1), np.where(side == 0, 0.0, side), multipliers)
+        curvatures.append(changes(steps, beside)[:, 1:])
+    state = conditions(
+        here[:, 0], here[:, 1:], np.stack(curvatures, axis=-1), np.where(side == 0, 0.0, side), multipliers
+    )
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
     for name, (path, value) in inputs(question).items():
-        # By its change the values and slopes change; a bound moves only a variable that lies on it.
-        along, values, slopes = np.zeros(len(best)), *map(np.zeros_like, here)
+        # By its change the rows change; a bound moves only a variable that lies on it.
+        along, change = np.zeros(len(best)), np.zeros_like(here)
         end, _, variable = name.partition(" ")
         if variable in best:
             along += (np.array([*best]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
             steps = _input_steps(path, float(np.max(value)), room.get(name, 1.0))
-            values, slopes = changes(steps, [rows(changed(question, path, value, step), best) for step in steps])
-        of_variables = np.where(state.side == 0.0, inclination(slopes, multipliers), -along)
-        of_limits = np.where(state.active > 0.0, values[1:], 0.0)
+            change = changes(steps, [rows(changed(question, path, value, step), best) for step in steps])
+        of_variables = np.where(state.side == 0.0, inclination(change[:, 1:], multipliers), -along)
+        of_limits = np.where(state.active > 0.0, change[1:, 0], 0.0)
         dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))
-        saving[name] = -share * float(values[0] + here[1][0] @ dx)
+        saving[name] = -share * float(change[0, 0] + here[0, 1:] @ dx)
     return Sensitivities(variables, saving)
 
 

@@ -334,8 +334,7 @@ def compared(found: Design) -> Comparison:
         else:
             steady = one.steady(concrete(load.amplitudes)[0])
             if tells_states(question):  # by the program of the search
-                told = evaluator.told(evaluator.points(values)).state
-                vars(steady)["solved"] = jax.tree.map(lambda x: x[0], told)
+                vars(steady)["solved"] = jax.tree.map(lambda x: x[0], evaluator.told(values).state)
             distance, *ring = _ring(steady, distance)  # both at the place of the reference
             each.append(ring)
     quantities, edge, radii, depth = jax.tree.map(lambda *parts: np.stack(parts[::-1]), *map(tuple, each))

@@ -231,19 +231,22 @@ def shared_of(question: Question) -> Shared:
 # --- for concrete numbers ---------------------------------------------------------------------------------------------
 
 
-Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 Known = dict[Any, Any]  # what is known of questions, and of points that are solved numerically
 
 
 class Evaluation(NamedTuple):
     """The objective and the limits at several choices of the variables; of scenarios over all of them."""
 
-    values: Any  # of `Candidate.rows`, (points, 1 + m)
-    slopes: Any  # by the variables on the scale on which they are searched, (points, 1 + m, n)
+    rows: Any  # of `Candidate.rows` with their slopes, (points, 1 + m, 1 + n)
     scale: Any = 1.0  # the objective of the reference in SI units
     held: Any = None  # E0 that holds the contact radius, by name, if it is held
     weights: Any = None  # with which scenarios and amplitudes count, (points, scenarios * amplitudes)
     scenario: Any = None  # where a limit is broken the most, (points, m)
+
+    @property
+    def values(self) -> Any:
+        """The rows without their slopes, (points, 1 + m)."""
+        return self.rows[..., 0]
 
     @property
     def objective(self) -> Any:
@@ -255,9 +258,14 @@ class Told(NamedTuple):
     """What a program tells of each point."""
 
     values: Any  # of `Candidate.rows`
-    slopes: Any  # of them
+    slopes: Any  # of them by the variables on the scale on which they are searched
     held: dict[str, Any]  # E0 that holds the contact radius, if it is held
     state: Any  # the solution at the largest amplitude, if it `tells_states`
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Each value followed by its slopes."""
+        return np.concatenate([self.values[..., None], self.slopes], axis=-1)
 
 
 def tells_states(question: Question) -> bool:
@@ -327,7 +335,7 @@ class Evaluator:
             one = np.ones((), np.result_type(*jax.tree.leaves(question.contact)))
             shared = Shared(concrete(_held_radius(question)), self._runs(), one)
             told = self._solved(self.points(reference_variables(question)), shared)
-            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, *told[:2]).values[0, 0]))
+            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told.rows).values[0, 0]))
         return self.known[self.key]
 
     def _runs(self) -> Any:
@@ -347,9 +355,12 @@ class Evaluator:
         found = jax.device_get(program(self.names, self.question, shared, lanes))
         return jax.tree.map(lambda x: x[: len(points)], found)
 
-    def told(self, points: np.ndarray) -> Told:
-        """What `_at_point` tells at points, (n, variables); of contacts that are solved numerically it is kept."""
-        known, found = self.known if self.in_turn else {}, []
+    def told(self, variables: Mapping[str, ArrayLike]) -> Told:
+        """What `_at_point` tells at concrete choices of the variables, each a number or an array of shape (points,).
+
+        Of contacts that are solved numerically it is kept.
+        """
+        points, known, found = self.points(variables), self.known if self.in_turn else {}, []
         for first in range(0, len(points), self.lanes):
             some = points[first : first + self.lanes]
             key = self.key, some.tobytes()
@@ -357,11 +368,6 @@ class Evaluator:
                 known[key] = self._solved(some, self.shared)
             found.append(known[key])
         return jax.tree.map(lambda *parts: np.concatenate(parts), *found)
-
-    def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
-        """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
-        told = self.told(self.points(variables))
-        return over_scenarios(self.question, *told[:2])._replace(scale=self.shared.scale, held=told.held)
 
     def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
         """The choices as rows, (points, n)."""
@@ -388,12 +394,14 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again. Of scenarios the values are those over all of them.
     """
-    return Evaluator(question, known).evaluate(variables)
+    evaluator = Evaluator(question, known)
+    told = evaluator.told(variables)
+    return over_scenarios(evaluator.question, told.rows)._replace(scale=evaluator.shared.scale, held=told.held)
 
 
 def search(
     question: Question,
-    changed: Callable[[np.ndarray, np.ndarray], Rows] | None = None,
+    changed: Callable[[np.ndarray], np.ndarray] = np.asarray,
     known: Known | None = None,
     limits: int | None = None,
 ) -> Minimum:
@@ -401,16 +409,17 @@ def search(
 
     Args:
         question: The inputs of the design.
-        changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
+        changed: Changes rows with their slopes before the search gets them, to minimise something else by the same
+            program.
         known: What other searches have evaluated, which this one adds to.
         limits: How many limits there are in what `changed` returns; by default those of the question.
     """
     plan = plan_for(question)
     evaluator = Evaluator(question, known)
 
-    def at(variables: dict[str, np.ndarray]) -> Rows:
-        rows = evaluator.told(evaluator.points(variables))[:2]
-        return rows if changed is None else changed(*rows)
+    def at(variables: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        rows = changed(evaluator.told(variables).rows)
+        return rows[..., 0], rows[..., 1:]
 
     return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
 
@@ -418,14 +427,14 @@ def search(
 # --- scenarios --------------------------------------------------------------------------------------------------------
 
 
-def _of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _of_scenarios(question: Question, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows of scenarios, sorted: amounts and excess of limits, each a value and its slopes along a last axis.
 
     The shapes are (points, scenarios * amplitudes, 1 + n) and (points, scenarios, m, 1 + n).
     """
     scenarios: Any = question.scenarios
-    points, count, number = len(values), np.size(scenarios.weight), 1 + slopes.shape[-1]
-    rows = np.concatenate([values[..., None], slopes], axis=-1).reshape(points, count, -1, number)
+    points, _, number = rows.shape
+    rows = rows.reshape(points, np.size(scenarios.weight), -1, number)
     first = rows.shape[2] - len(question.limits)
     return rows[:, :, :first].reshape(points, -1, number), rows[:, :, first:]
 
@@ -437,17 +446,17 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
 
 
-def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Evaluation:
+def over_scenarios(question: Question, rows: np.ndarray) -> Evaluation:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and each limit where it is worst."""
     if question.scenarios is None:
-        return Evaluation(values, slopes)
-    amounts, excess = _of_scenarios(question, values, slopes)
+        return Evaluation(rows)
+    amounts, excess = _of_scenarios(question, rows)
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
     worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
     rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
-    return Evaluation(rows[..., 0], rows[..., 1:], weights=weights, scenario=at)
+    return Evaluation(rows, weights=weights, scenario=at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:
@@ -478,48 +487,42 @@ _CLOSED = 1e-9  # of the logarithm of the objective
 
 def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed, evaluator, each = (
-        max(_CLOSED, plan_for(question).noise),
-        Evaluator(question, known),
-        range(len(question.limits)),
-    )
-    at = evaluator.evaluate(reference_variables(question))
-    choices, pairs, all_known = [at.weights[0]], [*zip(at.scenario[0], each, strict=True)], False
+    closed, each = max(_CLOSED, plan_for(question).noise), np.arange(len(question.limits))
+    at = evaluate(question, reference_variables(question), known)
+    # Where limits are kept: scenarios in turn, and in each of them all limits.
+    choices, pairs, all_known = [at.weights[0]], at.scenario[0] * each.size + each, False
 
     def relaxed(which: int) -> Minimum:
         """The best design where one choice of the weights is the worst of those that are known, within some limits."""
-        scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
 
-        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-            amounts, excess = _of_scenarios(question, values, slopes)
-            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(values), *np.shape(choices))))
-            goal = means[:, [which]]
-            rows = np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, scenarios, limits]], axis=1)
-            return rows[..., 0], rows[..., 1:]
+        def changed(rows: np.ndarray) -> np.ndarray:
+            amounts, excess = _of_scenarios(question, rows)
+            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(rows), *np.shape(choices))))
+            goal, excess = means[:, [which]], excess.reshape(len(rows), -1, rows.shape[-1])
+            return np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, pairs]], axis=1)
 
         return search(question, changed, known, limits=len(choices) - 1 + len(pairs))
 
-    def badness(found: Minimum) -> tuple[bool, float]:
-        kept = bool(keeps(found.limits) and np.isfinite(found.value))
-        return not kept, float(found.value if kept else np.max(found.limits, initial=-np.inf))
+    def badness(found: Minimum) -> tuple[bool, Any]:
+        kept = keeps(found.limits) and np.isfinite(found.value)
+        return not kept, found.value if kept else np.max(found.limits, initial=-np.inf)
 
     best = multipliers = cast(Any, None)
     for _ in range(_ROUNDS):
         found = [*map(relaxed, range(len(choices)))]
         best = min(found, key=badness)
-        of_limits = np.array(pairs, int).reshape(-1, 2)[:, 1]
-        multipliers = np.bincount(of_limits, best.multipliers[len(choices) - 1 :], len(each))
-        at = evaluator.evaluate(best.variables)
+        multipliers = np.bincount(pairs % max(each.size, 1), best.multipliers[len(choices) - 1 :], each.size)
+        at = evaluate(question, best.variables, known)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
-        broken = zip(at.scenario[0], each, at.values[0, 1:], strict=True)
-        new = [(one, limit) for one, limit, excess in broken if excess > closed and (one, limit) not in pairs]
+        new = at.scenario[0] * each.size + each
+        new = new[(at.values[0, 1:] > closed) & ~np.isin(new, pairs)]
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
             all_known = worse = False  # a search has not ended where its limits are kept
-        if not new and not worse:
+        if not new.size and not worse:
             break
-        pairs += new
+        pairs = np.append(pairs, new)
         choices += [at.weights[0]] if worse else []
     else:
         all_known = False

@@ -19,7 +19,6 @@ from plgwear_jax.optimise.evaluation import (
     Candidate,
     Evaluator,
     Known,
-    Rows,
 )
 from plgwear_jax.optimise.question import (
     Keywords,
@@ -29,6 +28,7 @@ from plgwear_jax.optimise.question import (
     is_held,
     question_of,
 )
+from plgwear_jax.optimise.search import by_name
 
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
 # starts, since there are several minima: an optimum mostly lies on bounds, and what there is to choose is the order
@@ -218,31 +218,32 @@ class _FreeModuli:
         self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
         self.width = np.log(profile.upper) - self.low
         # What the steepness wants to be >= 0: a constant and its slopes.
-        self.room, self.by_room = np.zeros(0), np.zeros((0, self.low.size))
+        self.steep = np.zeros((0, 1 + self.low.size))
         if profile.steepness is not None:
             slope = np.diff(np.eye(self.low.size), axis=0) / np.diff(np.log(self.depth))[:, None]
             slope = np.concatenate([-slope, slope])
-            self.room, self.by_room = profile.steepness + slope @ self.low, slope * self.width
+            self.steep = np.column_stack([profile.steepness + slope @ self.low, slope * self.width])
 
     def moduli(self, x: np.ndarray) -> np.ndarray:
         """The moduli in Pa."""
         return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
 
-    def rows(self, x: np.ndarray) -> Rows:
-        """The logarithm of the objective, what has to be 0, what has to be >= 0, and their slopes."""
-        (values,), (slopes,) = self.evaluator.told(self.moduli(x)[None])[:2]
-        rows, by = (
-            np.concatenate([part[:1], part[-1:][: self.held], -part[1:-1], more])
-            for part, more in ((values, self.room + self.by_room @ x), (slopes * self.width, self.by_room))
-        )
-        return rows, by
+    def told(self, x: np.ndarray) -> np.ndarray:
+        """The logarithm of the objective and the excess of all limits, with their slopes by the logarithm of moduli."""
+        return self.evaluator.told(by_name(self.evaluator.names, self.moduli(x))).rows[0]
+
+    def rows(self, x: np.ndarray) -> np.ndarray:
+        """The logarithm of the objective, what has to be 0, what has to be >= 0, each followed by its slopes."""
+        rows = self.told(x) * np.append(1.0, self.width)
+        steep = np.column_stack([self.steep @ np.append(1.0, x), self.steep[:, 1:]])
+        return np.concatenate([rows[:1], rows[-1:][: self.held], -rows[1:-1], steep])
 
     def end(self, x: np.ndarray, starts: int = 1) -> _End:
         """A point as the end of so many descents."""
-        (rows, _), (values, *_) = self.rows(x), self.evaluator.told(self.moduli(x)[None])
+        rows = self.rows(x)[:, 0]
         broken = np.append(rows[1 : 1 + self.held], np.minimum(rows[1 + self.held :], 0.0))
         kept = np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT)
-        return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(values[0, -1])), starts)
+        return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(self.told(x)[-1, 0])), starts)
 
     def minima(self, begun: list[_End], change: float, others: Sequence[_End] = ()) -> list[_End]:
         """Where descents end, and others have, the best one first; those that break limits come last."""
@@ -335,22 +336,21 @@ def free_design(
 
 
 def _slsqp(
-    start: np.ndarray, rows: Callable[[np.ndarray], Rows], held: bool, bounds: np.ndarray, change: float = _FINE
+    start: np.ndarray, rows: Callable[[np.ndarray], np.ndarray], held: bool, bounds: np.ndarray, change: float = _FINE
 ) -> np.ndarray:
     """Where SLSQP ends."""
     from scipy import optimize
 
     kinds = ("eq", slice(1, 1 + held)), ("ineq", slice(1 + held, None))
     limits: Any = [
-        {"type": kind, "fun": lambda x, part=part: rows(x)[0][part], "jac": lambda x, part=part: rows(x)[1][part]}
+        {"type": kind, "fun": lambda x, part=part: rows(x)[part, 0], "jac": lambda x, part=part: rows(x)[part, 1:]}
         for kind, part in kinds
-        if rows(start)[0][part].size
     ]
     with warnings.catch_warnings():
         # Older SciPy steps beyond a bound by rounding, and says so.
         warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
         found = optimize.minimize(
-            lambda x: tuple(part[0] for part in rows(x)),
+            lambda x: (rows(x)[0, 0], rows(x)[0, 1:]),
             start,
             jac=True,
             method="SLSQP",
@@ -368,15 +368,15 @@ def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
     middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
     by = np.stack([z - z.mean(), np.full(z.size, scale)], axis=1) / width[:, None]
 
-    def clipped(p: np.ndarray) -> Rows:
+    def clipped(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
         x = (middle - low) / width + by @ p
         return np.clip(x, 0.0, 1.0), by * ((x > 0.0) & (x < 1.0))[:, None]
 
-    def rows(p: np.ndarray) -> Rows:
+    def rows(p: np.ndarray) -> np.ndarray:
         x, slopes = clipped(p)
-        values, by_x = problem.rows(x)
-        return values, by_x @ slopes
+        found = problem.rows(x)
+        return np.column_stack([found[:, 0], found[:, 1:] @ slopes])
 
     bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
     ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]
@@ -387,9 +387,10 @@ def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
     """The largest change of log(objective) over the box that leads downhill within bounds and limits."""
     from scipy import optimize
 
-    rows, by = problem.rows(x)
+    rows = problem.rows(x)
+    by, axes = rows[:, 1:], np.eye(x.size)
     # Multipliers of the bounds that are reached and of the limits that are active, all >= 0 but for a held radius.
-    active = by[1:][np.abs(rows[1:]) < 10.0 * _KEPT]
-    held = -by[1 : 1 + problem.held]
-    edges = np.concatenate([np.eye(x.size)[x < 1e-6], -np.eye(x.size)[x > 1.0 - 1e-6], active, held])
-    return float(optimize.nnls(edges.T, by[0])[1]) if edges.size else float(np.abs(by[0]).max())
+    active, held = by[1:][np.abs(rows[1:, 0]) < 10.0 * _KEPT], -by[1 : 1 + problem.held]
+    none = np.zeros((1, x.size))  # SciPy takes no empty matrix
+    edges = np.concatenate([none, axes[x < 1e-6], -axes[x > 1.0 - 1e-6], active, held])
+    return float(optimize.nnls(edges.T, by[0])[1])

@@ -14,7 +14,7 @@ from plgwear_jax._core.rules import LARGER
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.best import ACTIVE, Design, stem_and_side
-from plgwear_jax.optimise.evaluation import Known, Rows, evaluate, reference_variables, search
+from plgwear_jax.optimise.evaluation import Known, evaluate, reference_variables, search
 from plgwear_jax.optimise.question import (
     Bounds,
     Keywords,
@@ -212,13 +212,13 @@ def _least_within(question: Question, known: Known, goal: Mapping[int, float], a
     """The least sum of rows with these weights, where the rows named last, of limits, are no more than is allowed."""
     kept, most = [*allowed], [*allowed.values()]
 
-    def asked(*rows: np.ndarray) -> Rows:
-        values, slopes = np.full_like(rows[0], _FAR_OFF), np.zeros_like(rows[1])
-        for new, old in zip((values, slopes), rows, strict=True):
-            new[:, 0] = sum(weight * old[:, row] for row, weight in goal.items())
-            new[:, kept] = old[:, kept]
-        values[:, kept] -= most
-        return values, slopes
+    def asked(rows: np.ndarray) -> np.ndarray:
+        asked = np.zeros_like(rows)
+        asked[..., 0] = _FAR_OFF
+        asked[:, 0] = sum(weight * rows[:, row] for row, weight in goal.items())
+        asked[:, kept] = rows[:, kept]
+        asked[:, kept, 0] -= most
+        return asked
 
     return search(question, asked, known)
 

@@ -47,7 +47,7 @@ def test_slopes_between_the_runs():
     found = evaluate(question, {"k": at[:, 0], "E0": at[:, 1]})
     values = found.values[:, 0]
     slopes = [(values[2] - values[1]) / (2.0 * step), (values[4] - values[3]) / (2.0 * step)]
-    assert_allclose(found.slopes[0, 0], slopes, rtol=1e-5)
+    assert_allclose(found.rows[0, 0, 1:], slopes, rtol=1e-5)
 
 
 def test_a_reference_and_wear_beyond_the_bounds_of_a_design():

@@ -48,7 +48,7 @@ def test_every_quantity_can_be_limited_while_any_number_varies(names):
         by_difference = np.diff(both.values, axis=0)[0] / (2.0 * step)
         # The place of a peak is that of a search, and so its slope has fewer digits.
         searched = np.array([0.0, *("mises" in one.quantity for one in question.limits)])
-        gap = abs(found.slopes[0, :, column] - by_difference)
+        gap = abs(found.rows[0, :, 1 + column] - by_difference)
         assert np.all(gap <= (1e-4 + 2e-4 * searched) * abs(by_difference) + 1e-6 + 2e-6 * searched), name
 
 
