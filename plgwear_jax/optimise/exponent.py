@@ -1,6 +1,5 @@
 """The exponent that wears least at a constant contact radius, and the amplitudes at which it leaves its bounds."""
 
-import dataclasses
 import functools
 import math
 from collections.abc import Callable
@@ -30,7 +29,7 @@ from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, slopes_at
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.root import first_at
 
@@ -123,10 +122,13 @@ _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a pro
 
 def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalExponent:
     phi, lower, upper = np.broadcast_arrays(*map(np.asarray, values))
-    plan, found = plan_of(1, 0, phi.dtype, noise=_noise(digits)), []
-    for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
-        at = functools.partial(_wear, phi=amplitude, digits=digits)
-        found.append(_exponent_of(found_by(at, {"k": Interval(*between)}, plan), np.True_))
+    plan = plan_of(1, 0, phi.dtype, noise=_noise(digits))
+
+    def one(phi: Any, *bounds: Any) -> OptimalExponent:
+        wear = functools.partial(_wear, phi=phi, digits=digits)
+        return _exponent_of(found_by(wear, {"k": Interval(*bounds)}, plan), np.True_)
+
+    found = map(one, phi.ravel(), lower.ravel(), upper.ravel())
     joined = jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found)
     return jax.device_put(joined)  # unlike `jnp.asarray` it compiles nothing
 
@@ -134,9 +136,7 @@ def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalEx
 @functools.partial(jax.jit, static_argnames="digits")
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
     """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
-    k, volume = variables["k"], functools.partial(fretting.wear_volume, phi=phi, digits=digits)
-    value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
-    return value[:, None], slope[:, None, None]
+    return slopes_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)
 
 
 def _noise(digits: int | None) -> float | None:
@@ -187,20 +187,17 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
-    worn = jnp.broadcast_to(phi > 0.0, shape)
+    worn = jnp.broadcast_to(jnp.where(phi > 0.0, 1.0, 0.0), shape)
     # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
     k = nodes_between(*with_room(upper, lower), NODES)
     phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
     volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
     nodes, heights = (jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume)))
     lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    noise = _noise(4 if digits is None else digits)
-    found = _least(
-        lambda k, *runs: jnp.exp(shares_of_nodes(runs[0], k) @ runs[1]), noise, valid, lower, upper, nodes, heights
-    )
-    return dataclasses.replace(
-        found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
-    )
+    return _least(
+        lambda k, nodes, heights, worn: worn * jnp.exp(shares_of_nodes(nodes, k) @ heights),
+        _noise(4 if digits is None else digits), valid, lower, upper, nodes, heights, worn,
+    )  # fmt: skip
 
 
 BATCH = "problems"  # the axis of a batch, whose searches run in step
