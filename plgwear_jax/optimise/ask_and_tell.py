@@ -18,13 +18,12 @@ slopes those by u, shape (lanes, 1 + m, n).
 import functools
 import itertools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import DTypeLike
 
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import (
@@ -35,10 +34,6 @@ from plgwear_jax.optimise.conditions import (
     select,
     solved_by_elimination,
 )
-
-if TYPE_CHECKING:
-    import optax
-
 
 # --- the parameters of a search ---------------------------------------------------------------------------------------
 
@@ -64,7 +59,7 @@ class SearchPlan(NamedTuple):
     starts: int
     max_steps: int
     noise: float
-    dtype: DTypeLike
+    dtype: Any
     axis: str | None = None
 
     @property
@@ -139,13 +134,11 @@ class Descent(NamedTuple):
     u: Any  # (starts, n)
     values: Any  # (starts, 1 + m)
     slopes: Any  # (starts, 1 + m, n)
-    free: Any  # (starts, n), variables that are not on a bound; none of them if the memory has to be reset
     direction: Any  # (starts, n)
     length: Any  # (starts,), of the longest of the next trial steps
     memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
     multipliers: Any  # (starts, m)
     penalty: Any  # (starts,)
-    violation: Any  # (starts,)
     steps: Any  # (starts,)
     done: Any  # (starts,)
 
@@ -178,16 +171,9 @@ class SearchState(NamedTuple):
 class SearchResult(NamedTuple):
     """The best minimum and its rival, and how the search ended."""
 
-    u: Any  # (2, n), the same point twice if there is no rival
-    multipliers: Any  # (2, m)
-    values: Any  # (2, 1 + m)
-    slopes: Any  # (2, 1 + m, n)
-    residual: Any
-    converged: Any
-    certified: Any
-    scan_found_nothing_better: Any
+    pair: Point  # both along a first axis, the same point twice if there is no rival
     has_rival: Any
-    steps: Any
+    ended: dict[str, Any]  # what is said of a `Minimum` besides
 
 
 def all_done(plan: SearchPlan, done: Any) -> Any:
@@ -207,7 +193,7 @@ _HEAVIEST = 1e8  # penalty
 _STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
-def _solver(variables: int) -> "optax.GradientTransformation":
+def _solver(variables: int) -> Any:
     import optax  # a tenth of a second, which a process that loads its programs does without
 
     return optax.scale_by_lbfgs(memory_size=min(10, 2 * variables - 1))
@@ -256,18 +242,15 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
     stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
     at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
-    violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1, initial=0.0)
-    # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
-    stays = violation > 0.25 * at.violation
+    pushed = _pushed(at, at.values)
+    violation = xp.abs(pushed - at.multipliers).max(1, initial=0.0) / at.penalty
+    # Where limits are broken even at the largest penalty, and no step would help, they cannot be kept.
     broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
     stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
-    lost = (at.penalty >= _HEAVIEST) & stays & stationary
-    heavier = xp.where(stays, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
+    lost = (at.penalty >= _HEAVIEST) & stationary
     at = at._replace(
-        multipliers=select(settled, _pushed(at, at.values), at.multipliers),
-        penalty=xp.where(settled, heavier, at.penalty),
-        violation=xp.where(settled, violation, at.violation),
-        free=at.free & ~settled[:, None],
+        multipliers=select(settled, pushed, at.multipliers),
+        penalty=xp.where(settled, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty),
         done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
     )
     at = _turned(plan, at, taken | settled)
@@ -283,16 +266,13 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = ~((at.u * gradient < 0.0) & (xp.abs(at.u) >= 1.0))
-    # The memory is reset when other variables are on their bounds.
-    fresh = (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
-    direction, *memory = map(xp.asarray, _next_directions(at.u, gradient, at.memory, fresh))
+    direction, *memory = map(xp.asarray, _next_directions(at.u, gradient, at.memory))
     direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
     # At most 0.4, so that it takes three steps from the middle of the box to a bound.
     longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
     direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
-        free=select(turns, free, at.free),
         direction=select(turns, xp.where(free, direction, 0.0), at.direction),
         length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
         memory=select(turns, tuple(memory), at.memory),
@@ -300,17 +280,16 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
 
 
 @program()
-def _next_directions(u: Any, gradient: Any, memory: Any, fresh: Any) -> tuple[Any, ...]:
+def _next_directions(u: Any, gradient: Any, memory: Any) -> tuple[Any, ...]:
     """The directions and the memory that the solver of optax gives."""
     solver = _solver(u.shape[1])
 
-    def one(u: Array, gradient: Array, memory: Any, fresh: Array) -> tuple[Array, ...]:
-        at_first, tree = jax.tree.flatten(solver.init(u))
-        memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
-        upwards, memory = solver.update(gradient, memory, u)
-        return -upwards, *jax.tree.leaves(memory)  # pyright: ignore[reportOperatorIssue]
+    def one(u: Array, gradient: Array, memory: Any) -> tuple[Array, ...]:
+        tree = jax.tree.structure(solver.init(u))
+        upwards, memory = solver.update(gradient, tree.unflatten(memory), u)
+        return -upwards, *jax.tree.leaves(memory)
 
-    return jax.vmap(one)(u, gradient, memory, fresh)
+    return jax.vmap(one)(u, gradient, memory)
 
 
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
@@ -369,13 +348,11 @@ def begin(plan: SearchPlan) -> SearchState:
         u=u,
         values=infinite,
         slopes=slopes,
-        free=u > 0.0,
         direction=u,
         length=one,
         memory=_empty_memory(u),
         multipliers=multipliers,
         penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
-        violation=np.inf * one,
         steps=np.full(starts, steps),
         done=one < 0.0,
     )
@@ -508,8 +485,8 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     """The best minimum of a finished search, its rival, and whether it is certain."""
     xp, one, scale = namespace(state.scale), state.kept, state.scale
     # A point that keeps limits is a design, also where no descent has ended in one as low.
-    one = one._replace(values=one.values / scale, slopes=one.slopes / scale[:, None])
-    one = one._replace(residual=projected(one.u, one.slopes[0]))
+    slopes = one.slopes / scale[:, None]
+    one = one._replace(values=one.values / scale, slopes=slopes, residual=projected(one.u, slopes[0]))
     points = jax.tree.map(lambda ends, x: xp.concatenate([ends, x[None]]), state.best, one)
     used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
     good = used & (points.residual < plan.tolerance)
@@ -526,8 +503,7 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     rival = others.argmin()
     has_rival = xp.isfinite(others[rival])
 
-    converged = good[best]
-    certified = converged & (state.valleys <= plan.starts) & (value[best] <= one.values[0])
+    certified = good[best] & (state.valleys <= plan.starts) & (value[best] <= one.values[0])
     scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
         rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
@@ -536,18 +512,20 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
         scan_found_nothing_better = certified & nothing_hides
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
-    return SearchResult(
-        u=points.u[pair],
-        multipliers=points.multipliers[pair] * scale[0] / scale[1:],
-        values=points.values[pair] * scale,
-        slopes=points.slopes[pair] * scale[:, None],
-        residual=points.residual[best],
-        converged=converged,
-        certified=certified,
-        scan_found_nothing_better=scan_found_nothing_better,
-        has_rival=has_rival,
-        steps=state.descent.steps.max(),
+    points = Point(
+        points.u[pair],
+        points.multipliers[pair] * scale[0] / scale[1:],
+        points.values[pair] * scale,
+        points.slopes[pair] * scale[:, None],
+        points.residual[pair],
     )
+    ended = {
+        "converged": good[best],
+        "certified": certified,
+        "scan_found_nothing_better": scan_found_nothing_better,
+        "steps": state.descent.steps.max(),
+    }
+    return SearchResult(points, has_rival, ended)
 
 
 def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> Any:

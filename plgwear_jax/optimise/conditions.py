@@ -3,7 +3,6 @@
 Arrays may have further leading axes, and may be of NumPy or of JAX.
 """
 
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import jax
@@ -11,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 
-def namespace(*arrays: Any) -> ModuleType:
+def namespace(*arrays: Any) -> Any:
     """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
     return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
 

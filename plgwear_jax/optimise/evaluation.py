@@ -8,7 +8,7 @@ over its limit.
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -37,15 +37,12 @@ from plgwear_jax.optimise.question import (
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
 from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
 
-if TYPE_CHECKING:
-    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
-
 
 class Shared(NamedTuple):
     """What all choices of the variables of a question have in common."""
 
     radius: Any = None  # the contact radius of the reference, if it is held
-    runs: "RunsAlongExponent | None" = None  # from which the wear is read, if it can be
+    runs: Any = None  # `RunsAlongExponent`, from which the wear is read, if it can be
     scale: Any = 1.0  # the objective of the reference in SI units
 
 

@@ -5,7 +5,6 @@ The search itself is `ask_and_tell`. Its variables lie in [-1, 1]; here they hav
 
 import functools
 from collections.abc import Callable, Iterable, Mapping
-from types import ModuleType
 from typing import Any, Literal
 
 import jax
@@ -18,7 +17,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.optimise.ask_and_tell import DONE, SearchPlan, SearchResult, begin, conclude, plan_of, tell
+from plgwear_jax.optimise.ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
 from plgwear_jax.optimise.conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
 
 Variables = dict[str, Array]
@@ -174,12 +173,11 @@ def minimise(
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    minima = tied(function, (found.u, found.multipliers, found.values, found.slopes), params)
-    found = found._replace(**by_name(("u", "multipliers", "values", "slopes"), minima))
+    *minima, residual = found.pair
+    found = found._replace(pair=Point(*tied(function, minima, params), residual))
     return _minimum_of(found, space, params[0], upper, logarithmic)
 
 
-_ENDED = "converged", "certified", "scan_found_nothing_better", "steps"  # what is said of a minimum
 _BOUNDS = "lower", "upper"
 
 
@@ -188,31 +186,32 @@ def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
     return dict(zip(names, values, strict=True))
 
 
-def _minimum_of(found: SearchResult, names: Iterable[str], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
+def _minimum_of(found: SearchResult, names: Iterable[str], *box: Any) -> Minimum:
     """A solution in terms of the named variables."""
-    xp, named = namespace(found.values), functools.partial(by_name, names)
-    at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
-    side = xp.where(xp.abs(found.u[0]) == 1.0, found.u[0], 0.0)
-    first, last = _ends(lower, upper, logarithmic)
-    outward = inclination(found.slopes[0], found.multipliers[0]) / (0.5 * (last - first))
+    u, multipliers, values, slopes, residual = found.pair
+    xp, named = namespace(values), functools.partial(by_name, names)
+    at_best, at_rival = (_decoded(one, *box) for one in u)
+    side = xp.where(xp.abs(u[0]) == 1.0, u[0], 0.0)
+    first, last = _ends(*box)
+    outward = inclination(slopes[0], multipliers[0]) / (0.5 * (last - first))
     return Minimum(
         variables=named(at_best),
-        value=found.values[0, 0],
+        value=values[0, 0],
         side=named(side.astype(int)),
         bound_multipliers=named(xp.where(side == 0.0, 0.0, outward)),
-        limits=found.values[0, 1:],
-        multipliers=found.multipliers[0],
-        projected_gradient=found.residual,
+        limits=values[0, 1:],
+        multipliers=multipliers[0],
+        projected_gradient=residual[0],
         rival=named(xp.where(found.has_rival, at_rival, np.nan)),
-        rival_value=xp.where(found.has_rival, found.values[1, 0], np.inf),
-        **{name: getattr(found, name) for name in _ENDED},
+        rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
+        **found.ended,
     )
 
 
 # --- on the scale of the search ---------------------------------------------------------------------------------------
 
 
-def _box_of(space: Mapping[str, Interval], xp: ModuleType, dtype: Any) -> tuple[Any, Any, np.ndarray]:
+def _box_of(space: Mapping[str, Interval], xp: Any, dtype: Any) -> tuple[Any, Any, np.ndarray]:
     """The lowest and highest values of the variables, each (n,), and which have a logarithmic scale."""
     lower, upper = (xp.stack([xp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
     return lower, upper, np.array([i.scale == "logarithmic" for i in space.values()])
@@ -254,14 +253,13 @@ def found_by(
     Returns:
         The best minimum, of NumPy arrays.
     """
-    lower, upper, logarithmic = _box_of(space, np, plan.dtype)
-    first, last = _ends(lower, upper, logarithmic)
-    state = begin(plan)
+    box, state = _box_of(space, np, plan.dtype), begin(plan)
+    first, last = _ends(*box)
     while state.phase != DONE:
-        at = _decoded(state.points, lower, upper, logarithmic)
+        at = _decoded(state.points, *box)
         values, slopes = evaluate(by_name(space, at.T))
         state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
-    return _minimum_of(conclude(plan, state), space, lower, upper, logarithmic)
+    return _minimum_of(conclude(plan, state), space, *box)
 
 
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from coated import RIGID as CONTACT
 from marks import compiled, parametrize
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from optima import optima
 
 from plgwear_jax import optimise
@@ -47,12 +47,12 @@ def test_it_needs_no_more_than_to_be_told(n, seed):
     problem, plan = polynomial(n, seed), plan_of(n, 1, samples=33)
     state, phases = ended(plan, problem, begin(plan), functools.partial(tell, plan))
     found = conclude(plan, state)
-    assert phases == [0, 1, 2] and found.converged and found.certified
+    assert phases == [0, 1, 2] and found.ended["converged"] and found.ended["certified"]
     assert all(isinstance(leaf, np.ndarray | np.generic) for leaf in jax.tree.leaves((state, found)))
     # Nothing on a dense grid that keeps the limit lies lower.
     grid = np.stack(np.meshgrid(*n * [np.linspace(-1.0, 1.0, 401)], indexing="ij"), axis=-1).reshape(-1, n)
     goal, excess = np.asarray(problem[0](grid)).T
-    assert found.values[0, 1] <= plan.tolerance and found.values[0, 0] <= np.min(goal[excess <= 0.0]) + 1e-9
+    assert found.pair.values[0, 1] <= plan.tolerance and found.pair.values[0, 0] <= np.min(goal[excess <= 0.0]) + 1e-9
     if n == 1:
         return
     # By JAX the search goes the same way; what is concluded is small enough for NumPy.
@@ -60,10 +60,11 @@ def test_it_needs_no_more_than_to_be_told(n, seed):
     traced, others = ended(plan, problem, first, jax.jit(functools.partial(tell, plan)))
     assert others == phases and all(isinstance(leaf, jax.Array) for leaf in jax.tree.leaves(traced))
     other = conclude(plan, jax.tree.map(np.asarray, traced))
-    assert_allclose(found.u, other.u, atol=1e-9)
-    assert_allclose(found.values, other.values, atol=1e-12)
-    for flag in ("converged", "certified", "has_rival"):
-        assert_array_equal(getattr(found, flag), getattr(other, flag), err_msg=flag)
+    assert_allclose(found.pair.u, other.pair.u, atol=1e-9)
+    assert_allclose(found.pair.values, other.pair.values, atol=1e-12)
+    for flag in ("converged", "certified"):
+        assert found.ended[flag] == other.ended[flag], flag
+    assert found.has_rival == other.has_rival
 
 
 def test_values_that_are_not_finite_are_dealt_with():
@@ -78,7 +79,7 @@ def test_values_that_are_not_finite_are_dealt_with():
     while state.phase != DONE:
         state = tell(plan, state, *told(state.points))
     found = conclude(plan, state)
-    assert found.u[0] == 1.0 and found.converged
+    assert found.pair.u[0] == 1.0 and found.ended["converged"]
 
 
 # --- one by one and in one program ------------------------------------------------------------------------------------
