@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -105,7 +105,9 @@ def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     scenarios = found.question.scenarios
     if scenarios is not None and scenarios.tangential_force is not None:
         scenarios = dataclasses.replace(scenarios, tangential_force=factor * np.asarray(scenarios.tangential_force))
-    question = dataclasses.replace(found.question, load=load.times(factor), scenarios=scenarios)
+    higher = load.load.with_amplitude(lambda x: factor * np.asarray(x))  # all those of blocks
+    load = dataclasses.replace(load, load=higher)
+    question = dataclasses.replace(found.question, load=load, scenarios=scenarios)
     if question.by_force:
         check("factor * tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
     known: Known = {}
@@ -251,19 +253,18 @@ def sensitivities(found: Design) -> Sensitivities:
 
     here = rows(question, best)
 
-    def changes(steps: np.ndarray, beside: list[np.ndarray]) -> np.ndarray:
-        """Derivatives of rows by what is changed in steps."""
+    def slopes_by(path: str, value: Any, rows_at: Callable[[Any], np.ndarray], room: float = 1.0) -> np.ndarray:
+        """Derivatives of rows by k, nu or an exponent, or by the logarithm of all else."""
+        steps = _input_steps(path, float(np.max(value)), room)
+        beside = np.array([rows_at(moved(path, value, step)) for step in steps])
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        return np.tensordot(_weights_of(steps), np.array(beside) - here, 1)
+        return np.tensordot(_weights_of(steps), beside - here, 1)
 
-    curvatures = []
-    for name, value in best.items():
-        steps = _input_steps(name, value)
-        beside = [rows(question, {**best, name: moved(name, value, step)}) for step in steps]
-        curvatures.append(changes(steps, beside)[:, 1:])
-    state = conditions(
-        here[:, 0], here[:, 1:], np.stack(curvatures, axis=-1), np.where(side == 0, 0.0, side), multipliers
-    )
+    curvatures = [
+        slopes_by(name, value, lambda x, name=name: rows(question, {**best, name: x}))[:, 1:]
+        for name, value in best.items()
+    ]
+    state = conditions(here[:, 0], here[:, 1:], np.stack(curvatures, axis=-1), 1.0 * side, multipliers)
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
@@ -274,8 +275,8 @@ def sensitivities(found: Design) -> Sensitivities:
         if variable in best:
             along += (np.array([*best]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
-            steps = _input_steps(path, float(np.max(value)), room.get(name, 1.0))
-            change = changes(steps, [rows(changed(question, path, value, step), best) for step in steps])
+            given = room.get(name, 1.0)
+            change = slopes_by(path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), given)
         of_variables = np.where(state.side == 0.0, inclination(change[:, 1:], multipliers), -along)
         of_limits = np.where(state.active > 0.0, change[1:, 0], 0.0)
         dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: len(best)]
@@ -311,11 +312,6 @@ def inputs(question: Question) -> dict[str, tuple[str, Any]]:
         elif path != "load.weight":
             found[_name(path, question)] = path, leaf
     return found
-
-
-def changed(question: Question, path: str, value: Any, step: float) -> Question:
-    """The question with an input changed: k, nu and exponents by a sum, all else by the logarithm of a factor."""
-    return with_leaf(question, path, moved(path, value, step))
 
 
 def _name(path: str, question: Question) -> str:

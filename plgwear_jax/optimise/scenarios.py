@@ -71,10 +71,6 @@ class WeightedLoad:
         """The same kind of load with other amplitudes."""
         return WeightedLoad(self.load.with_amplitude(lambda _: amplitudes), weight)
 
-    def times(self, factor: ArrayLike) -> "WeightedLoad":
-        """All amplitudes, also those of blocks, times a factor."""
-        return WeightedLoad(self.load.with_amplitude(lambda x: factor * np.asarray(x)), self.weight)
-
 
 def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float) -> WeightedLoad:
     """The amplitudes that count, the largest first, or a ValueError."""
@@ -232,7 +228,7 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
     own = own_axes(contact, len(leaves))
     shapes = {name: leaf.shape[: leaf.ndim - n] for (name, leaf), n in zip(leaves.items(), own, strict=True)}
-    axes = {(), *shapes.values()} - {()}
+    axes = {*shapes.values()} - {()}
     if not (len(axes) <= 1 and all(len(shape) == 1 for shape in axes)):
         told = ", ".join(f"{name.removeprefix('contact.')} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")

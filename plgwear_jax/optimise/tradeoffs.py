@@ -168,8 +168,8 @@ def front(
     keywords["limits"] = {**(limits or {}), name: {"above" if "x" in larger else "below": 1.0, **places}}
     keywords["minimise"] = keywords.get("minimise") if y is None else y
     question = question_of(contact, load, vary, **keywords)
-    row = next(1 + i for i, one in enumerate(question.limits) if one.quantity == name)
-    others = {1 + i: 0.0 for i in range(len(question.limits)) if 1 + i != row}
+    row = 1 + [one.quantity for one in question.limits].index(name)
+    others = {i: 0.0 for i in range(1, 1 + len(question.limits)) if i != row}
     x_side, y_side = (-1.0 if one in larger else 1.0 for one in "xy")
     known: Known = {}
     of_x = _least_within(question, known, {row: 1.0, 0: _TIE * y_side}, others)
@@ -266,30 +266,28 @@ def conflict(found: Design) -> Conflict | None:
     References:
         `docs/how-to/designs.md`.
     """
-    limits, known = {one.name: one for one in found.question.limits}, {}
+    limits, known = found.question.limits, {}
     if found.keeps_limits or not limits or found.question.scenarios is not None:
         return None
-    rows = {name: 1 + i for i, name in enumerate(limits)}
 
-    def nearest(name: str, others: Sequence[str]) -> Minimum:
-        """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
-        return _least_within(found.question, known, {rows[name]: 1.0}, {rows[other]: 0.0 for other in others})
+    def nearest(row: int, rows: Sequence[int]) -> Minimum:
+        """The design that breaks one limit the least, or keeps it the best, while it keeps the others of some rows."""
+        return _least_within(found.question, known, {row: 1.0}, {one: 0.0 for one in rows if one != row})
 
-    def can_be_kept(together: Sequence[str]) -> bool:
-        first, *others = together
-        at = nearest(first, others)
+    def can_be_kept(rows: Sequence[int]) -> bool:
+        at = nearest(rows[0], rows)
         return keeps(np.append(at.limits, at.value))
 
-    if can_be_kept([*limits]):
+    every = guilty = [*range(1, 1 + len(limits))]
+    if can_be_kept(every):
         return None
-    guilty = [*limits]
-    for name in limits:
-        others = [other for other in guilty if other != name]
+    for row in every:
+        others = [one for one in guilty if one != row]
         if others and not can_be_kept(others):
             guilty = others
-    allowed = {name: float(np.asarray(limits[name].value)) for name in guilty}
-    reachable = {}
-    for name in guilty:
-        excess = float(nearest(name, [other for other in guilty if other != name]).value)
-        reachable[name] = allowed[name] * float(np.exp(-excess if limits[name].lowest else excess))
+    allowed, reachable = {}, {}
+    for row in guilty:
+        one, excess = limits[row - 1], nearest(row, guilty).value
+        allowed[one.name] = float(np.asarray(one.value))
+        reachable[one.name] = allowed[one.name] * float(np.exp(-excess if one.lowest else excess))
     return Conflict(allowed, reachable)
