@@ -1,6 +1,7 @@
 """The best gradients for many contacts in one call."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any, Unpack, cast
 
@@ -9,11 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.domains import check, check_real, guarded
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import answered
 from plgwear_jax.optimise.evaluation import (
     Candidate,
@@ -33,7 +35,7 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.optimise.scenarios import WeightedLoad, falling, spread, weighted_load
 from plgwear_jax.optimise.search import minimise
-from plgwear_jax.steady.arguments import amplitude_of, own_axes
+from plgwear_jax.steady.arguments import own_axes
 
 
 @record
@@ -116,10 +118,9 @@ def designs(
         return _designs_in_turn(question, level)
     if question.by_force:
         check_real("load", weighted.amplitudes)
-        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
-        phi = amplitude_of(dataclasses.replace(question.contact, **pressed), weighted.amplitudes)
+        phi = guarded("tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
         # NaN where traced numbers are outside their ranges
-        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(weighted.amplitudes + 0.0 * phi, weighted.weight))
+        weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weight)
     elif weight is None:
         weighted = WeightedLoad(given, jnp.ones(1))
     return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)
@@ -169,10 +170,11 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
         if load is not None and load.amplitudes is not None:
             one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)[:2]))
         shared = shared_of(one)
+        candidate = functools.partial(Candidate, one, shared=shared)
         found = minimise(
-            lambda variables: Candidate(one, variables, shared).objective(),
+            lambda variables: candidate(variables).objective(),
             space(one),
-            limits=lambda variables: Candidate(one, variables, shared).rows()[1:],
+            limits=lambda variables: candidate(variables).rows()[1:],
             samples=plan.samples,
             starts=plan.starts,
             axis_name=BATCH,

@@ -120,22 +120,22 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
         several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
         for place, one in enumerate(several):
             quantity, *ends, places = limited_quantity(name, one, kind)
-            sides = dict(zip(("lowest", "highest"), ends, strict=True))
+            pairs = zip(("lowest", "highest"), ends, strict=True)
+            sides = {side: value for side, value in pairs if value is not None}
             for side, value in sides.items():
-                if value is not None:
-                    check(f"limits: {side} {quantity}", value, POSITIVE)
+                check(f"limits: {side} {quantity}", value, POSITIVE)
             _check_places(f"limits: {{}} of {quantity}", places)
-            if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
+            known = len(sides) == 2 and not any(isinstance(end, Tracer) for end in ends)
+            if known and not np.all(np.less(*ends)):
                 raise ValueError(f"limits.{name} between {tuple(ends)}: the lowest value must be below the highest")
             stem = quantity if len(several) == 1 else f"{quantity}[{place}]"
             # The contact radius has two sides always.
-            both = sides["lowest"] is not None or quantity == "contact_radius"
+            both = "lowest" in sides or quantity == "contact_radius"
             for side, value in sides.items():
                 called = f"{stem}_{side}" if both else stem
                 if called in found or (both and stem in found):
                     raise ValueError(f"limits.{name}: {quantity} is limited already")
-                if value is not None:
-                    found[called] = Limit(value, places, quantity, called, side == "lowest")
+                found[called] = Limit(value, places, quantity, called, side == "lowest")
     return tuple(found[name] for name in sorted(found))
 
 
@@ -205,12 +205,13 @@ class Question:
 
     @property
     def phi(self) -> Any:
-        """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
-        force = self.load.amplitudes
-        if self.scenarios is None:
-            return force / (self.contact.friction * self.contact.normal_force)
-        contact, own = self.scenarios.contact, self.scenarios.tangential_force
-        return (force if own is None else own[..., None]) / (contact.friction * contact.normal_force)[..., None]
+        """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios, or a batch, along a last axis."""
+        contact, force = self.contact, self.load.amplitudes
+        if self.scenarios is not None:
+            contact, own = self.scenarios.contact, self.scenarios.tangential_force
+            force = force if own is None else own[..., None]
+        limit = contact.friction * contact.normal_force
+        return force / namespace(limit).asarray(limit)[..., None]
 
     @property
     def by_force(self) -> bool:
@@ -409,12 +410,11 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]
         except (TypeError, ValueError):
             raise ValueError(f"vary: {name} takes a pair of numbers, not {given!r}") from None
         refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
-        check(f"vary: lowest {name}", lowest, domain_of(name))
-        check(f"vary: highest {name}", highest, domain_of(name))
+        for side, end in (("lowest", lowest), ("highest", highest)):
+            check(f"vary: {side} {name}", end, domain_of(name))
+            with_variables(contact, {name: end})  # whose fields say what they cannot be
         if not lowest < highest:
             raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")
-        for end in (lowest, highest):
-            with_variables(contact, {name: end})  # whose fields say what they cannot be
         if name in pairs:
             raise ValueError(f"vary: {name} is given twice")
         pairs[name] = (lowest, highest)
