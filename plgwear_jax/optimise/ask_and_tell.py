@@ -189,8 +189,7 @@ def all_done(plan: SearchPlan, done: Any) -> Any:
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
-_HEAVIEST = 1e8  # penalty
-_STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
+_HEAVIEST = 1e8  # penalty, beyond which no descent goes on
 
 
 def _solver(variables: int) -> Any:
@@ -244,14 +243,12 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
     pushed = _pushed(at, at.values)
     violation = xp.abs(pushed - at.multipliers).max(1, initial=0.0) / at.penalty
-    # Where limits are broken even at the largest penalty, and no step would help, they cannot be kept.
-    broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
-    stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
-    lost = (at.penalty >= _HEAVIEST) & stationary
+    # Where a descent settles even under the largest penalty, limits that are broken cannot be kept.
+    ends = settled & ((violation < enough) | (at.penalty >= _HEAVIEST))
     at = at._replace(
         multipliers=select(settled, pushed, at.multipliers),
-        penalty=xp.where(settled, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty),
-        done=at.done | (settled & ((violation < enough) | lost)) | (at.steps >= plan.max_steps),
+        penalty=xp.where(settled, 4.0 * at.penalty, at.penalty),
+        done=at.done | ends | (at.steps >= plan.max_steps),
     )
     at = _turned(plan, at, taken | settled)
     finished = all_done(plan, at.done)
