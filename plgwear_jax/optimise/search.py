@@ -174,7 +174,7 @@ def minimise(
         ),
     )
     *minima, residual = found.pair
-    found = found._replace(pair=Point(*tied(function, minima, params), residual))
+    found = found._replace(pair=Point._make([*tied(function, minima, params), residual]))
     return _minimum_of(found, space, params[0], upper, logarithmic)
 
 
