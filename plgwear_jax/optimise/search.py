@@ -173,8 +173,8 @@ def minimise(
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    *minima, residual = found.pair
-    found = found._replace(pair=Point._make([*tied(function, minima, params), residual]))
+    minima = tied(function, found.pair[:-1], params)
+    found = found._replace(pair=Point._make((*minima, found.pair.residual)))
     return _minimum_of(found, space, params[0], upper, logarithmic)
 
 
