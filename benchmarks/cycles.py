@@ -28,7 +28,6 @@ from plgwear_jax.wear_laws import PressurePower
 
 reduced: Any = importlib.import_module("reduced")  # which harness makes known, as the next ones
 march_oracle: Any = importlib.import_module("march_oracle")
-transient_oracle: Any = importlib.import_module("transient_oracle")
 
 RADIUS, FORCE, FRICTION = reduced.RADIUS, reduced.FORCE, reduced.FRICTION
 
@@ -80,7 +79,7 @@ def times(report: Report, quick: bool) -> None:
         return run.volume(reduced.MANY * n) * scale
 
     def by_rings(rings: int, steps: int) -> Any:
-        return transient_oracle.worn_shares(*POINT, n[1:], rings, steps)
+        return march_oracle.worn_shares(*POINT, n[1:], rings, steps)
 
     calls = {f"plgwear, digits = {d}": lambda d=d: share(d)[1:] for d in ((4,) if quick else sorted(RESOLUTIONS))}
     sizes = ((20, 1), (40, 1)) if quick else ((20, 1), (40, 1), (80, 2))

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import transient_oracle
+import surface_oracle
 from kinds import FORCE, FRICTION, dome
 from marks import parametrize
 from numpy.testing import assert_allclose
@@ -21,7 +21,7 @@ GROSS = r"0 <= displacement_amplitude < .* m, where gross slip begins"
 
 @parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
 def test_theta_is_that_of_the_equations_of_plane_strain(k, nu):
-    assert_allclose(material.tangential_ratio(k, nu), transient_oracle.tangential_ratio(k, nu), rtol=1e-9)
+    assert_allclose(material.tangential_ratio(k, nu), surface_oracle.tangential_ratio(k, nu), rtol=1e-9)
 
 
 def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():

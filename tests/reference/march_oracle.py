@@ -10,7 +10,9 @@ all by the F_N and mu of the contact.
 from typing import NamedTuple
 
 import numpy as np
-from transient_oracle import influence
+import oracle
+from scipy.special import beta
+from surface_oracle import disc
 
 
 class Given(NamedTuple):
@@ -103,15 +105,31 @@ class Rings(NamedTuple):
                 found.append((n, np.pi * self.load @ worn, tangential, self.radius(p), self.radius(second[0])))
         return np.array(found).T
 
+    def volumes_at(self, times, steps, **given):
+        """Worn volumes at the times of one block, extrapolated in the step."""
+        between = [Given(n, **given) for n in np.diff(times, prepend=0.0)]
+        one, two, four = (self.march(between, m * steps)[1][m * steps :: m * steps] for m in (1, 2, 4))
+        return (8.0 * four - 6.0 * two + one) / 3.0
+
     def radius(self, pressures):
         """The outer one of the last ring with a pressure."""
         return np.sqrt(np.sum(self.load[: np.max(np.flatnonzero(pressures), initial=-1) + 1]))
 
 
-def on_power_law(k, edges):
-    """Rings between edges, from 0 on, under a parabola."""
+def rings_of(edges, of_discs, first, n=2.0):
+    """Rings between edges, from 0 on, under r^n/n, from the displacements of discs, (their radii, places)."""
     r = 0.5 * (edges[1:] + edges[:-1])
-    return Rings(r, np.diff(edges**2), 0.5 * r**2, influence(k, edges), 1.0 / (1.0 + k))
+    discs = np.zeros((r.size, edges.size))
+    discs[:, 1:] = of_discs(edges[1:], r)
+    return Rings(r, np.diff(edges**2), r**n / n, np.diff(discs, axis=1), first)
+
+
+def on_power_law(k, edges):
+    """Rings under a parabola."""
+    s = 0.5 * (1.0 + k)
+    # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
+    scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
+    return rings_of(edges, lambda b, r: scale * b ** (1.0 - k) * disc(r[:, None] / b, k), 1.0 / (1.0 + k))
 
 
 def edges_to(outer, inner=60, beyond=60):
@@ -121,3 +139,17 @@ def edges_to(outer, inner=60, beyond=60):
     first = 1.0 / inner
     growth = np.log(max((outer - 1.0) / (first * beyond), 1.001)) * 1.6
     return np.concatenate([inside, 1.0 + (outer - 1.0) * np.expm1(growth * x) / np.expm1(growth)])
+
+
+def edges_beside(c, outer, count):
+    """Of rings that crowd towards the stick-slip boundary: half as many where it sticks as beside it."""
+    inner = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count // 2 + 1)) ** 3)
+    x = np.linspace(0.0, 1.0, count + 1)[1:]
+    return np.concatenate([inner, c + (outer - c) * x**2 * (1.5 - 0.5 * x)])
+
+
+def worn_shares(k, phi, times, count, steps):
+    """Worn volume over the final one at the times, of a constant force."""
+    names = "stick_radius", "worn_radius", "wear_volume"
+    c, outer, final = (float(oracle.QUANTITIES[name](k, phi, digits=20)) for name in names)
+    return on_power_law(k, edges_beside(c, outer, count)).volumes_at(times, steps, force=phi) / final

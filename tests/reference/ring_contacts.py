@@ -16,7 +16,6 @@ import jax
 import march_oracle
 import numpy as np
 import surface_oracle
-import transient_oracle
 from kinds import STEEL
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -177,12 +176,15 @@ def computed(kind, count=240):
 
     amplitude = mu * theta * (whole.depth - inner.depth)
     per_cycle = 4.0 * COEFFICIENT * mu * theta * F_N / (np.pi * A**2)
-    rings = [surface_oracle.Wearing(both, A, c, end, number, n) for number in (40, 80)]
-    coarse, fine = (A ** (2.0 + n) * transient_oracle.volumes_at(one, TIMES, 5) for one in rings)
-    ends = rings[-1]
-    either = march_oracle.Rings(ends.r, ends.load, ends.shape, ends.influence, whole.depth / A**n)
-    given = march_oracle.Given(TIMES[-1], displacement=(whole.depth - inner.depth) / whole.depth)
-    once, twice = (np.interp(TIMES, *either.march([given], number)[:2]) for number in (120, 240))
+
+    def wearing(count):
+        edges = march_oracle.edges_beside(c / A, end.worn_radius / A, count)
+        unit = F_N / (np.pi * A ** (2.0 + n))
+        return march_oracle.rings_of(edges, lambda b, r: unit * both.of_discs(A * b, A * r), whole.depth / A**n, n)
+
+    fewer, rings = wearing(80), wearing(160)
+    coarse, fine = (each.volumes_at(TIMES, 40, force=end.phi) for each in (fewer, rings))
+    held = fewer.volumes_at(TIMES, 40, displacement=1.0 - inner.depth / whole.depth)
     finite = isinstance(kind.half_space, DepthGraded)
     return {
         "normal_force": F_N,
@@ -215,8 +217,8 @@ def computed(kind, count=240):
             "slip_amplitude": mu * theta * slip,
         },
         "cycles": TIMES / per_cycle,
-        "volumes": fine + (fine - coarse) / 3.0,
-        "held": A ** (2.0 + n) * (2.0 * twice - once),  # by Euler's method, extrapolated in its steps
+        "volumes": A ** (2.0 + n) * (fine + (fine - coarse) / 3.0),
+        "held": A ** (2.0 + n) * held,
     }
 
 

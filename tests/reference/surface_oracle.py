@@ -2,7 +2,7 @@
 
 It shares nothing with the library: displacements of uniformly loaded discs by SciPy's hypergeometric function or by
 integrals over the wavenumber, the half-space from the plane-strain equations by SciPy's integrator, radii chosen and
-forces found from them.
+forces found from them. Besides, theta of a power law by the same equations.
 """
 
 import itertools
@@ -10,10 +10,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import transient_oracle
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from scipy.special import gamma, j0, j1
+from scipy.special import gamma, hyp2f1, j0, j1
 
 
 def power_compliance(E0, z0, k, h_N, nu):
@@ -22,15 +21,46 @@ def power_compliance(E0, z0, k, h_N, nu):
     return np.sin(0.5 * np.pi * (1.0 + k)) / c_N * 2.0 ** (1.0 - k) * gamma(0.5 - 0.5 * k) / gamma(0.5 + 0.5 * k)
 
 
+def disc(r, k):
+    """The displacement of a disc of radius 1 under a uniform pressure, over that at its centre: Eq. (5)."""
+    inside = np.minimum(r, 1.0) ** 2
+    outside = np.maximum(r, 1.0) ** -2.0
+    s = 0.5 * (1.0 + k)
+    return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
+
+
 def under_discs(k, b, r):
     """The displacement for G = q^(k-1) at r, of discs of radius b under unit pressure."""
     at_centre = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k) / gamma(1.5 - 0.5 * k) * b ** (1.0 - k)
-    return at_centre * transient_oracle.disc(r[:, None] / b, k)
+    return at_centre * disc(r[:, None] / b, k)
+
+
+def riccati(modulus, nu, q):
+    """(Slopes along z of the compliance of waves of the wavenumber q, that of a homogeneous half-space of modulus E).
+
+    Of the matrix S with displacements u = S t as (S_11, S_12, S_22), and of the same across the wave: antiplane shear.
+    """
+    ratio = nu / (1.0 - nu)
+
+    def slope(z, state):
+        mu = 0.5 * modulus(z) / (1.0 + nu)
+        s11, s12, s22, across = state
+        stiff = 2.0 * mu * q * q / (1.0 - nu)
+        return np.array(
+            [
+                2.0 * q * s12 + 1.0 / mu - stiff * s11 * s11,
+                q * s22 - ratio * q * s11 - stiff * s11 * s12,
+                -2.0 * ratio * q * s12 + (0.5 - nu) / (1.0 - nu) / mu - stiff * s12 * s12,
+                1.0 / mu - mu * q * q * across * across,
+            ]
+        )
+
+    return slope, lambda E: np.array([-(1.0 - nu), 0.5 - nu, -(1.0 - nu), -1.0]) * 2.0 * (1.0 + nu) / (E * q)
 
 
 def excess(modulus, nu, depth, jumps, q):
     """m of G(q) = 2 (1 + m) (1-nu^2)/(E(0) q) by the Riccati equation, from `depth` on, where E is constant."""
-    begin, (slope, homogeneous) = min(18.0 / q, depth), transient_oracle.riccati(modulus, nu, q)
+    begin, (slope, homogeneous) = min(18.0 / q, depth), riccati(modulus, nu, q)
     state = homogeneous(modulus(begin))
     stops = [begin, *sorted((z for z in jumps if z < begin), reverse=True), 0.0]
     for start, end in itertools.pairwise(stops):
@@ -119,20 +149,18 @@ def steady(compliance, a, c, count=240, n=2.0):
     return Steady(force, 1.0 - inner.force / force, edge, depth, volume, inner, worn)
 
 
-class Wearing(transient_oracle.OneForce):
-    """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^n, R = 1."""
+def tangential_ratio(k, nu):
+    """theta from the surface compliances of waves in the graded half-space, z^k deep, at wavenumber 1.
 
-    def __init__(self, compliance, a, c, end, count, n=2.0):
-        self.c, self.outer = c / a, end.worn_radius / a
-        edges = self.edges(count)
-        self.r = 0.5 * (edges[1:] + edges[:-1])
-        discs = np.zeros((self.r.size, edges.size))
-        discs[:, 1:] = compliance.of_discs(a * edges[1:], a * self.r) * (end.force / (np.pi * a ** (2.0 + n)))
-        self.influence = np.diff(discs, axis=1)
-        self.load = np.diff(edges**2)
-        self.shape = self.r**n / n
-        inner = end.inner
-        pressures, depth = inner.held(inner.force)
-        weights = steps(pressures)
-        gap = self.shape - (depth - compliance.of_discs(inner.discs, a * self.r) @ weights) / a**n
-        self.gap = np.where(self.r > self.c, gap, 0.0)
+    From deep down up to the surface, in x with z = x^m so that the singular modulus at the surface does not matter.
+    """
+    m, deep = 4.0 / (1.0 - abs(k)), 20.0
+    slope, homogeneous = riccati(lambda z: z**k, nu, 1.0)
+
+    def along(x, state):
+        return m * x ** (m - 1.0) * slope(x**m, state)
+
+    ends = deep ** (1.0 / m), 1e-12
+    found = solve_ivp(along, ends, homogeneous(deep**k), method="DOP853", rtol=1e-11, atol=1e-13, max_step=0.02)
+    in_plane, _, normal, anti = found.y[:, -1]
+    return 0.5 * (in_plane + anti) / normal
