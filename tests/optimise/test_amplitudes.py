@@ -9,7 +9,7 @@ from marks import compiled
 from mpmath import mp, mpf
 from numpy.testing import assert_allclose
 
-from plgwear_jax import fretting, optimise
+from plgwear_jax import optimise
 
 NAMES = ("leaves_lower", "reaches_upper", "ends_equal")
 BOUNDS = (-0.95, 0.95)
@@ -24,9 +24,6 @@ def errors(found, exact):
     """Relative to the exact numbers, which hold more digits than a float; of 1 - phi for the last of the three."""
     scales = (exact[0], exact[1], 1 - exact[2])
     return [float(abs(mpf(float(x)) - y) / scale) for x, y, scale in zip(found, exact, scales, strict=True)]
-
-
-# --- the oracle itself ----------------------------------------------------------------------------------------------
 
 
 # --- values ---------------------------------------------------------------------------------------------------------
@@ -118,26 +115,6 @@ def test_traced_bounds_out_of_range_give_nan(with_derivatives):
 
 
 # --- what the three numbers say -------------------------------------------------------------------------------------
-
-
-def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent():
-    """dV/dk over phi has the signs +, -, +."""
-    k = np.linspace(-1.0, 1.0, 201)
-    k[0], k[-1] = -1.0 + 2.0**-53, 1.0 - 2.0**-53
-    towards = 10.0 ** np.linspace(-12.0, np.log10(0.5), 201)
-    phi = np.unique(np.concatenate([towards, 1.0 - towards]))
-    by_k = jax.jit(lambda k, phi: jax.jvp(lambda k: fretting.wear_volume(k, phi), (k,), (jnp.ones_like(k),))[1])
-    sign = np.sign(by_k(*np.meshgrid(k, phi, indexing="ij")))
-    changes = np.diff(sign, axis=1)
-    assert np.all(sign[:, [0, -1]] == 1.0)
-    assert np.all(np.count_nonzero(changes, axis=1) == 2)
-    first, second = np.argmin(changes, axis=1), np.argmax(changes, axis=1)
-    assert np.all(np.diff(first) >= 0)
-    assert np.all(np.diff(second) >= 0)
-    leaves, reaches, _ = optimum_oracle.critical_amplitudes()
-    assert phi[first[0]] < leaves < phi[first[0] + 1]
-    assert phi[first[-1]] < reaches < phi[first[-1] + 1]
-    assert 0.97 < phi[second[0]] < phi[second[-1]] < 0.998
 
 
 @compiled
