@@ -17,7 +17,7 @@ from functions import FUNCTIONS, arguments
 from marks import compiled, parametrize
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, fretting, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, optimise, scene
 from plgwear_jax.loads import Force
 from plgwear_jax.scene import solving
 
@@ -109,27 +109,6 @@ def test_a_function_is_made_of_no_other_one(name):
     assert ("special/disc.py" in made.files) == (name == DISC)
     series = {"special/arcsine.py", "special/lerch.py", "special/disc.py"}
     assert bool(made.files & series) == (name in WITH_SERIES)
-
-
-def operations(function, *at):
-    """Operations in a program before XLA simplifies it, those of a function as often as it is called."""
-    text = jax.jit(function).lower(*at).as_text()
-    bodies = dict(re.findall(r"^  func\.func \w+ @(\w+)\(.*?\{$(.*?)^  \}", text, re.MULTILINE | re.DOTALL))
-
-    @functools.cache
-    def count(name):
-        called = re.findall(r"call @(\w+)\(", bodies[name])
-        return len(re.findall(r"^ *%\S+ = ", bodies[name], re.MULTILINE)) + sum(map(count, called))
-
-    return count("main")
-
-
-@compiled
-@parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
-def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
-    function = getattr(fretting, name)
-    by_k, by_phi, by_both = (operations(jax.grad(function, i), 0.3, 0.4) for i in (0, 1, (0, 1)))
-    assert max(by_k, by_phi) < 0.9 * by_both
 
 
 @compiled

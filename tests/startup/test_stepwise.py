@@ -5,7 +5,6 @@ import pickle
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -103,19 +102,16 @@ def solved_for(x, y):
 
 
 EPS = float(np.finfo(float).eps)
-CASES = [pytest.param(function, ODD, EPS, 0.0, id=name) for name, function in EXACT.items()]
-CASES += [
-    pytest.param(function, PLAIN, 9 * EPS, 1e-15, id=function.__name__)
-    for function in (looped, indexed, accumulated, special, solved_for)
-]
-CASES.append(pytest.param(powers, np.geomspace(1e-3, 30.0, 40), 4 * EPS, 0.0, id="powers"))
+CASES = {name: (function, ODD, EPS, 0.0) for name, function in EXACT.items()}
+CASES |= {each.__name__: (each, PLAIN, 9 * EPS, 1e-15) for each in (looped, indexed, accumulated, special, solved_for)}
+CASES["powers"] = powers, np.geomspace(1e-3, 30.0, 40), 4 * EPS, 0.0
 
 
 def steps_of(function, *at):
     return stepwise(jax.jit(function).trace(*at))
 
 
-@parametrize("function, at, relative, absolute", CASES)
+@parametrize("function, at, relative, absolute", CASES.values(), ids=CASES)
 def test_every_operation_is_that_of_xla(function, at, relative, absolute):
     x, y = at, np.roll(at, 5)
     steps = steps_of(function, x, y)
@@ -155,24 +151,20 @@ def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, mo
     assert max(counts) < 2**18 and sum(counts) == plain(x, y).size * shape[-1] / (shape[0] if len(shape) > 2 else 1)
 
 
-def repeated(x):
-    return jax.lax.while_loop(lambda count: count < 1000.0, lambda count: count + 1.0, 0.0 * x[0])
+REST = {
+    "quotient of integers": lambda x: x.astype(int) // 3,
+    "sum at places": lambda x: x.at[:1].add(x[:1]),
+    "large": lambda x: jnp.outer(jnp.ones(3_000_000), x).sum(1)[:2],
+    "long": lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=10_000)[0],
+    "a loop that does not end soon": lambda x: jax.lax.while_loop(lambda n: n < 1000.0, lambda n: n + 1.0, 0.0 * x[0]),
+    "places beyond an array": lambda x: x.at[jnp.array([1, 9])].get(mode="fill"),
+    "batch of places": lambda x: jax.vmap(lambda row, i: row[i])(jnp.outer(x, x), jnp.arange(3)),
+    "cut off": lambda x: jax.lax.pad(x, 0.0, ((-1, 0, 0),)),
+    "rounded away from zero": jax.lax.round,
+}
 
 
-@parametrize(
-    "function",
-    [
-        pytest.param(lambda x: x.astype(int) // 3, id="quotient of integers"),
-        pytest.param(lambda x: x.at[:1].add(x[:1]), id="sum at places"),
-        pytest.param(lambda x: jnp.outer(jnp.ones(3_000_000), x).sum(1)[:2], id="large"),
-        pytest.param(lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=10_000)[0], id="long"),
-        pytest.param(repeated, id="a loop that does not end soon"),
-        pytest.param(lambda x: x.at[jnp.array([1, 9])].get(mode="fill"), id="places beyond an array"),
-        pytest.param(lambda x: jax.vmap(lambda row, i: row[i])(jnp.outer(x, x), jnp.arange(3)), id="batch of places"),
-        pytest.param(lambda x: jax.lax.pad(x, 0.0, ((-1, 0, 0),)), id="cut off"),
-        pytest.param(jax.lax.round, id="rounded away from zero"),
-    ],
-)
+@parametrize("function", REST.values(), ids=REST)
 def test_xla_has_the_rest(function):
     x, asked = np.array([0.5, 1.5, 2.5]), programs.program()(function)
     assert_array_equal(asked(x), jax.jit(function)(x))
