@@ -140,6 +140,13 @@ def memory_that_two_processes_share() -> Iterator[None]:
         gc.collect()
 
 
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of its own, in which the test runs."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def seed() -> int:
     """A seed for random points, fresh on every day unless PLGWEAR_SEED fixes it; printed with every failure."""

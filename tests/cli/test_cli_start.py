@@ -28,15 +28,14 @@ output = { quantities = ["contact_radius"] }
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(here, monkeypatch):
     """A folder of one's own with a scene in it, and with a home that has a cache folder."""
     for name in [name for name in os.environ if name.startswith(("JAX_", "PLGWEAR_"))]:
         monkeypatch.delenv(name)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
     Path("cache").mkdir()
     Path("contact.toml").write_text(SCENE)
-    return tmp_path
+    return here
 
 
 # --- imports --------------------------------------------------------------------------------------------------------

@@ -5,7 +5,8 @@ import warnings
 
 import jax
 import numpy as np
-from commands import plgwear
+import pytest
+from commands import plgwear, write
 from kinds import COEFFICIENT, LAW, contact_of, dome
 from marks import compiled_case, parametrize
 
@@ -111,14 +112,14 @@ LAYER = "thickness = [1e-2], modulus = [200e9, 100e9], nu = 0.3"
         (POWER.format("110e9"), 5e-3, None),
     ],
 )
-def test_the_command_line_warns_in_one_line_and_goes_on(tmp_path, monkeypatch, material, radius, line):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "scene.toml").write_text(SCENE.format(material=material, radius=radius))
-    told = plgwear("solve scene.toml")
+@pytest.mark.usefixtures("here")
+def test_the_command_line_warns_in_one_line_and_goes_on(material, radius, line):
+    write(SCENE.format(material=material, radius=radius))
+    told = plgwear("solve mine.toml")
     assert told.exit_code == 0 and "contact_radius" in told.stdout
     lines = told.stderr.splitlines()
     assert len(lines) == (line is not None)
-    assert line is None or lines[0].startswith(f"scene.toml: {line}")
+    assert line is None or lines[0].startswith(f"mine.toml: {line}")
 
 
 @parametrize(

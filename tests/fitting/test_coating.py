@@ -191,8 +191,7 @@ def test_bad_profiles(case):
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(here):
     bounds = ", ".join(["[55e9, 220e9]"] * 5)
     vary = f"vary = {{ modulus = {{ at = [2e-6, 7e-6, 2e-5, 7e-5, 3e-4], between = [{bounds}] }} }}"
     Path("scene.toml").write_text(f'{SCENE}\n[design]\n{vary}\nhold = "contact_radius"\nminimise = "wear_volume"\n')

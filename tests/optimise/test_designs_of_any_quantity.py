@@ -1,8 +1,9 @@
 """Designs whose variables are any numbers of the contact, whose objectives and limits are any quantities."""
 
 import numpy as np
+import pytest
 from coated import RIGID as CONTACT
-from commands import told
+from commands import told, write
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 
@@ -90,10 +91,10 @@ wear_depth = { below = 1e-7, r = 6e-5 }
 
 
 @compiled
-def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "any.toml").write_text(SCENE, "utf-8")
-    found = told("design any.toml")
+@pytest.mark.usefixtures("here")
+def test_an_input_file_takes_limits_of_any_quantity():
+    write(SCENE)
+    found = told("design mine.toml")
     best = with_variables(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
     assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
     limits = found["limits"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from coated import on
 from commands import told
+from inputs import scene_of
 from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -30,8 +31,8 @@ def test_an_input_file_asks_what_python_asks():
 
 
 @compiled
-def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_the_command_line_finds_the_least_of_a_grid():
     found = told("design", str(LAYERS), "--sensitivities")
     best = found["best"]
     assert best["edge_exponent"] == -0.5
@@ -55,9 +56,7 @@ def test_the_command_line_finds_the_least_of_a_grid(tmp_path, monkeypatch):
 def test_a_thickness_may_be_uncertain(tmp_path):
     text = LAYERS.read_text("utf-8")
     text = text.replace(', "material.thickness[1]" = [1e-6, 1e-4] }', ' }\nscenarios = "scatter.csv"\nover = "worst"')
-    (tmp_path / "layers.toml").write_text(text, "utf-8")
-    (tmp_path / "scatter.csv").write_text("material.thickness[1]\n4e-6\n5e-6\n7e-6\n", "utf-8")
-    found = scene.load(tmp_path / "layers.toml").design()
+    found = scene_of(text, tmp_path, scatter="material.thickness[1]\n4e-6\n5e-6\n7e-6\n").design()
     thickness = np.stack(np.broadcast_arrays(found.variables["material.thickness[0]"], [4e-6, 5e-6, 7e-6]), -1)
     cases = on(CONTACT, thickness=thickness).steady(FORCE)
     assert_allclose(found.value, np.max(cases.wear_volume), rtol=1e-5)

@@ -1,8 +1,9 @@
 """Trade-offs between any two quantities, against the contacts of a dense grid."""
 
 import numpy as np
+import pytest
 from coated import HOLD, LIFE, RIGID, held, on
-from commands import told
+from commands import told, write
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from test_designs_of_any_quantity import SCENE
@@ -93,11 +94,10 @@ def test_a_punch_trades_its_force_for_its_wear():
 
 
 @compiled
-def test_the_command_line_trades_any_two_quantities(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "any.toml").write_text(SCENE.partition("[design.limits]")[0], "utf-8")
-    asked = ("front", "any.toml", "--x", "wear_volume", "--y", "stick_radius", "--larger", "y", "--points", "3")
-    found = told(*asked)
+@pytest.mark.usefixtures("here")
+def test_the_command_line_trades_any_two_quantities():
+    write(SCENE.partition("[design.limits]")[0])
+    found = told("front mine.toml --x wear_volume --y stick_radius --larger y --points 3")
     assert found["units"] == {"wear_volume": "m^3", "stick_radius": "m", "friction": "1", "k": "1"}
     curve = optimise.front(RIGID, FORCE, BOUNDS, "wear_volume", "stick_radius", larger="y", points=3)
     assert_allclose([found["wear_volume"], found["stick_radius"]], [curve.x, curve.y], rtol=1e-9)

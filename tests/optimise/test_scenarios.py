@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on, over
 from commands import told
+from inputs import changed, scene_of
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, is_told, refusal
@@ -180,23 +181,19 @@ SCATTER = """friction,normal_force,E0,k,weight
 """
 
 
-def write(folder, scatter, *changes):
-    text = SCENE.partition("[design.limits]")[0].replace(
-        "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }",
-        'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }',
-    )
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    (folder / "scatter.csv").write_text(scatter, "utf-8")
-    (folder / "any.toml").write_text(text, "utf-8")
+VARY = "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }"
+OVER = 'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }'
+
+
+def scattered(folder, scatter, *changes):
+    text = SCENE.partition("[design.limits]")[0]
+    return scene_of(changed(text, (VARY, OVER), *changes), folder, scatter=scatter)
 
 
 @compiled
-def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path, SCATTER)
-    found = told("design any.toml")
+def test_an_input_file_names_a_table_of_scenarios(here):
+    scattered(here, SCATTER)
+    found = told("design scene.toml")
     uncertain = on(
         RIGID,
         E0=np.array([100e9, 110e9, 130e9]),
@@ -214,8 +211,8 @@ def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
 @compiled
 def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     life = ("[design]", "[wear]\ncoefficient = 1e-14\ncycles = 4e5\n[design]")
-    write(tmp_path, "wear_coefficient\n3e-15\n1e-14\n", life, ('"deepest_wear"', '"wear_volume"'))
-    found = scene.load(tmp_path / "any.toml").design()
+    table = "wear_coefficient\n3e-15\n1e-14\n"
+    found = scattered(tmp_path, table, life, ('"deepest_wear"', '"wear_volume"')).design()
     scenarios = Scenarios(RIGID, law=np.array([3e-15, 1e-14]))
     best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, scenarios=scenarios, **LIFE)
     assert_allclose(found.value, best.value, rtol=1e-9)
@@ -223,15 +220,13 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
 
 @cases("optimise/refused.toml", "scatter")
 def test_errors_in_a_table_of_scenarios(tmp_path, case):
-    write(tmp_path, case["content"])
-    line = refusal(scene.SceneError, lambda: scene.load(tmp_path / "any.toml").asked())
+    line = refusal(scene.SceneError, lambda: scattered(tmp_path, case["content"]).asked())
     assert is_told(line, case, f"{tmp_path}/scatter.csv")
 
 
 def test_scenarios_stand_alone(tmp_path):
-    write(tmp_path, SCATTER)
     with pytest.raises(scene.SceneError, match="scenarios: only plgwear design takes them"):
-        scene.load(tmp_path / "any.toml").front(x="penetration")
+        scattered(tmp_path, SCATTER).front(x="penetration")
 
 
 # --- under a displacement ---------------------------------------------------------------------------------------------
@@ -247,10 +242,8 @@ FRICTION = (0.3, 0.5, 0.7)
 
 
 def moved(folder, friction, displacement, cycles=", cycles = 1e6"):
-    (folder / "scatter.csv").write_text("\n".join(["friction", *map(str, FRICTION)]), "utf-8")
     text = MOVED.format(friction=friction, moved=displacement, cycles=cycles)
-    (folder / "moved.toml").write_text(text, "utf-8")
-    return scene.load(folder / "moved.toml")
+    return scene_of(text, folder, scatter="\n".join(["friction", *map(str, FRICTION)]))
 
 
 def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):

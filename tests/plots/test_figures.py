@@ -170,8 +170,7 @@ def test_the_command_knows_the_figures_without_their_module():
 
 
 @pytest.mark.usefixtures("known")
-def test_command_writes_pictures_and_a_report(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_command_writes_pictures_and_a_report(here):
     found = run("--out", "drawn", "--only", "4")
     assert found.exit_code == 0 and found.stderr == ""
     lines = found.stdout.splitlines()
@@ -192,8 +191,7 @@ def test_command_writes_pictures_and_a_report(tmp_path, monkeypatch):
     assert Path("drawn/fig-04.png").read_bytes() == before["fig-04.png"]
 
 
-def test_command_refuses_in_one_line_what_it_cannot_write(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_command_refuses_in_one_line_what_it_cannot_write(here):
     Path("file").write_text("mine")
     Path("full/fig-04.pdf").mkdir(parents=True)
     for arguments, line in (
@@ -204,7 +202,7 @@ def test_command_refuses_in_one_line_what_it_cannot_write(tmp_path, monkeypatch)
     ):
         found = run(*arguments)
         assert (found.exit_code, found.stdout, found.stderr) == (2, "", line + "\n")
-    assert sorted(path.name for path in tmp_path.rglob("*")) == ["fig-04.pdf", "file", "full"]
+    assert sorted(path.name for path in here.rglob("*")) == ["fig-04.pdf", "file", "full"]
     assert Path("file").read_text() == "mine"
 
 

@@ -236,8 +236,7 @@ def test_suffix_makes_the_format(small, tmp_path, name, start):
 
 
 @parametrize("write", [lambda figure, path: plots.check_target(path), plots.save])
-def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write):
-    monkeypatch.chdir(tmp_path)
+def test_bad_targets_are_refused_in_one_line(small, here, write):
     Path("folder.png").mkdir()
     for target, line in {
         "a.jpg": "a.jpg: must end in .png, .pdf or .svg",

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from inputs import scene_of
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
@@ -17,9 +18,6 @@ STEEL = "indenter = { E = 210e9, nu = 0.3 }"
 FREE = "vary = { modulus = { at = [1e-6, 1e-5, 1e-4], between = [[1e9, 2e9], [1e9, 2e9], [1e9, 2e9]] } }"
 
 
-SCENE = Path("scene.toml")
-
-
 @pytest.fixture(autouse=True)
 def _table(_folder):
     Path("E.csv").write_text(CSV)
@@ -32,8 +30,7 @@ def written(material=POWER_LAW, indenter="", design="", load="tangential_force =
 
 
 def loaded(more="", **given):
-    SCENE.write_text(written(**given) + more)
-    return scene.load(SCENE)
+    return scene_of(written(**given) + more)
 
 
 def complaint(**given):
@@ -85,10 +82,8 @@ def test_bad_tables_are_refused_in_a_line(case):
 
 
 def test_a_punch_takes_a_power_law_alone():
-    SCENE.write_text(
-        '[material]\ntable = "E.csv"\nnu = 0.3\n[contact]\nkind = "gross-slip"\nradius = 1e-3\ndepth = 1e-6\n'
-    )
-    line = refusal(scene.SceneError, scene.load, SCENE)
+    text = '[material]\ntable = "E.csv"\nnu = 0.3\n[contact]\nkind = "gross-slip"\nradius = 1e-3\ndepth = 1e-6\n'
+    line = refusal(scene.SceneError, scene_of, text)
     assert line.endswith('kind = "gross-slip": needs a power law under [material], not a table')
 
 

@@ -1,9 +1,8 @@
 """What a rig is set to: a displacement amplitude, a wear coefficient and a number of cycles, in scenes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from inputs import scene_of
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
@@ -25,10 +24,7 @@ OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
 
 
 def read(load, contact=CONTACT, **files):
-    Path("scene.toml").write_text(f"{contact}\n{load}\n")
-    for name, content in files.items():
-        Path(f"{name}.csv").write_text(content)
-    return scene.load("scene.toml")
+    return scene_of(f"{contact}\n{load}\n", **files)
 
 
 # --- the displacement -------------------------------------------------------------------------------------------------

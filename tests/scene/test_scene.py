@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from inputs import changed, scene_of
 from kinds import dome
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -85,13 +86,6 @@ def read(content):
 
 def complaint(content):
     return refusal(scene.SceneError, lambda: read(content).asked())
-
-
-def changed(text, *replacements):
-    for old, new in replacements:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------
@@ -497,19 +491,18 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
 
 
 @parametrize("varies", ["h.csv", "scatter", "vary"])
-def test_an_energy_coefficient_belongs_to_one_friction(tmp_path, varies):
-    (tmp_path / "h.csv").write_text("tangential_force,cycles,friction\n1,1e5,0.4\n1,1e5,0.3\n")
-    (tmp_path / "s.csv").write_text("friction\n0.4\n0.5\n")
+def test_an_energy_coefficient_belongs_to_one_friction(varies):
+    tables = {"h": "tangential_force,cycles,friction\n1,1e5,0.4\n1,1e5,0.3\n", "s": "friction\n0.4\n0.5\n"}
     load = 'history = "h.csv"' if varies == "h.csv" else "tangential_force = 0.3"
     more = 'scenarios = "s.csv"\n' if varies == "scatter" else ""
     vary = "{ friction = [0.3, 0.5] }" if varies == "vary" else "{ k = [-0.5, 0.5] }"
-    (tmp_path / "scene.toml").write_text(f"""
+    text = f"""
 material = {{ E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }}
 contact = {{ kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }}
 load = {{ {load} }}
 wear = {{ energy_coefficient_mm3_per_J = 1e-5, cycles = 1e5 }}
 design = {{ vary = {vary}, minimise = "wear_volume", {more.strip() or "limits = {}"} }}
-""")
-    given = scene.load(tmp_path / "scene.toml")
+"""
+    given = scene_of(text, **tables)
     with pytest.raises(scene.SceneError, match="energy_coefficient_mm3_per_J = 1e-05: is not for a friction that chan"):
         given.over_cycles() if varies == "h.csv" else given.arguments()

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from inputs import scene_of
 from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL, contact_of
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -499,9 +500,7 @@ tangential_force = 1.5
 
 def built(folder, shape, table=""):
     """The contact of an input file, beside which a table may stand."""
-    (folder / "scene.toml").write_text(SCENE.format(shape=shape))
-    (folder / "profile.csv").write_text(table)
-    return scene.load(folder / "scene.toml").build_contact()
+    return scene_of(SCENE.format(shape=shape), folder, profile=table).build_contact()
 
 
 @parametrize(

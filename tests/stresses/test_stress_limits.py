@@ -1,16 +1,20 @@
-"""Stresses at places and between depths as limits, objectives and axes, from Python and from input files."""
+"""Stresses at places and between depths as limits, objectives, axes and pictures, from Python and input files."""
 
 import dataclasses
 
 import jax
 import numpy as np
 import pytest
+from commands import printed
+from inputs import changed, scene_of
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import FrettingContact, Layered, optimise, scene, sweep
+from plgwear_jax import FrettingContact, Layered, optimise, sweep
 from plgwear_jax._core.rules import placed_quantity
+from plgwear_jax._core.units import written
 from plgwear_jax._core.words import GivenError
+from plgwear_jax.plots import stress_picture
 from plgwear_jax.scene import SceneError
 
 SOFT = Layered([2e-5], [90e9, 210e9], 0.3)  # the coating is more compliant than what lies below
@@ -43,12 +47,7 @@ tension = { below = 2e9, x = -1e-4, z = 0 }
 
 
 def given(tmp_path, *changes):
-    text = SCENE
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    (tmp_path / "layers.toml").write_text(text)
-    return scene.load(tmp_path / "layers.toml")
+    return scene_of(changed(SCENE, *changes), tmp_path)
 
 
 # --- between depths -----------------------------------------------------------------------------------------------
@@ -129,6 +128,18 @@ def test_solve_gives_stresses_at_the_places_of_the_input_file(tmp_path):
     assert_allclose(found["peak_mises_between"].value, steady.peak_mises_between(0.0, 2e-5), rtol=1e-9)
     assert found["modulus_at"].value == 90e9
     assert found["tension"].description.endswith(", x = -50 µm (trailing side), z = 1 µm")
+
+
+@compiled
+def test_the_picture_of_solve_has_both_peaks_in_its_title(tmp_path):
+    steady, picture = CONTACT.steady(2.5), tmp_path / "stress.png"
+    axes = stress_picture(steady).axes[0]
+    tension, mises = (written(float(peak), "Pa") for peak in (steady.peak_tension, steady.peak_mises))
+    assert axes.get_title() == f"largest tension {tension}; largest von Mises stress {mises}"
+    assert axes.get_ylim()[1] == 0.0
+    given(tmp_path)
+    printed("solve", f"{tmp_path}/scene.toml", "--picture", str(picture))
+    assert picture.stat().st_size > 1000
 
 
 def test_the_places_of_a_front_are_given_after_its_name(tmp_path):

@@ -35,22 +35,19 @@ def test_logit_spacing_is_even_in_the_logit(first, last, count):
         assert_allclose(steps, np.linspace(steps[0], steps[-1], count), rtol=0.0, atol=coarse)
 
 
-def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "values.txt").write_text("# amplitudes\n0.1\n\n  0.25\n1e-3\n")
+def test_a_file_holds_a_value_a_line(here):
+    (here / "values.txt").write_text("# amplitudes\n0.1\n\n  0.25\n1e-3\n")
     assert_array_equal(read_axis("phi", "values.txt"), [0.1, 0.25, 1e-3])
-    (tmp_path / "0:1").write_text("0.5\n")
+    (here / "0:1").write_text("0.5\n")
     assert refusal(AxisError, read_axis, "phi", "0:1").startswith("phi = 0:1: must be a number, start:stop:count")
     assert_array_equal(read_axis("phi", "./0:1"), [0.5])
 
 
 @cases("sweep/refused.toml", "axes")
-def test_refusals(tmp_path, monkeypatch, case):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "nan.txt").write_text("0.1\nnan\n")
-    (tmp_path / "word.txt").write_text("soft\n")
-    (tmp_path / "empty.txt").write_text("# nothing\n\n")
-    (tmp_path / "folder").mkdir()
+def test_refusals(here, case):
+    for name, content in {"nan": "0.1\nnan\n", "word": "soft\n", "empty": "# nothing\n\n"}.items():
+        (here / f"{name}.txt").write_text(content)
+    (here / "folder").mkdir()
     assert is_told(refusal(AxisError, read_axis, case["name"], case["text"]), case)
 
 

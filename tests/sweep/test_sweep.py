@@ -231,8 +231,8 @@ WEAR = "wear_volume"
 
 
 @cases("sweep/refused.toml", "sweeps")
-def test_refusals(tmp_path, monkeypatch, case):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_refusals(case):
     blocks = [Block(1.0, 2e5), Block(Displacement(1e-8), 2e5, normal_force=8.0)]
     many = with_leaf(CONTACT, "normal_force", np.array([1.0, 2.0]))
     named = {"CONTACT": CONTACT, "MANY": many, "PUNCH": PUNCH, "LOADS": LOADS, "DESIGN": DESIGN, "BLOCKS": blocks}

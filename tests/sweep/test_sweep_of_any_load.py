@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from inputs import scene_of
 from kinds import dome
 from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 
-from plgwear_jax import loads, optimise, scene, sweep
+from plgwear_jax import loads, optimise, sweep
 from plgwear_jax.loads import Displacement
 
 CONTACT = dome()
@@ -84,9 +85,8 @@ def worn_in_scenes(folder, frictions, moved):
     """What `plgwear wear` has worn after the life in one input file after the other."""
     found = []
     for friction in frictions:
-        file = folder / "scene.toml"
-        file.write_text(SCENE.format(friction=friction, moved=moved))
-        found.append(float(scene.load(file).over_cycles().volume(LIFE["cycles"])))
+        run = scene_of(SCENE.format(friction=friction, moved=moved), folder).over_cycles()
+        found.append(float(run.volume(LIFE["cycles"])))
     return found
 
 
