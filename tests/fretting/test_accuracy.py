@@ -108,17 +108,14 @@ def test_volume_change_keeps_its_relative_accuracy_towards_its_zeros():
 
 
 def test_nothing_happens_at_k_zero():
-    radii = (0.3, 0.99, 1.0 - 1e-12, 1.0 + 1e-12, 1.01, 2.0)
-    points = [(r, k) for k in (0.0, 1e-16, -1e-16, 1e-14, 1e-8) for r in radii]
-    # Where versions of SciPy's 2F1 are infinite, or off by 1e-6.
-    points += [(r, k) for k in (-1e-13, 1.5e-13, -1e-10) for r in (1.0 - 1e-4, 1.0 + 1e-6)]
-    points += [(r, k) for k in (1e-300, -1e-300) for r in (0.99, 1.01)]  # the oracle takes a second for each
+    """And beside it, where versions of SciPy's 2F1 are infinite, or off by 1e-6."""
+    radii, exponents = (0.3, 0.99, 1.0 - 1e-4, 1.0 + 1e-12, 1.01, 2.0), (0.0, 1e-16, -1e-13, 1.5e-13, -1e-10, 1e-8)
+    points = [(r, k) for k in exponents for r in radii]
     _, values, gradients, _ = functions.derivatives("gross_slip.steady_displacement", *np.array(points).T)
-    for point, value, gradient in zip(points, values, gradients, strict=True):
-        exact = oracle.derivatives("gross_steady_displacement", point)
-        assert abs(float(value) - exact.value) < 2e-14, point
-        for a, b in zip(gradient, exact.gradient, strict=True):
-            assert abs(float(a) - b) <= 1e-13 * max(abs(b), 1), point
+    exact = [oracle.derivatives("gross_steady_displacement", point) for point in points]
+    assert_allclose(values, [float(x.value) for x in exact], rtol=0.0, atol=2e-14)
+    slopes = np.array([x.gradient for x in exact], float)
+    assert np.all(abs(gradients - slopes) <= 1e-13 * np.maximum(abs(slopes), 1.0))
 
 
 def test_h_N_at_the_ends_of_poissons_ratio():

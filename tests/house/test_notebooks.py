@@ -80,10 +80,6 @@ def kinds(notebook):
     ]
 
 
-def test_there_are_eight():
-    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 9)]
-
-
 @parametrize("name", NAMES)
 def test_committed_as_it_ran(name):
     notebook = read(name)

@@ -154,7 +154,7 @@ def over_disc(pressure, radius, k):
 
 def punch_force(k, nu):
     """Eq. (8)."""
-    return 2 * E0 * D * A * oracle.h_N.formula(k, nu) / ((1 - nu**2) * (1 + k)) * (A / Z0) ** k
+    return oracle.gross_initial_force.formula(E0, Z0, k, nu, A, D)
 
 
 def punch_pressure(z, k, nu):

@@ -139,20 +139,16 @@ def test_other_source_machines_and_settings_have_other_programs(tmp_path, monkey
     house = programs._house.__wrapped__
     first = house()
     assert house() == first
-    with monkeypatch.context() as patched:
-        patched.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_math=true")
-        assert house() != first
-    with monkeypatch.context() as patched:
-        patched.setenv("PLGWEAR_STARTUP", "kept")
-        assert house() != first
+    for name, value in {"XLA_FLAGS": "--xla_cpu_enable_fast_math=true", "PLGWEAR_STARTUP": "kept"}.items():
+        with monkeypatch.context() as patched:
+            patched.setenv(name, value)
+            assert house() != first
     with monkeypatch.context() as patched:
         patched.setattr(programs.platform, "node", lambda: "another")
         assert house() != first
-    with monkeypatch.context() as patched:
-        package = Path(plgwear_jax.__file__).parent
-        shutil.copytree(package, tmp_path / "copy", ignore=shutil.ignore_patterns("__pycache__"))
-        patched.setattr(programs, "__file__", str(tmp_path / "copy" / "_core" / "startup" / "programs.py"))
-        assert house() == first
-        with (tmp_path / "copy" / "fretting" / "__init__.py").open("a") as file:
-            file.write("#")
-        assert house() != first
+    shutil.copytree(Path(plgwear_jax.__file__).parent, tmp_path / "copy", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(programs, "__file__", str(tmp_path / "copy" / "_core" / "startup" / "programs.py"))
+    assert house() == first
+    with (tmp_path / "copy" / "fretting" / "__init__.py").open("a") as file:
+        file.write("#")
+    assert house() != first

@@ -304,11 +304,11 @@ def test_derivatives_are_those_of_differences(shape, along, body):
         return of(x).over_cycles(2.0, COEFFICIENT).volume(1e5)
 
     step = 1e-4
-    ends = [volume(n * step) for n in (-2, -1, 0, 1, 2)]
-    slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[3] - ends[4]) / (12.0 * step)
+    ends = [volume(n * step) for n in range(-2, 3)]
+    slope = np.dot([1.0, -8.0, 0.0, 8.0, -1.0], ends) / (12.0 * step)
     assert_allclose(jax.jit(jax.grad(volume))(0.0), slope, rtol=1e-5 if isinstance(shape, Blend) else 1e-6)
     if not isinstance(shape, Blend | Profile):
-        bend = (-ends[0] + 16.0 * ends[1] - 30.0 * ends[2] + 16.0 * ends[3] - ends[4]) / (12.0 * step**2)
+        bend = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], ends) / (12.0 * step**2)
         assert_allclose(jax.jacfwd(jax.jacfwd(volume))(0.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
     if not isinstance(shape, Profile):
         slope = (over_cycles(1e-3) - over_cycles(-1e-3)) / 2e-3
