@@ -326,12 +326,6 @@ def test_jit_and_vmap_equal_the_plain_call(name):
     assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
 
 
-@parametrize("name", ["fretting.stick_radius", "fretting.wear_depth", "gross_slip.force_ratio", "material.h_N"])
-def test_alone_under_jit_the_bits_are_the_same(name):
-    under_jit = functions.in_rounds(jax.jit(FUNCTIONS[name], compiler_options=functions.AS_USERS), *bulk(name))
-    assert_array_equal(under_jit, functions.values(name, *bulk(name)))
-
-
 def single_points(name):
     """In float32, at edges and limits."""
     K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
