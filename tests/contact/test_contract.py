@@ -14,7 +14,7 @@ import pytest
 from dependence import PLACES
 from functions import by_numpy
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of, dome
-from marks import compiled, long, parametrize
+from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
@@ -22,11 +22,6 @@ from plgwear_jax._core.catalogue import FRETTING, STRESSES
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of
-
-
-def marked(mark, *cases):
-    return [pytest.param(*case, marks=mark) for case in cases]
-
 
 F_X, RIG = 0.5 * FRICTION * FORCE, 3e7
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])  # all ask for so many cycles, by one program
@@ -98,13 +93,11 @@ def compared(pair, name):
     "pair, digits, most",
     [
         ("two homogeneous bodies", None, 1e-12),
-        *marked(
-            compiled,
-            ("a nearly rigid indenter", 4, 1e-4),
-            ("one modulus", 5, 1e-5),
-            ("a parabola as a shape", 4, 1e-7),
-        ),
-        *marked(long, ("a nearly rigid indenter", 5, 1e-5), ("one modulus", 4, 1e-4)),
+        compiled_case("a nearly rigid indenter", 4, 1e-4),
+        compiled_case("one modulus", 5, 1e-5),
+        compiled_case("a parabola as a shape", 4, 1e-7),
+        long_case("a nearly rigid indenter", 5, 1e-5),
+        long_case("one modulus", 4, 1e-4),
     ],
 )
 def test_steady_states_of_both_engines_agree(pair, digits, most):
@@ -185,7 +178,7 @@ def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     "kind, load",
     [
         ("layers under steel", "force"),
-        *marked(compiled, ("closed forms", "force"), ("closed forms", "rig"), ("a shape", "force")),
+        *(compiled_case(*case) for case in (("closed forms", "force"), ("closed forms", "rig"), ("a shape", "force"))),
     ],
 )
 def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):

@@ -16,7 +16,7 @@ import pytest
 import typer
 from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose
-from processes import module_at
+from processes import module_at, output
 
 import plgwear_jax
 from plgwear_jax import (
@@ -54,15 +54,6 @@ PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cl
 
 generated = module_at(ROOT / "docs" / "generated.py")
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
-
-
-def run(name):
-    """Execute the Python of a page from top to bottom; how many blocks there were."""
-    names = {}
-    blocks = BLOCK.findall(TEXTS[name])
-    for block in blocks:
-        exec(compile(block, name, "exec"), names)
-    return len(blocks)
 
 
 @compiled
@@ -123,7 +114,9 @@ COMPILED = [
     ],
 )
 def test_pages_run_from_top_to_bottom(name):
-    assert run(name) > 0
+    names = {}
+    for block in BLOCK.findall(TEXTS[name]):
+        exec(compile(block, name, "exec"), names)
 
 
 # Examples of searches and of a march over cycles, each of which is compiled.
@@ -439,8 +432,7 @@ def test_the_rule_is_that_of_its_table():
 @compiled
 def test_the_table_of_the_rule_is_computed(tmp_path, monkeypatch):
     ((heads, rows),) = generated.tables("rule")
-    command = [sys.executable, ROOT / "benchmarks" / "coatings.py", "rule", "--out", tmp_path / "benchmarks"]
-    subprocess.run(command, check=True, capture_output=True)
+    output(ROOT / "benchmarks" / "coatings.py", "rule", "--out", tmp_path / "benchmarks")
     monkeypatch.setattr(generated, "DOCS", tmp_path)
     ((found, computed),) = generated.tables("rule")
     assert found == heads and [row[:3] for row in computed] == [row[:3] for row in rows]

@@ -2,19 +2,17 @@
 
 import base64
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import nbformat
+import processes
 import pytest
 from marks import compiled, long, parametrize
-from processes import module_at
 
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
-execute = module_at(FOLDER / "execute.py")
+execute = processes.module_at(FOLDER / "execute.py")
 
 
 def read(name):
@@ -53,10 +51,7 @@ def run(notebook, folder):
     """The notebook as it ran in this interpreter's kernel; in a process of its own, as `make notebooks` does it."""
     path = folder / "notebook.ipynb"
     nbformat.write(notebook, path)
-    done = subprocess.run(
-        [sys.executable, FOLDER / "execute.py", path], capture_output=True, text=True, timeout=1800, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    processes.output(FOLDER / "execute.py", path)
     return nbformat.read(path, as_version=4)
 
 
