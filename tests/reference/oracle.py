@@ -331,19 +331,6 @@ def wear_volume(k, phi, *, start=None):
 
 
 @quantity
-def wear_volume_by_quadrature(k, phi):
-    """Eq. (28), in a_0^4/R, by tanh-sinh quadrature of the wear depth over y = (r/c)^2 - 1, 2 r dr = c^2 dy."""
-    working, y_inf = mp.dps, _ring(k, phi)
-
-    def depth(y):
-        with mp.workdps(3 * working):  # y comes down to 10^-working, and 1 + y must still tell
-            return wear_depth.formula(stick_radius.formula(k, phi) * mp.sqrt(1 + y), k, phi)
-
-    decades = [mpf(10) ** n for n in range(0, max(0, int(mp.ceil(mp.log10(y_inf)))), 2)]
-    return mp.pi * stick_radius.formula(k, phi) ** 2 * mp.quad(depth, [0, *decades, y_inf])
-
-
-@quantity
 def deepest_wear(k, phi, *, start=None):
     """The maximum of `wear_depth` over r, in a_0^2/R. `start` is a first guess of (r/c)^2 - 1 there."""
     if not phi:

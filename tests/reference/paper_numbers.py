@@ -320,7 +320,12 @@ def ring_ends_on_the_parabola(k, phi, nu):
 
 @equation("(28)", "by quadrature, and in closed form")
 def wear_volume_is_the_integral(k, phi, nu):
-    return oracle.wear_volume_by_quadrature.formula(k, phi) / oracle.wear_volume.formula(k, phi)
+    c, a = oracle.stick_radius.formula(k, phi), oracle.worn_radius.formula(k, phi)
+
+    def depth(part):  # of the area of the ring
+        return oracle.wear_depth.formula(mp.sqrt(c**2 + part * (a**2 - c**2)), k, phi)
+
+    return mp.pi * (a**2 - c**2) * mp.quad(depth, [0, 1]) / oracle.wear_volume.formula(k, phi)
 
 
 @equation("(29)–(31)", "h_N at k = 0, and 1, which makes Eq. (8) that of Boussinesq")
