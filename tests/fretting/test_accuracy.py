@@ -10,6 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 import oracle
 import pytest
+from hypothesis import given, settings, target
+from hypothesis import strategies as st
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose
 
@@ -77,6 +79,59 @@ def test_the_mixed_derivative_of_the_deepest_wear_is_that_of_differences():
     for k, phi in ((0.3, 0.6), (-0.4, 0.2)):
         difference = (slope(k + 1e-5, phi) - slope(k - 1e-5, phi)) / 2e-5
         assert_allclose(mixed(k, phi), difference, rtol=1e-7)
+
+
+# --- the worst point, hunted ----------------------------------------------------------------------------------------
+
+distances = st.floats(0.0, 9.0).map(lambda x: 10.0**-x)
+signs = st.sampled_from([-1.0, 1.0])
+any_exponent = st.one_of(
+    st.floats(-0.97, 0.97),
+    st.builds(lambda sign, d: sign * (1.0 - d), signs, distances).filter(lambda k: abs(k) < 1.0),
+    st.builds(lambda sign, d: sign * d * 1e-5, signs, distances),
+)
+any_amplitude = st.one_of(
+    st.floats(1e-12, 1.0 - 1e-12),
+    st.floats(0.0, 12.0).map(lambda x: 10.0**-x).filter(lambda phi: phi < 1.0),
+    st.floats(0.01, 12.0).map(lambda x: 1.0 - 10.0**-x),
+)
+
+
+def hunted(name, twin, *at):
+    """The error of a value at one point, which hypothesis makes as large as it can."""
+    exact = oracle.QUANTITIES[twin](*at)
+    error = float(abs(float(functions.FUNCTIONS[name](*at)) - exact) / exact)
+    target(error)
+    assert error < 5e-13
+
+
+@parametrize("name", ["wear_volume", "deepest_wear"])
+@given(k=any_exponent, phi=any_amplitude)
+def test_no_point_breaks_a_wear_and_its_slopes(name, k, phi):
+    _, value, slopes, _ = functions.derivatives(f"fretting.{name}", np.array([k]), np.array([phi]))
+    exact = oracle.derivatives(name, (k, phi))
+    error = float(abs(float(value[0]) - exact.value) / exact.value)
+    target(error)
+    assert error < 5e-13
+    for mine, theirs in zip(slopes[0], exact.gradient, strict=True):
+        assert abs(float(mine) - theirs) <= 1e-11 * max(abs(theirs), exact.value)
+
+
+@given(k=any_exponent, phi=any_amplitude)
+def test_no_point_breaks_the_worn_radius(k, phi):
+    hunted("fretting.worn_radius", "worn_radius", k, phi)
+
+
+@settings(max_examples=max(settings().max_examples // 2, 20))  # the oracle's integrals take a tenth of a second each
+@given(k=any_exponent, gap=st.floats(-12.0, 3.0).map(lambda x: 10.0**x), inside=st.booleans())
+def test_no_point_breaks_the_disc_displacement(k, gap, inside):
+    r = 1.0 / (1.0 + gap) if inside else 1.0 + gap
+    hunted("gross_slip.steady_displacement", "gross_steady_displacement", r, k)
+
+
+@given(k=any_exponent, nu=st.floats(-0.9, 0.5))
+def test_no_point_breaks_h_N(k, nu):
+    hunted("material.h_N", "h_N", k, nu)
 
 
 # --- the ways to the ring's edge and to its deepest place ------------------------------------------------------------
