@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import jax
 import jax.numpy as jnp
@@ -54,7 +54,8 @@ class Load:
     """What moves a contact: `FrettingContact.steady` and `over_cycles` take an instance of any subclass.
 
     A subclass says which force it needs before any wear and what it keeps constant over the cycles. Without a decorator
-    it becomes a frozen dataclass and a pytree of its fields, by which results can be differentiated.
+    it becomes a frozen dataclass and a pytree of its fields, by which results can be differentiated. The first field is
+    its amplitude.
 
     Attributes:
         holds_force: Whether the force amplitude stays constant, so that the steady state of this force is the end.
@@ -106,18 +107,22 @@ class Load:
         """What stays constant over the cycles; `limit` is mu F_N in N."""
         raise NotImplementedError(f"{type(self).__name__} has no control(limit)")
 
-    def with_amplitude(self, change: Callable[[Any], Any]) -> "Load":
+    def with_amplitude(self, change: Callable[[Any], Any]) -> Self:
         """The load with a changed amplitude."""
-        raise NotImplementedError(f"{type(self).__name__} has no with_amplitude(change)")
+        return dataclasses.replace(self, **{self._varied: change(self.amplitude)})  # pyright: ignore[reportArgumentType]
 
-    def stages(self) -> tuple[Stage, ...]:
+    def stages(self) -> "tuple[Stage | Block, ...]":
         """The load as cycles under one load after the other."""
         return (Stage(self),)
 
     @property
     def amplitude(self) -> Any:
         """The amplitude of the force in N, or of the displacement in m; None if there are several."""
-        raise NotImplementedError(f"{type(self).__name__} has no amplitude")
+        return getattr(self, self._varied)
+
+    @property
+    def _varied(self) -> str:
+        return dataclasses.fields(self)[0].name  # pyright: ignore[reportArgumentType]
 
     @property
     def rig_compliance(self) -> Any:
@@ -171,15 +176,6 @@ class Force(Load):
         amplitude = guarded_field(self, "tangential_force")
         return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
 
-    @property
-    def amplitude(self) -> Any:
-        """That of the force in N."""
-        return self.tangential_force
-
-    def with_amplitude(self, change: Callable[[Any], Any]) -> "Force":
-        """The load with a changed amplitude."""
-        return dataclasses.replace(self, tangential_force=change(self.tangential_force))
-
 
 class Displacement(Load):
     """Displacement control: the amplitude of the tangential displacement is constant.
@@ -228,15 +224,6 @@ class Displacement(Load):
         del limit
         amplitude = guarded_field(self, "displacement_amplitude")
         return Control(1.0, self.rig_compliance, amplitude)
-
-    @property
-    def amplitude(self) -> Any:
-        """That of the displacement in m."""
-        return self.displacement_amplitude
-
-    def with_amplitude(self, change: Callable[[Any], Any]) -> "Displacement":
-        """The load with a changed amplitude."""
-        return dataclasses.replace(self, displacement_amplitude=change(self.displacement_amplitude))
 
 
 @record
@@ -317,13 +304,14 @@ class Blocks(Load):
     def amplitude(self) -> None:
         """Each block has its own."""
 
-    def stages(self) -> tuple[Stage, ...]:
+    def stages(self) -> "tuple[Block, ...]":
         """The blocks."""
-        return tuple(Stage(block.load, block.cycles, block.normal_force, block.friction) for block in self.of)
+        return self.of
 
-    def with_amplitude(self, change: Callable[[Any], Any]) -> "Blocks":
+    def with_amplitude(self, change: Callable[[Any], Any]) -> Self:
         """The blocks with changed amplitudes."""
-        return Blocks([dataclasses.replace(block, load=block.load.with_amplitude(change)) for block in self.of])
+        blocks = [dataclasses.replace(block, load=block.load.with_amplitude(change)) for block in self.of]
+        return dataclasses.replace(self, of=blocks)
 
 
 def load_of(given: Any) -> Load:

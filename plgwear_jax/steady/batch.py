@@ -35,6 +35,7 @@ def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[in
     if shape == ():
         return one(*arguments)
     count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
+    moves[0] |= not any(moves)  # where all axes have the length one
     ends = [x.shape[len(single) :] for x, single in zip(arguments, shapes, strict=True)]
     if not count:
         about = jax.eval_shape(one, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in arguments)))
@@ -43,37 +44,31 @@ def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[in
         jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
         for x, last, move in zip(arguments, ends, moves, strict=True)
     ]
-    if not any(moves):  # axes of length one
-        return jax.tree.map(lambda x: x.reshape(*shape, *x.shape), one(*flat))
     found = jax.vmap(one, [0 if move else None for move in moves])(*flat)
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
-def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...]) -> Any:
-    """The function's result for each of the states, which have a field `shape`, broadcast against further arguments."""
-    dtype, shape = states.force.dtype, states.shape
+def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Array, ...] = ()) -> Any:
+    """The function's tree of results for each contact: the first axes of all leaves have this shape.
+
+    These broadcast against the axes of further arguments, of which the function takes one number each.
+    """
+    dtype = jax.tree.leaves(trees)[0].dtype
     more = tuple(jnp.asarray(x, dtype) for x in more)
     whole = np.broadcast_shapes(shape, *(x.shape for x in more))
     if whole == ():
-        return function(states, *more)
+        return function(*trees, *more)
     if 0 in whole:
-        about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), states)
-        found = jax.eval_shape(function, about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
+        about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
+        found = jax.eval_shape(function, *about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
         return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
-    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
-    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
+    rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
+    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 
     def one(moving: tuple[Array, ...]) -> Any:
-        return function(jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
+        return function(*jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
 
-    # On a processor one after the other.
+    # On a processor one after the other, since a batch would take as many steps as its slowest element.
     size = None if jax.default_backend() == "cpu" else TOGETHER
     found = jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size)
     return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)
-
-
-def over_radii(function: Callable[..., Array], states: Any, r: Array) -> Array:
-    """The function of (a state, radii of shape (m,)) for each of the states, broadcast against radii."""
-    if states.shape == ():
-        return function(states, r.ravel()).reshape(r.shape)
-    return each_state(lambda state, r: function(state, r[None])[0], states, (r,))

@@ -21,7 +21,7 @@ from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.steady.batch import as_numbers, each_state, over_radii
+from plgwear_jax.steady.batch import as_numbers, in_turn
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
 from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
@@ -35,15 +35,16 @@ from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
 @program(static=1, level=1)
 def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
     function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
-    return each_state(functools.partial(function, effort), states, more)
+    return in_turn(functools.partial(function, effort), states.shape, states, more=more)
 
 
 @program(static=1, level=1)
 def over_radii_of(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
     """The function of this name, of an effort, a state and radii."""
-    function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
-    r = jnp.asarray(r, states.force.dtype)
-    return over_radii(functools.partial(function, effort), states, r)
+    function, r = functools.partial(globals()[fixed[0]], fixed[1]), jnp.asarray(r, states.force.dtype)
+    if states.shape == ():
+        return function(states, r.ravel()).reshape(r.shape)
+    return in_turn(lambda state, r: function(state, r[None])[0], states.shape, states, more=(r,))
 
 
 def deepest_of(effort: Effort, state: State) -> Array:

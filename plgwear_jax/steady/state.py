@@ -199,35 +199,27 @@ def _bodies(
 def _one(
     effort: Effort, half_space: type[PowerLawGraded | AnyModulus], elastic: bool, shape: Any, *numbers: Array
 ) -> State:
-    """The state of one contact."""
+    """The state of one contact, NaN where it would have to pull: all of it but the least pressures, or what is worn."""
     force, radius, friction, phi, *_ = numbers
     bodies = _bodies(effort, half_space, elastic, shape, *numbers)
     compliance, outline = bodies.compliance, bodies.outline
     found = worn(compliance, force * radius, phi, effort, outline)
     unworn = found.unworn
     theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
-    state = state_of(compliance, (force, radius, friction, outline, friction * theta, phi), found)
-    reach = outline.shape.reach
-    if reach is None:
+    least, known, reach = least_pressures(compliance, found, phi, outline), [], outline.shape.reach
+    if reach is not None:  # what is beyond a table is guessed
+        known.append(jnp.exp(found.punch.log_c) * jnp.sqrt(1.0 + found.y) <= reach)
+    if not (isinstance(compliance, OnePower) and outline.shape.steepens):  # which nothing pulls
+        before, after = jnp.unstack(least.pulled == 0.0)
+        after = one_or_nan(after)
+        found = found._replace(further=after * found.further, y=after * found.y, volume=after * found.volume)
+        known.append(before)
+    results = results_in(radius, found)
+    state = State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results, least)
+    if not known:
         return state
-    edge = jnp.exp(found.punch.log_c) * jnp.sqrt(1.0 + found.y)
-    return _only(edge <= reach, state)  # what is beyond a table is guessed
-
-
-def state_of(compliance: Compliance, given: tuple[Array, Array, Array, Outline, Array, Array], found: Worn) -> State:
-    """The state, NaN where the contact would have to pull: all of it, or what is worn."""
-    least = least_pressures(compliance, found, given[5], given[3])
-    if isinstance(compliance, OnePower) and given[3].shape.steepens:  # which nothing pulls
-        return State(compliance, *given, *found, results_in(given[1], found), least)
-    before, after = jnp.unstack(one_or_nan(least.pulled == 0.0))
-    found = found._replace(further=after * found.further, y=after * found.y, volume=after * found.volume)
-    return _only(before == 1.0, State(compliance, *given, *found, results_in(given[1], found), least))
-
-
-def _only(known: Array, state: State) -> State:
-    """The state where it is known, and NaN elsewhere; the least pressures always."""
-    factor = materialised(one_or_nan(known))
-    return jax.tree.map(lambda x: x * factor, state)._replace(least=state.least)
+    factor = materialised(one_or_nan(functools.reduce(jnp.logical_and, known)))
+    return jax.tree.map(lambda x: x * factor, state)._replace(least=least)
 
 
 @program(static=1, level=1)

@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
-from plgwear_jax.steady.batch import as_numbers, each_state
+from plgwear_jax.steady.batch import as_numbers, in_turn
 from plgwear_jax.stresses.field import Given, Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
@@ -63,7 +63,7 @@ def _stress_program(fixed: tuple[Given, bool], pressed: Pressed, places: tuple[A
 
     if pressed.shape == () and x.size and z.size:
         return one(pressed, x, z)
-    return each_state(one, pressed, (x, z))
+    return in_turn(one, pressed.shape, pressed, more=(x, z))
 
 
 @program(static=1, level=1)
@@ -74,7 +74,7 @@ def _searched(given: Given, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Pea
         found = highest(pressed, given, Wanted(*wanted))
         return in_si(pressed, given, Wanted(*wanted), found), found
 
-    return each_state(one, pressed, wanted)
+    return in_turn(one, pressed.shape, pressed, more=wanted)
 
 
 @program(static=1, level=1)
@@ -83,7 +83,7 @@ def _at_known_place(given: Given, pressed: Pressed, known: tuple[Wanted, Array, 
         return peak_at(pressed, given, Wanted(mises, least, most), *place)
 
     wanted, *place = known
-    return each_state(one, pressed, (*wanted, *place))
+    return in_turn(one, pressed.shape, pressed, more=(*wanted, *place))
 
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:

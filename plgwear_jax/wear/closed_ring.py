@@ -17,11 +17,11 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 from plgwear_jax.special.exponents import exponents
-from plgwear_jax.steady.batch import each
+from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each, volume_of
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, volume_of
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
 # --- without units: radii in a_0, heights in a_0^2/R, pressures in F_N/(pi a_0^2), time as n of the theory ------------
@@ -73,7 +73,7 @@ def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 @program(static=1, level=1)
 def _rings(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCells, Scales]:
     k, phi = jnp.broadcast_arrays(k, phi)
-    return for_each(functools.partial(rings_of, resolution), k.shape, k, phi)
+    return in_turn(functools.partial(rings_of, resolution), k.shape, k, phi)
 
 
 def _by_parts(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
@@ -165,6 +165,5 @@ class ClosedRun(RingRun):
         contact, load, wear_coefficient = given
         resolution = march_resolution_of(self.digits)
         ring, *units = with_slopes(_ring_of)(self.digits, contact, load)
-        single = ring.phi.size == 1 and jax.default_backend() == "cpu"
-        curves = with_slopes(curves_of, _by_parts if single else None)(resolution, ring.k, ring.phi)
+        curves = with_slopes(curves_of, _by_parts if ring.phi.size == 1 else None)(resolution, ring.k, ring.phi)
         return _in_units(ring, *units, curves, wear_coefficient)

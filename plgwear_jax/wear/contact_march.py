@@ -35,21 +35,23 @@ class Disc(NamedTuple):
         return jnp.append(0.0, jnp.sqrt(self.area / jnp.pi * self.edges[1:]))  # the root of 0 has no derivative
 
 
-class Steps(NamedTuple):
-    """What is given in each step, each field of shape (steps,).
+class Given(NamedTuple):
+    """What is given in each block of cycles, or in each step, each field of shape (blocks,) or (steps,)."""
 
-    The control equation is: displacement displacement_factor + (F_N - load of the second contact) force_factor = value,
-    with the displacement over mu theta.
-    """
+    cycles: Array  # of a block; NaN for a test without an end
+    normal_force: Array  # F_N in N
+    friction: Array  # mu
+    displacement_factor: Array  # of `Control`
+    force_factor: Array
+    value: Array
+
+
+class Steps(NamedTuple):
+    """The steps, each field of shape (steps,)."""
 
     length: Array  # in cycles
     ratio: Array  # of its length to that of the step before; 0 for a first step
-    normal_force: Array  # F_N in N
-    friction: Array  # mu
-    tangential: Array  # mu theta
-    displacement_factor: Array
-    force_factor: Array
-    value: Array
+    given: Given
 
 
 class Moments(NamedTuple):
@@ -141,11 +143,12 @@ def _depth(control: Control, one: Array, held: Array) -> Array:
     return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
 
 
-def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps: Steps) -> Moments:
+def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linear: bool, steps: Steps) -> Moments:
     """The march.
 
     Args:
         disc: The contact in cells. It has to be larger than the contact ever becomes: the results are NaN from then on.
+        theta: The tangential compliance over the normal one.
         rate: Depth in m worn in a cycle, of a pressure in Pa and the path that slips in a cycle in m.
         linear: Whether the depth is proportional to the pressure, so that those of a step are computed once.
         steps: What is given in each step.
@@ -158,8 +161,8 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps
 
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
-        ratio = step.ratio
-        mean = step.normal_force / disc.area
+        ratio, given = step.ratio, step.given
+        mean = given.normal_force / disc.area
         # The formula of second order with changing steps, BDF2, where the pressure changes slowly. Euler's in a first
         # step, in cells that have just begun to touch, and where the pressure falls so fast that BDF2 would go beyond
         # the end: the cells outside would lose the contact with those that overshoot.
@@ -188,10 +191,12 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps
             now = jnp.where(guess > 0.0, jnp.maximum(bare + slope * guess, known), known)
         found, depth = guess, contact.depth
 
-        value = step.value - step.force_factor * step.normal_force - step.displacement_factor * depth
-        control = Control(step.displacement_factor, step.force_factor * disc.area, -value)
+        # What is kept constant, in the depth and the load of the second contact.
+        tangential = given.friction * theta
+        moved, loaded = given.displacement_factor * tangential, given.force_factor * given.friction
+        control = Control(moved, loaded * disc.area, moved * depth + loaded * given.normal_force - given.value)
         second = _pressed(disc.compliance, factor, disc.unworn + now, size, middle, control)
-        sliding = step.tangential * jnp.maximum(second.gap, 0.0) / size
+        sliding = tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)
         radius, stick = contact.radius, second.radius
         area = size[:_WITHIN].reshape(-1, _BESIDE)
@@ -204,12 +209,12 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps
             slip=sliding,
             volume=disc.area * jnp.sum(now),
             rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
-            energy_per_cycle=disc.area * step.friction * (size @ (found * 4.0 * sliding)),
+            energy_per_cycle=disc.area * given.friction * (size @ (found * 4.0 * sliding)),
             contact_radius=radius,
             stick_radius=stick,
-            force_amplitude=step.friction * (step.normal_force - load),
-            displacement_amplitude=step.tangential * (depth - second.depth),
-            least=pressures[lowest] * jnp.pi * radius**2 / step.normal_force,
+            force_amplitude=given.friction * (given.normal_force - load),
+            displacement_amplitude=tangential * (depth - second.depth),
+            least=pressures[lowest] * jnp.pi * radius**2 / given.normal_force,
             opens=disc.radii[_BESIDE * lowest + _BESIDE // 2],
         )
         return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
@@ -217,7 +222,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], linear: bool, steps
     zero = 0.0 * size  # with derivatives from the start, or JAX would trace the steps twice for these
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
-    outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.normal_force
+    outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.given.normal_force
     return until(outside, found)
 
 

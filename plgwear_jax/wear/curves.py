@@ -78,10 +78,8 @@ def moment_at(times: Array, time: Array) -> Moment:
     rows, number = _rows(times, axes), np.arange(math.prod(times.shape[:-1])).reshape(times.shape[:-1])
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
     early = jax.lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
-    fixed, first = jax.lax.stop_gradient(rows), jnp.zeros(jnp.broadcast_shapes(number.shape, time.shape), int)
-    for bit in reversed(range(last.bit_length())):
-        there = jnp.minimum(first + (1 << bit), last - 1)
-        first = jnp.where(fixed[number, there] < early, there, first)
+    before = jnp.sum(jax.lax.stop_gradient(times) < early[..., None], -1)
+    first = jnp.clip(before - 1, 0, last - 1)
     begin, end = rows[number, first], rows[number, first + 1]
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
     inside = jnp.where(time > times[..., -1], times[..., -1], time)

@@ -1,7 +1,6 @@
 """The wear of any test on any contact, by `march`, on a grid that follows the contact."""
 
 import functools
-from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -16,12 +15,10 @@ from plgwear_jax._core.domains import (
     Domain,
     RefusedError,
     guarded,
-    whole,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
-from plgwear_jax._core.startup.programs import program, with_slopes
-from plgwear_jax.loads import Load
+from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers, each
@@ -32,7 +29,7 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
-from plgwear_jax.wear.contact_march import Disc, Moments, Steps, march, until
+from plgwear_jax.wear.contact_march import Disc, Given, Moments, Steps, march, until
 from plgwear_jax.wear.curves import ROUNDINGS, Curve, Moment, cells_around, limited, moment_at
 from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
@@ -50,17 +47,6 @@ _REACH = 16.0  # the largest scar of a test without an end, in contact radii bef
 _PASSES, _SETTLED = (3, 7), 0.05
 _NARROWEST = 3e-4  # slip ring, in contact radii
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
-
-
-class StageNumbers(NamedTuple):
-    """What is given in each block of cycles, each field of shape (blocks,); see `march.Steps` for the control."""
-
-    cycles: Array  # NaN for a test without an end
-    normal_force: Array
-    friction: Array
-    displacement_factor: Array
-    force_factor: Array
-    value: Array
 
 
 class _Grid(NamedTuple):
@@ -124,12 +110,8 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid,
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _given_in_steps(blocks: StageNumbers, grid: _Grid, theta: Array, count: int) -> tuple[Steps, Array]:
-    """(What is given in each step, the cycles since the beginning at its end)."""
-    # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
-    held, tangential = blocks.displacement_factor > 0.0, blocks.friction * theta
-    force_factor = jnp.where(held, blocks.force_factor / theta, blocks.force_factor)
-    value = blocks.value / jnp.where(held, tangential, blocks.friction)
+def _in_steps(blocks: Given, grid: _Grid, count: int) -> tuple[Steps, Array]:
+    """(The steps, the cycles since the beginning at the end of each)."""
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
     total = jnp.where(endless, grid.last, blocks.cycles)
@@ -138,10 +120,9 @@ def _given_in_steps(blocks: StageNumbers, grid: _Grid, theta: Array, count: int)
     growth = jnp.expm1(bend * np.linspace(0.0, 1.0, count + 1)) / jnp.expm1(bend)
     lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel().astype(total.dtype)
     ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel().astype(total.dtype)
-    given = blocks.normal_force, blocks.friction, tangential, blocks.displacement_factor, force_factor, value
     # Block after block, so that no roundings of steps add up.
     cycles = (jnp.append(0.0, jnp.cumsum(total)[:-1])[:, None] + total[:, None] * growth).ravel().astype(total.dtype)
-    return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given)), cycles
+    return Steps(lengths, ratios, jax.tree.map(lambda x: jnp.repeat(x, count + 1), blocks)), cycles
 
 
 # Logarithm of the length of the last step of a block over that of its first, and of a test without end in gross slip:
@@ -156,7 +137,7 @@ def _flat(outline: Outline, radius: Array) -> Array:
     return jnp.pi * radius**2 * (outline.height(radius[None]) - inside)[0]
 
 
-def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLaw) -> TestHistory:
+def history_of(effort: Effort, bodies: Bodies, blocks: Given, law: WearLaw) -> TestHistory:
     """The history of a test."""
     compliance, outline = bodies.compliance, bodies.outline
     number = blocks.cycles.size
@@ -170,8 +151,8 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
     def one_pass(which: Array, grid: _Grid) -> tuple[Array, Array, _Grid, TestHistory]:
         disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         theta = bodies.tangential_ratio(effort, grid.unworn)
-        steps, cycles = _given_in_steps(blocks, grid, theta, count)
-        found = march(disc, law.rate, law.linear, steps)
+        steps, cycles = _in_steps(blocks, grid, count)
+        found = march(disc, theta, law.rate, law.linear, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
         # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
@@ -243,7 +224,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 
 
 @program(static=1, level=1, slopes=1)
-def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
+def _histories(effort: Effort, contact: Any, blocks: Given, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
     leaves, tree = jax.tree.flatten(law)
@@ -251,7 +232,7 @@ def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> 
     count, coefficients = len(blocks), len(leaves)
 
     def one(*given: Array) -> TestHistory:
-        its_blocks, given = StageNumbers(*given[:count]), given[count:]
+        its_blocks, given = Given(*given[:count]), given[count:]
         its_law = jax.tree.unflatten(tree, given[:coefficients])
         return history_of(effort, bodies(*given[coefficients:]), its_blocks, its_law)
 
@@ -320,49 +301,38 @@ class MarchedRun(Run):
     """
 
     shares: ClassVar = FOLLOWED
+    known: ClassVar = 2, " for this test"
     amount = staticmethod(_amount)
 
-    def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
-        super().__init__(
-            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " for this test")
-        )
-
-    def _check(self, **given: Any) -> None:
-        super()._check(**given)
-        if "cycles" in given:
-            self._check_last(given["cycles"])
-
-    def _check_last(self, cycles: Any) -> None:
-        """Refuse concrete cycles beyond the last block, or beyond the widest scar once the run is solved."""
-        solved = vars(self).get("solved")
-        if not self.load.lasts:
-            known, where = [stage.cycles for stage in self.load.stages()], "where the blocks end"
-        elif solved is not None:
-            known, where = [solved.cycles, solved.goes_on], "after which the scar is ten times as wide as at first"
+    def _check(self, cycles: Any = None, **given: Any) -> None:
+        """Refuse also concrete cycles beyond the last block, or beyond the widest scar."""
+        super()._check(cycles=cycles, **given)
+        if cycles is None or traced((self.contact, self.load, self.law, cycles)):
+            return
+        if self.load.lasts:
+            last = np.where(self._solution.goes_on > 0.0, self.lasting_cycles, np.inf)
+            where = "after which the scar is ten times as wide as at first"
         else:
-            return
-        if any(isinstance(x, Tracer) for x in (cycles, *known)):
-            return
+            last = sum(np.asarray(stage.cycles, float) for stage in self.load.stages())
+            where = "where the blocks end"
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
-        known = [np.asarray(x, float) for x in known]
-        last = np.where(known[1] > 0.0, known[0][..., -1], np.inf) if self.load.lasts else sum(known)
-        beyond = np.asarray(cycles) > last * (1.0 + 1e-5)
+        asked, end = np.broadcast_arrays(cycles, last)
+        beyond = asked > end * (1.0 + 1e-5)
         if np.any(beyond):
-            asked, end = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), last))
-            raise RefusedError(f"cycles = {asked} is outside the allowed range cycles <= {end}, {where}")
+            told = f"cycles <= {end[beyond][0]}, {where}"
+            raise RefusedError(f"cycles = {asked[beyond][0]} is outside the allowed range {told}")
 
-    def _rows(self) -> StageNumbers:
+    def _rows(self) -> Given:
         rows = []
-        for load, cycles, normal_force, friction in self.load.stages():
-            force = guarded(
-                "normal_force", self.contact.normal_force if normal_force is None else normal_force, POSITIVE
-            )
-            mu = guarded("friction", self.contact.friction if friction is None else friction, POSITIVE)
-            held = load.control(mu * force)
-            if load.holds_force and self.load.lasts:
+        for stage in self.load.stages():
+            force = self.contact.normal_force if stage.normal_force is None else stage.normal_force
+            mu = self.contact.friction if stage.friction is None else stage.friction
+            force, mu = guarded("normal_force", force, POSITIVE), guarded("friction", mu, POSITIVE)
+            held = stage.load.control(mu * force)
+            if stage.load.holds_force and self.load.lasts:
                 held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
-            rows.append((cycles, force, mu, *held))
-        return StageNumbers(
+            rows.append((stage.cycles, force, mu, *held))
+        return Given(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
         )
 
@@ -384,17 +354,6 @@ class MarchedRun(Run):
 
     def _solved(self, given: Any) -> TestHistory:
         return with_slopes(_histories)(effort_of(min(self.digits or 2, 2)), *given)
-
-    def _after(self, program: Callable[[Any, Array], Array], cycles: ArrayLike) -> Array:
-        found = super()._after(program, cycles)
-        self._check_last(cycles)
-        return found
-
-    def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
-        at = self._radii(r), self._cycles(cycles)
-        history = self._solution
-        self._check_last(cycles)
-        return _field(name, history, *at)
 
     def displacement_amplitude(self, cycles: ArrayLike) -> Array:
         """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
@@ -418,10 +377,10 @@ class MarchedRun(Run):
         return self._solution.cycles[..., -1] + 0.0 * self._solution.moments.rate[..., 0]
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return self._over("depth", r, cycles)
+        return _field("depth", self._solution, self._radii(r), self._cycles(cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return self._over("pressure", r, cycles)
+        return _field("pressure", self._solution, self._radii(r), self._cycles(cycles))
 
     @property
     def steady(self) -> Steady | None:

@@ -1,7 +1,7 @@
 """The worn ring of contacts without closed forms, in cells that `surfaces` computes."""
 
 import functools
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -9,12 +9,12 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POSITIVE, guarded, whole
+from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import each
+from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
@@ -22,10 +22,8 @@ from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.curves import moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, for_each
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
-
-DIGITS = 4  # correct digits at most: docs/explanation/numerics.md
 
 
 def widths(state: State) -> tuple[Array, Array]:
@@ -60,7 +58,7 @@ _Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the
 
 @program(static=2, level=1)
 def _rings_of_each(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
-    return for_each(functools.partial(numeric_rings_of, effort, resolution), states.shape, states)
+    return in_turn(functools.partial(numeric_rings_of, effort, resolution), states.shape, states)
 
 
 @program(static=2, level=1)
@@ -113,7 +111,7 @@ def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> 
     def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    places, pressures = for_each(of_run, states.shape, states, curves.swept, curves.edges, from_1)
+    places, pressures = in_turn(of_run, states.shape, states, curves.swept, curves.edges, from_1)
     return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
 
 
@@ -166,11 +164,7 @@ def _run_in_si(effort: Effort, runs: _Runs, contact: Any, force: Array, wear_coe
 class NumericRun(RingRun):
     """A run solved numerically, to 2 to 4 digits, by default 4."""
 
-    def __init__(self, *question: Any, **more: Any) -> None:
-        super().__init__(*question, **more)
-        if self.digits is not None:
-            told = " of wear over cycles of numeric contacts, whose narrow rings are not known to more"
-            whole("digits", self.digits, 1, DIGITS, told)
+    known: ClassVar = 4, " of wear over cycles of numeric contacts, whose narrow rings are not known to more"
 
     def _solved(self, given: Any) -> RunSolution:
         contact, load, wear_coefficient = given

@@ -1,8 +1,6 @@
 """A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
 
 import functools
-import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -11,6 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
+from plgwear_jax.steady.batch import in_turn
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.wear.curves import Curve, limited, moment_at
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights
@@ -154,26 +153,10 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
     )
 
 
-# --- of several rings -------------------------------------------------------------------------------------------------
-
-
-def for_each(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any) -> Any:
-    """The function's results for each contact: the first axes of all leaves have this shape."""
-    count = math.prod(shape)
-    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[len(shape) :]), trees)
-    if count == 1:
-        found = jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
-    elif jax.default_backend() != "cpu":
-        found = jax.vmap(function)(*flat)
-    else:  # one after the other, since a batch would take as many steps as its slowest element
-        found = jax.lax.map(lambda each: function(*each), flat)
-    return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
-
-
 @program(static=1, level=1)
 def curves_by_parts(resolution: MarchResolution, rings: RingCells, scales: Scales) -> RunCurves:
     """The runs of rings of any bodies: one program for all of them, since it depends on the cells alone."""
-    return for_each(functools.partial(curves_from, resolution), scales.unit.shape, rings, scales)
+    return in_turn(functools.partial(curves_from, resolution), scales.unit.shape, rings, scales)
 
 
 # --- at any time ------------------------------------------------------------------------------------------------------

@@ -42,9 +42,9 @@ _HUGE = 1e30  # far above the square of any right side
 _SIZES = 4  # number of matrix sizes that are compiled: the time to factor a matrix grows as the cube of its size
 
 
-def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float]) -> Array:
-    """Newton's change of (1/l; w) by the residuals; that of the pace 1/l is limited to refinements of the pace."""
-    pace, cells = found[0], step.gap.size
+def _newton(step: _Step, found: Array) -> Array:
+    """Newton's change of (1/l; w); that of the pace 1/l is limited to refinements of the pace."""
+    pace, cells, excess = found[0], step.gap.size, _excess(step, found)
     touches = np.arange(cells) < step.touching
     # Huge numbers on the diagonal keep all other cells unchanged.
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), _HUGE)
@@ -60,7 +60,7 @@ def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float
         half = factor[size:, :size]
         # The equation of the next cell determines the pace.
         left = of_next - half[2] @ half[:2].T
-        change = jnp.clip(-left[0] / left[1], bounds[0] * pace, bounds[1] * pace)
+        change = jnp.clip(-left[0] / left[1], -0.7 * pace, 2.0 * pace)
         moved = backward(factor[:size, :size], half[0] + change * half[1])
         return jnp.pad(jnp.append(change, -moved), (0, cells - size))
 
@@ -80,7 +80,7 @@ def _solved(step: _Step, start: Array) -> Array:
 
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         found, count, _ = state
-        change = _newton(step, found, _excess(step, found), (-0.7, 2.0))
+        change = _newton(step, found)
         # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow.
         # Decreases are limited too. Those of cells may go below 0, since towards the end the formula of second order
         # overshoots a little.

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import CYCLES, RADIUS, ArrayLike, guarded
+from plgwear_jax._core.domains import CYCLES, RADIUS, ArrayLike, guarded, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, read_with_slopes, traced
 from plgwear_jax.loads import Load
@@ -63,9 +63,11 @@ class Run(Solution, abc.ABC):
     numbers: ClassVar = ("contact", "load", "law")
 
     law: WearLaw
+    known: ClassVar[tuple[Any, ...]] = ()  # the most digits, and what is said of more
     amount: ClassVar[Callable[..., Array]]  # a program that reads one number of this name from the solution
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
+        digits = None if digits is None else whole("digits", digits, 1, *self.known)
         super().__init__(contact=contact, load=load, law=law, digits=digits)
 
     def _check(self, **given: Any) -> None:
