@@ -31,7 +31,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.solution import Solution
 
@@ -418,7 +418,7 @@ class Steady(Solution):
 
         if worn:
             self._check_worn()
-        return stresses_of(self, *self._places(x, z), worn)
+        return stresses_of(self, self._argument("x", x), self._argument("z", z), worn)
 
     def tension(self, x: ArrayLike, z: ArrayLike) -> Array:
         """Largest principal stress in Pa before any wear at x and z, see `stress`."""
@@ -454,8 +454,7 @@ class Steady(Solution):
         At an interface `least` is just below it and `most` just above, so that the depths of a layer are those of its
         stresses alone. Scalars, or one pair for each contact of a batch.
         """
-        self._check(least=least, most=most)
-        low, high = (guarded(name, z, ARGUMENTS[name]) for name, z in (("least", least), ("most", most)))
+        low, high = self._argument("least", least), self._argument("most", most)
         check("most - least", high - low, _THICKNESS)
         from plgwear_jax.steady.stressed import peak_stress_of
 
@@ -468,10 +467,6 @@ class Steady(Solution):
 
         return self._once(f"peak {name}", lambda: peak_stress_of(self, name))  # for its value and its place
 
-    def _places(self, x: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
-        self._check(x=x, z=z)
-        return guarded("x", x, ARGUMENTS["x"]), guarded("z", z, ARGUMENTS["z"])
-
     def _given(self) -> Any:
         """The numbers of the question, as arrays of one dtype."""
         return as_numbers((self.contact, self.load, self._solution))
@@ -479,11 +474,6 @@ class Steady(Solution):
     def _solved(self, given: Any) -> Self:
         """What programs of stresses take, of such numbers and by programs alone."""
         return self._unflatten(self.digits, given)
-
-    @property
-    def _known(self) -> Self:
-        """The same of the solution that is known."""
-        return self._solved(self._given())
 
     def _check_worn(self) -> None:
         """Refuse a contact that would have to pull."""
@@ -493,17 +483,15 @@ class Steady(Solution):
         """What the stresses follow from."""
         from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 
-        shape = jnp.shape(self._of_each_contact(self.amplitude))
-        k, phi, mean = (
-            jnp.broadcast_to(x, shape)[..., None] for x in (jnp.asarray(self._k), self.amplitude, self._mean_pressure)
-        )
+        contact = self.contact
+        given = contact.normal_force, contact.friction, poisson_ratio_of(contact.material)
+        given = self._k, self.amplitude, self._mean_pressure, self.contact_radius, *given
+        k, phi, mean, radius, force, friction, nu = jnp.broadcast_arrays(*map(jnp.asarray, given))
         stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
         inside = samples(self.digits, k.dtype, alone=True)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
-        unit = mean * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5 * jnp.exp((s - 0.5) * jnp.log(inside))
-        own, share = unit * (1.0 + s) / (0.5 + s) * inside, (1.0 - phi) / (stick * stick)
-        flat = phi / (stick * stick) * unit
-        nu = poisson_ratio_of(self.contact.material)
-        given = self.contact.normal_force, self.contact_radius, stick[..., 0], self.contact.friction, nu
-        force, radius, stick, friction, nu = (jnp.broadcast_to(jnp.asarray(x), shape) for x in given)
-        return Pressed(force, radius, stick, friction, own, share * own, flat, s[..., 0], nu, (k[..., 0],))
+        unit = mean * gamma(1.0 + s) / gamma(0.5 + s) * math.pi**-0.5
+        flat = unit[..., None] * jnp.exp((s - 0.5)[..., None] * jnp.log(inside))
+        own, area = ((1.0 + s) / (0.5 + s))[..., None] * inside * flat, stick * stick
+        stuck, flat = ((1.0 - phi) / area)[..., None] * own, (phi / area)[..., None] * flat
+        return Pressed(force, radius, stick, friction, own, stuck, flat, s, nu, (k,))

@@ -1,5 +1,6 @@
 """The radius of a contact without closed forms on a power law, and the stiffness for which it has a given one."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
@@ -9,23 +10,27 @@ from plgwear_jax._core.startup.programs import program
 from plgwear_jax.shapes.of_contact import outline_of
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import power_law
-from plgwear_jax.surfaces.effort import effort_of
+from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import punch_at, surplus
+
+
+def _surplus_at(contact: Any, effort: Effort, log_stiffness: Array) -> tuple[Array, Callable[[Array], Array]]:
+    """(An estimate of the radius in m, the surplus of the force at a log(c)), on a half-space of this stiffness."""
+    load, outline, indenter = jnp.asarray(contact.normal_force) * contact.radius, outline_of(contact), contact.indenter
+    plane_modulus = None if indenter is None else indenter.plane_modulus
+    compliance = power_law(jnp.asarray(contact.material.k), log_stiffness, plane_modulus, load, effort, outline)
+
+    def excess(log_c: Array) -> Array:
+        return surplus(punch_at(compliance, log_c, effort, outline), jnp.log(load))
+
+    return compliance.radius, excess
 
 
 @program()
 def contact_radius_of(contact: Any) -> Array:
     """The contact radius in m before any wear, to the digits that are the default; a smaller program than `steady`."""
-    effort, indenter = effort_of(None), contact.indenter
-    load, outline = jnp.asarray(contact.normal_force) * contact.radius, outline_of(contact)
-    k, log_stiffness = jnp.asarray(contact.material.k), contact.material.log_stiffness()
-    plane_modulus = None if indenter is None else indenter.plane_modulus
-    compliance = power_law(k, log_stiffness, plane_modulus, load, effort, outline)
-
-    def excess(log_c: Array) -> Array:
-        return surplus(punch_at(compliance, log_c, effort, outline), jnp.log(load))
-
-    return jnp.exp(root_of(excess, jnp.log(compliance.radius), 3.0))
+    radius, excess = _surplus_at(contact, effort_of(None), contact.material.log_stiffness())
+    return jnp.exp(root_of(excess, jnp.log(radius), 3.0))
 
 
 def log_stiffness_for(contact: Any, contact_radius: Array, digits: int | None = None) -> Array:
@@ -33,15 +38,7 @@ def log_stiffness_for(contact: Any, contact_radius: Array, digits: int | None = 
 
     It is not sought by way of E0 or z0: at k = 0 z0 is without effect.
     """
-    effort, indenter = effort_of(digits), contact.indenter
-    load = jnp.asarray(contact.normal_force) * contact.radius
-    plane_modulus = None if indenter is None else indenter.plane_modulus
-    k, log_a, outline = jnp.asarray(contact.material.k), jnp.log(contact_radius), outline_of(contact)
-
-    def excess(log_stiffness: Array) -> Array:
-        compliance = power_law(k, log_stiffness, plane_modulus, load, effort, outline)
-        return surplus(punch_at(compliance, log_a, effort, outline), jnp.log(load))
-
+    effort, k, log_a = effort_of(digits), jnp.asarray(contact.material.k), jnp.log(contact_radius)
     # Under a rigid indenter it would be this one.
-    alone = jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - (3.0 + k) * log_a
-    return root_of(excess, alone, 0.5)
+    alone = jnp.log(jnp.asarray(contact.normal_force) * contact.radius * (0.25 * (3.0 + k))) - (3.0 + k) * log_a
+    return root_of(lambda log_stiffness: _surplus_at(contact, effort, log_stiffness)[1](log_a), alone, 0.5)

@@ -12,9 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
+from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import program, traced
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
@@ -320,9 +319,8 @@ def _field(name: str, worn: bool = False) -> Any:
     """A method that is the function of this name of each state and of radii in m."""
 
     def at(self: "NumericSteady", r: ArrayLike) -> Array:
-        self._check(r=r)
-        states = self._worn if worn else self._solution
-        return over_radii_of((name, self._effort), states, guarded("r", r, RADIUS))
+        r = self._argument("r", r)
+        return over_radii_of((name, self._effort), self._worn if worn else self._solution, r)
 
     return at
 
@@ -416,7 +414,7 @@ class NumericSteady(Steady):
         return _each_state(("share_of", self._effort), self._solution, self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
-        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        moved = self._argument("displacement_amplitude", displacement_amplitude)
         return _each_state(("_force", self._effort), self._solution, moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
@@ -427,14 +425,7 @@ class NumericSteady(Steady):
 
     def _solved(self, given: Any) -> Self:
         contact, force = given
-        return self._of(contact, solved_states(self._effort, contact, force))
-
-    def _of(self, contact: Any, solution: State) -> Self:
-        return self._unflatten(self.digits, (contact, None, solution))
-
-    @property
-    def _known(self) -> Self:
-        return self._of(as_numbers(self.contact), self._solution)
+        return self._unflatten(self.digits, (contact, None, solved_states(self._effort, contact, force)))
 
     @property
     def _pressed(self) -> Pressed:
@@ -451,8 +442,7 @@ class NumericSteady(Steady):
     # --- functions of the radius ------------------------------------------------------------------------------------
 
     def edge_pressure(self, distance: ArrayLike) -> Array:
-        self._check(distance=distance)
-        distance = guarded("distance", distance, DISTANCE)
+        distance = self._argument("distance", distance)
         return over_radii_of(("edge_pressure_of", self._effort), self._worn, distance)
 
     initial_displacement = _field("_unworn_displacement")

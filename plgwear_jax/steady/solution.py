@@ -6,10 +6,10 @@ from typing import Any, ClassVar, Self
 import jax
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, guarded, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax.loads import PARTIAL_SLIP, Load
-from plgwear_jax.steady.arguments import check_arguments
+from plgwear_jax.steady.arguments import ARGUMENTS, check_arguments
 
 
 class Solution:
@@ -80,6 +80,11 @@ class Solution:
         check_arguments(self.contact, **given)
         if "load" in self.numbers:
             self.load.check(self.contact.friction, self.contact.normal_force, self.shares)
+
+    def _argument(self, name: str, value: ArrayLike) -> Any:
+        """An argument of a method, checked where it is concrete; NaN where it is traced and outside its range."""
+        self._check(**{name: value})
+        return guarded(name, value, ARGUMENTS[name])
 
 
 def _traces(tree: Any) -> set[int]:

@@ -20,16 +20,13 @@ from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
     read = functools.partial(_stress_program, (_given_of(steady), worn))
-    more = jnp.asarray(x), jnp.asarray(z)
-    return _with_slopes(read, steady, more) if _follows(steady, more) else read(_pressed_of(steady), more)
+    return _read(read, steady, (jnp.asarray(x), jnp.asarray(z)))
 
 
-def _follows(steady: Any, more: Any) -> bool:
-    return follows((steady.contact, steady.load, more))
-
-
-def _with_slopes(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
+def _read(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
     """What a program reads of a pressed contact, with its derivatives at known numbers as a program of its own."""
+    if not follows((steady.contact, steady.load, more)):
+        return read(_pressed_of(steady), more)
 
     def solve(given: Any) -> Pressed:
         return _pressed_program(steady._solved(given))
@@ -43,7 +40,7 @@ def _pressed_program(steady: Any) -> Pressed:
 
 
 def _pressed_of(steady: Any) -> Pressed:
-    return steady._once("pressed", lambda: _pressed_program(steady._known))
+    return steady._once("pressed", lambda: _pressed_program(as_numbers(steady)))
 
 
 def _given_of(steady: Any) -> Given:
@@ -91,8 +88,7 @@ def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLi
     given, wanted = _given_of(steady), Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(given, _pressed_of(steady), wanted)[0]
-    still, few = jax.lax.stop_gradient, _follows(steady, wanted)
+    still, few = jax.lax.stop_gradient, follows((steady.contact, steady.load, wanted))
     pressed = _pressed_program(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
     _, place = _searched(given, still(pressed), still(wanted))
-    read, more = functools.partial(_at_known_place, given), (wanted, place.x, place.z)
-    return _with_slopes(read, steady, more) if few else read(pressed, more)
+    return _read(functools.partial(_at_known_place, given), steady, (wanted, place.x, place.z))

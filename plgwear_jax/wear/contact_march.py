@@ -155,8 +155,6 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
     """
     size = jnp.diff(disc.edges)
     factor = cholesky(jax.lax.stop_gradient(disc.compliance))
-    nothing = jnp.zeros_like(size)
-    first = _Pressed(nothing[0], nothing, nothing, nothing[0])
     middle = jnp.append(0.5 * (disc.radii[1:] + disc.radii[:-1]), disc.radii[-1])
 
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
@@ -175,21 +173,20 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
         ahead = jnp.where(sticks, ratio, 0.0)
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
         force = Control(0.0, 1.0, mean)
-        guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
-        now, contact = known, first
+        found = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)  # a first guess
+        now = depth = radius = known
         # Newton's method, for a depth that is proportional to the pressure at once. A tangent at a small pressure gives
         # a cell that begins to touch far too much pressure, by p^m with m > 1, or none, with m < 1: the least pressure
         # falls from round to round. A tangent holds to first order wherever it is taken.
         some = mean
         for _ in range(1 if linear else _ROUNDS):
-            some = jax.lax.stop_gradient(jnp.maximum(guess, _FALL * some))
+            some = jax.lax.stop_gradient(jnp.maximum(found, _FALL * some))
             worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
             matrix = disc.compliance + jnp.diag(slope)
             contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, middle, force)
-            guess = contact.pressure
-            now = jnp.where(guess > 0.0, jnp.maximum(bare + slope * guess, known), known)
-        found, depth = guess, contact.depth
+            depth, found, radius = contact.depth, contact.pressure, contact.radius
+            now = jnp.where(found > 0.0, jnp.maximum(bare + slope * found, known), known)
 
         # What is kept constant, in the depth and the load of the second contact.
         tangential = given.friction * theta
@@ -198,7 +195,6 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
         second = _pressed(disc.compliance, factor, disc.unworn + now, size, middle, control)
         sliding = tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)
-        radius, stick = contact.radius, second.radius
         area = size[:_WITHIN].reshape(-1, _BESIDE)
         loads = jnp.stack([found, second.pressure])[:, :_WITHIN].reshape(2, *area.shape) * area
         pressures = jnp.min(jnp.sum(loads, -1) / jnp.sum(area, -1), 0)
@@ -211,7 +207,7 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
             rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
             energy_per_cycle=disc.area * given.friction * (size @ (found * 4.0 * sliding)),
             contact_radius=radius,
-            stick_radius=stick,
+            stick_radius=second.radius,
             force_amplitude=given.friction * (given.normal_force - load),
             displacement_amplitude=tangential * (depth - second.depth),
             least=pressures[lowest] * jnp.pi * radius**2 / given.normal_force,

@@ -364,11 +364,11 @@ class MarchedRun(Run):
 
     def _doubt(self) -> str | None:
         history = self._solution
-        last = np.asarray(history.cycles[..., -1])
-        if not self.load.lasts or not last.size or not np.nanmin(last) < _LONG * SOON:
+        last = np.fmin.reduce(history.cycles[..., -1], axis=None, initial=np.inf)
+        if not (self.load.lasts and last < _LONG * SOON):
             return None
-        if np.any(np.asarray(history.goes_on) > 0.0):
-            return of_wear(float(np.nanmin(last)), grows=True)
+        if np.any(history.goes_on > 0.0):
+            return of_wear(float(last), grows=True)
         return self._doubt_of_soon()
 
     @property
@@ -377,10 +377,10 @@ class MarchedRun(Run):
         return self._solution.cycles[..., -1] + 0.0 * self._solution.moments.rate[..., 0]
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _field("depth", self._solution, self._radii(r), self._cycles(cycles))
+        return _field("depth", self._solution, self._argument("r", r), self._argument("cycles", cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _field("pressure", self._solution, self._radii(r), self._cycles(cycles))
+        return _field("pressure", self._solution, self._argument("r", r), self._argument("cycles", cycles))
 
     @property
     def steady(self) -> Steady | None:

@@ -54,7 +54,6 @@ def _volume(run: RunSolution, cycles: Array) -> Array:
 
 
 def _volume_rate(run: RunSolution, cycles: Array) -> Array:
-    cycles = jnp.broadcast_to(cycles, jnp.broadcast_shapes(run.phi.shape, run.per_cycle.shape, cycles.shape))
     return clamp_keep_slope(0.0, jax.jvp(lambda cycles: _volume(run, cycles), (cycles,), (jnp.ones_like(cycles),))[1])
 
 
@@ -237,7 +236,7 @@ class RingRun(Run):
 
     def force_amplitude(self, cycles: ArrayLike) -> Array:
         limit = jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
-        return self.load.control(limit).value + 0.0 * self._cycles(cycles)
+        return self.load.control(limit).value + 0.0 * self._argument("cycles", cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         # By Archard's law mu/K times the volume that the cycle wears.
@@ -251,9 +250,9 @@ class RingRun(Run):
         return _lasting(self._solution)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _depth_of_run(self._solution, self._radii(r), self._cycles(cycles))
+        return _depth_of_run(self._solution, self._argument("r", r), self._argument("cycles", cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run = self._solution
         read = _pressure if run.phi.size else _depth_of_run  # as empty
-        return read(run, self._radii(r), self._cycles(cycles))
+        return read(run, self._argument("r", r), self._argument("cycles", cycles))

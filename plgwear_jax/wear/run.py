@@ -9,12 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import CYCLES, RADIUS, ArrayLike, guarded, whole
+from plgwear_jax._core.domains import RADIUS, ArrayLike, guarded, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, read_with_slopes, traced
 from plgwear_jax.loads import Load
 from plgwear_jax.shapes.of_contact import unworn_of
-from plgwear_jax.steady.arguments import ARGUMENTS
 from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.solution import Solution
@@ -91,10 +90,6 @@ class Run(Solution, abc.ABC):
         last = self.lasting_cycles
         return Final(self.volume(last), self.deepest_wear(last), self.stick_radius(last), self.contact_radius(last))
 
-    @property
-    def _dtype(self) -> Any:
-        return dtype_of([getattr(self, name) for name in self.numbers])
-
     @abc.abstractmethod
     def _given(self) -> Any:
         """The numbers of the question, as arrays of one dtype."""
@@ -107,7 +102,7 @@ class Run(Solution, abc.ABC):
         return self._solved(self._given())
 
     def _after(self, program: Callable[[Any, Array], Array], cycles: ArrayLike) -> Array:
-        return self._read(program, self._cycles(cycles))
+        return self._read(program, self._argument("cycles", cycles))
 
     def _read(self, program: Callable[[Any, Array], Array], at: Array) -> Array:
         """What a program reads from the solution at the numbers `at`."""
@@ -127,13 +122,8 @@ class Run(Solution, abc.ABC):
     def _doubt_of_soon(self) -> str | None:
         return of_wear(np.fmin.reduce(self.cycles_to(NEARLY), axis=None, initial=np.inf))
 
-    def _cycles(self, cycles: ArrayLike) -> Array:
-        self._check(cycles=cycles)
-        return jnp.asarray(guarded("cycles", cycles, CYCLES), self._dtype)
-
-    def _radii(self, r: ArrayLike) -> Array:
-        self._check(r=r)
-        return jnp.asarray(guarded("r", r, RADIUS), self._dtype)
+    def _argument(self, name: str, value: ArrayLike) -> Array:
+        return jnp.asarray(super()._argument(name, value), dtype_of([getattr(self, one) for one in self.numbers]))
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
         return self._after(functools.partial(self.amount, name), cycles)
@@ -186,9 +176,8 @@ class Run(Solution, abc.ABC):
         if len(goals) != 1:
             told = " and ".join(goals) or "none of them"
             raise ValueError(f"cycles_to takes one of share, depth in m and volume in m^3, not {told}")
-        self._check(**goals)
         ((name, goal),) = goals.items()
-        return self._cycles_to(name, jnp.asarray(guarded(name, goal, ARGUMENTS[name]), self._dtype))
+        return self._cycles_to(name, self._argument(name, goal))
 
     @abc.abstractmethod
     def _cycles_to(self, name: str, goal: Array) -> Array: ...
