@@ -111,8 +111,8 @@ class Load:
         """The load with a changed amplitude."""
         return dataclasses.replace(self, **{self._varied: change(self.amplitude)})  # pyright: ignore[reportArgumentType]
 
-    def stages(self) -> "tuple[Stage | Block, ...]":
-        """The load as cycles under one load after the other."""
+    def stages(self) -> tuple[Any, ...]:
+        """The load as cycles under one load after the other: one `Stage` or several `Block`."""
         return (Stage(self),)
 
     @property
@@ -304,7 +304,7 @@ class Blocks(Load):
     def amplitude(self) -> None:
         """Each block has its own."""
 
-    def stages(self) -> "tuple[Block, ...]":
+    def stages(self) -> tuple[Any, ...]:
         """The blocks."""
         return self.of
 

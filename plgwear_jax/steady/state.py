@@ -9,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import RefusedError, one_or_nan
+from plgwear_jax._core.domains import ArrayLike, RefusedError, one_or_nan
 from plgwear_jax._core.record import guarded_field
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import Program, program, traced, value_of, with_slopes
