@@ -27,6 +27,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
+from plgwear_jax._core.startup.programs import program, with_slopes
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
@@ -40,6 +41,17 @@ if TYPE_CHECKING:
     from plgwear_jax.stresses.peaks import Peak
 
 _THICKNESS = Domain("> 0", lambda h: h > 0.0)
+
+
+@program(static=1)
+def _contact_radius(digits: int | None, contact: Any) -> Array:
+    material = Steady._unflatten(digits, (contact, None, None))._material
+    log_stiffness = material.log_stiffness(digits=digits)
+    k = jnp.asarray(material.k, log_stiffness.dtype)
+    load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
+    log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
+    # Materialised, or XLA would compute it again for every result that it scales.
+    return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)))
 
 
 class Steady(Solution):
@@ -94,7 +106,7 @@ class Steady(Solution):
 
     def _solve(self) -> tuple[Array, ArrayLike | None]:
         """The contact radius and the force that a displacement needs, once for all results."""
-        radius = self._unflatten(self.digits, (self.contact, self.load, None))._contact_radius
+        radius = with_slopes(_contact_radius)(self.digits, self.contact)
         if self.load.holds_force:
             return radius, None
         return radius, self.load.force_before_wear(self._at_rest._with_contact_radius(radius))
@@ -168,17 +180,6 @@ class Steady(Solution):
     def contact_radius(self) -> Array:
         """Contact radius a_0 before any wear in m, Eq. (12)."""
         return self._solution[0]
-
-    @property
-    @compiled
-    def _contact_radius(self) -> Array:
-        contact, material = self.contact, self._material
-        log_stiffness = material.log_stiffness(digits=self.digits)
-        k = jnp.asarray(material.k, log_stiffness.dtype)
-        load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
-        log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
-        # Materialised, or XLA would compute it again for every result that it scales.
-        return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)))
 
     @property
     @compiled

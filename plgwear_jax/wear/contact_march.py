@@ -35,7 +35,7 @@ class Disc(NamedTuple):
         return jnp.append(0.0, jnp.sqrt(self.area / jnp.pi * self.edges[1:]))  # the root of 0 has no derivative
 
 
-class Given(NamedTuple):
+class StageNumbers(NamedTuple):
     """What is given in each block of cycles, or in each step, each field of shape (blocks,) or (steps,)."""
 
     cycles: Array  # of a block; NaN for a test without an end
@@ -51,7 +51,7 @@ class Steps(NamedTuple):
 
     length: Array  # in cycles
     ratio: Array  # of its length to that of the step before; 0 for a first step
-    given: Given
+    given: StageNumbers
 
 
 class Moments(NamedTuple):

@@ -29,7 +29,7 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
-from plgwear_jax.wear.contact_march import Disc, Given, Moments, Steps, march, until
+from plgwear_jax.wear.contact_march import Disc, Moments, StageNumbers, Steps, march, until
 from plgwear_jax.wear.curves import ROUNDINGS, Curve, Moment, cells_around, limited, moment_at
 from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
@@ -110,7 +110,7 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid,
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _in_steps(blocks: Given, grid: _Grid, count: int) -> tuple[Steps, Array]:
+def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Array]:
     """(The steps, the cycles since the beginning at the end of each)."""
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
@@ -137,7 +137,7 @@ def _flat(outline: Outline, radius: Array) -> Array:
     return jnp.pi * radius**2 * (outline.height(radius[None]) - inside)[0]
 
 
-def history_of(effort: Effort, bodies: Bodies, blocks: Given, law: WearLaw) -> TestHistory:
+def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLaw) -> TestHistory:
     """The history of a test."""
     compliance, outline = bodies.compliance, bodies.outline
     number = blocks.cycles.size
@@ -224,7 +224,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 
 
 @program(static=1, level=1, slopes=1)
-def _histories(effort: Effort, contact: Any, blocks: Given, law: Any) -> TestHistory:
+def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
     leaves, tree = jax.tree.flatten(law)
@@ -232,7 +232,7 @@ def _histories(effort: Effort, contact: Any, blocks: Given, law: Any) -> TestHis
     count, coefficients = len(blocks), len(leaves)
 
     def one(*given: Array) -> TestHistory:
-        its_blocks, given = Given(*given[:count]), given[count:]
+        its_blocks, given = StageNumbers(*given[:count]), given[count:]
         its_law = jax.tree.unflatten(tree, given[:coefficients])
         return history_of(effort, bodies(*given[coefficients:]), its_blocks, its_law)
 
@@ -322,7 +322,7 @@ class MarchedRun(Run):
             told = f"cycles <= {end[beyond][0]}, {where}"
             raise RefusedError(f"cycles = {asked[beyond][0]} is outside the allowed range {told}")
 
-    def _rows(self) -> Given:
+    def _rows(self) -> StageNumbers:
         rows = []
         for stage in self.load.stages():
             force = self.contact.normal_force if stage.normal_force is None else stage.normal_force
@@ -332,7 +332,7 @@ class MarchedRun(Run):
             if stage.load.holds_force and self.load.lasts:
                 held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
             rows.append((stage.cycles, force, mu, *held))
-        return Given(
+        return StageNumbers(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
         )
 
