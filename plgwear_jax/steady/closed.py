@@ -27,7 +27,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
-from plgwear_jax._core.startup.programs import program, with_slopes
+from plgwear_jax._core.startup.programs import follows, program, with_slopes
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
@@ -106,7 +106,8 @@ class Steady(Solution):
 
     def _solve(self) -> tuple[Array, ArrayLike | None]:
         """The contact radius and the force that a displacement needs, once for all results."""
-        radius = with_slopes(_contact_radius)(self.digits, self.contact)
+        find = with_slopes(_contact_radius) if follows(self.contact) else _contact_radius
+        radius = find(self.digits, self.contact)
         if self.load.holds_force:
             return radius, None
         return radius, self.load.force_before_wear(self._at_rest._with_contact_radius(radius))

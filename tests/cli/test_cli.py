@@ -27,6 +27,7 @@ from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, 
 from plgwear_jax._core.catalogue import read
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax.cli.report import measures
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import question_of
 
 DESIGNS = Path(__file__).parents[2] / "design"
@@ -80,7 +81,10 @@ class Search:
     def __call__(self, contact, load, vary, **asked):
         self.takes.bind(contact, load, vary, **asked)
         self.asked.append((load, vary, asked))
-        material, forces = dataclasses.replace(contact.material, k=-0.816, E0=31.5e9), np.atleast_1d(load)
+        material, forces = (
+            dataclasses.replace(contact.material, k=-0.816, E0=31.5e9),
+            np.atleast_1d(load.tangential_force),
+        )
         best = dataclasses.replace(contact, material=material)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
@@ -175,7 +179,7 @@ def test_digits_are_handed_on(folder, monkeypatch):
 def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folder, search):
     found = printed("design contact.toml")
     asked = {"weight": None, "level": 0.0, "hold": "contact_radius", "minimise": "wear_volume", "limits": {}}
-    assert search.asked == [(0.32, {"k": (-0.9, 0.9)}, asked)]
+    assert search.asked == [(Force(0.32), {"k": (-0.9, 0.9)}, asked)]
     table = cells(found)
     assert table["exponent k"] == ["-0.816", "0"]
     assert table["modulus E0 at the depth z0"] == ["31.5 GPa", "110 GPa"]

@@ -11,6 +11,7 @@ from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import Elastic, FrettingContact, Layered, optimise, scene
+from plgwear_jax.loads import Force
 
 ROOT = Path(__file__).parents[2]
 LAYERS = ROOT / "design" / "coatings" / "layers.toml"
@@ -22,7 +23,7 @@ LIMITS = {"contact_radius": {"above": 7.334e-5}}
 
 def test_an_input_file_asks_what_python_asks():
     given = scene.load(LAYERS).arguments()
-    assert given["vary"] == VARY and given["load"] == FORCE and given["hold"] is None
+    assert given["vary"] == VARY and given["load"] == Force(FORCE) and given["hold"] is None
     assert given["limits"] == LIMITS
     material = given["contact"].material
     assert isinstance(material, Layered) and given["contact"].indenter == TUNGSTEN
