@@ -88,7 +88,7 @@ class Search:
         best = dataclasses.replace(contact, material=material)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
-        values = (jnp.mean(one.steady(forces).wear_volume) for one in (best, contact))
+        values = (jnp.mean(one.steady(load).wear_volume) for one in (best, contact))
         question = question_of(contact, load, vary, **asked)
         return optimise.Design(best, *values, self.limits, dataclasses.replace(slipping().minimum, **minimum), question)
 
