@@ -81,10 +81,7 @@ class Search:
     def __call__(self, contact, load, vary, **asked):
         self.takes.bind(contact, load, vary, **asked)
         self.asked.append((load, vary, asked))
-        material, forces = (
-            dataclasses.replace(contact.material, k=-0.816, E0=31.5e9),
-            np.atleast_1d(load.tangential_force),
-        )
+        material = dataclasses.replace(contact.material, k=-0.816, E0=31.5e9)
         best = dataclasses.replace(contact, material=material)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
