@@ -30,14 +30,15 @@ RANGE = {
     "compliance": "compliance >= 0 and finite",
     "displacement": "0 <= displacement < 1, beyond which the slip is gross",
 }
+NEGATIVE = [-1e-300, -0.5, -math.inf, math.nan]
 BAD = {
-    "r": [-1e-300, -0.5, -math.inf, math.nan],
-    "distance": [-1e-300, -0.5, -math.inf, math.nan],
+    "r": NEGATIVE,
+    "distance": NEGATIVE,
     "k": [-1.0, 1.0, -2.0, 1.5, 3.0, math.inf, -math.inf, math.nan],
-    "phi": [1.0, 1.5, -1e-300, -0.5, math.inf, -math.inf, math.nan],
+    "phi": [1.0, 1.5, math.inf, *NEGATIVE],
     "nu": [-1.0, -2.0, math.nextafter(0.5, 1.0), 1.0, math.inf, math.nan],
-    "compliance": [-1e-300, -0.5, math.inf, -math.inf, math.nan],
-    "displacement": [1.0, 1.5, -1e-300, -0.5, math.inf, -math.inf, math.nan],
+    "compliance": [*NEGATIVE, math.inf],
+    "displacement": [1.0, 1.5, math.inf, *NEGATIVE],
 }
 NO_NUMBERS = [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j]), object]
 

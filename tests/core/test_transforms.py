@@ -250,19 +250,23 @@ def test_values_at_the_edges_are_numbers(name):
         assert not np.any(np.isnan(found)), told(at, np.isnan(found))
 
 
+def are_finite(at, value, slopes):
+    """Wherever the value is."""
+    bad = np.isfinite(value) & ~np.isfinite(slopes).reshape(*value.shape, -1).all(-1)
+    assert not np.any(bad), told(at, bad)
+
+
 @each_function
 def test_gradients_are_finite_wherever_the_value_is(name):
     at, value, _, reverse, forward = evaluated(name)
     for gradient in (reverse, forward):
-        bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
-        assert not np.any(bad), told(at, bad)
+        are_finite(at, value, gradient)
 
 
 @slow_twice
 def test_second_derivatives_are_finite_wherever_the_value_is(name):
     at, value, *_ = evaluated(name)
-    bad = np.isfinite(value) & ~np.all(np.isfinite(hessians(name)), axis=(-1, -2))
-    assert not np.any(bad), told(at, bad)
+    are_finite(at, value, hessians(name))
 
 
 @each_function
@@ -350,8 +354,7 @@ def test_gradients_are_finite_in_single_precision(name):
     value, beside_gradient, reverse, forward = functions.derivatives(name, *at)
     assert value.dtype == beside_gradient.dtype == reverse.dtype == forward.dtype == np.float32
     for gradient in (reverse, forward):
-        bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
-        assert not np.any(bad), told(at, bad)
+        are_finite(at, value, gradient)
 
 
 @long_but_for(CHEAP_IN_SINGLE)
@@ -359,8 +362,7 @@ def test_second_derivatives_are_finite_in_single_precision(name):
     at = single_points(name)
     value, hessian = functions.values(name, *at), functions.hessians(name, *at)
     assert value.dtype == hessian.dtype == np.float32
-    bad = np.isfinite(value) & ~np.all(np.isfinite(hessian), axis=(-1, -2))
-    assert not np.any(bad), told(at, bad)
+    are_finite(at, value, hessian)
 
 
 # --- digits ---------------------------------------------------------------------------------------------------------

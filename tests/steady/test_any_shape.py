@@ -260,7 +260,7 @@ def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
 
 
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
-    contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
+    contact = contact_of(LAYERS)
     amplitudes = np.array([1e-9, 1e-12, 1e-20, 0.0])  # the last ones are below the roundings of 1
     state = contact.steady(amplitudes * FRICTION * FORCE)
     wide, narrow, *none = np.asarray(state.wear_volume)
@@ -270,7 +270,7 @@ def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
 
 @compiled
 def test_narrow_rings_of_layers_have_slopes_that_go_on_to_no_amplitude():
-    contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), R, FORCE, FRICTION)
+    contact = contact_of(LAYERS)
     slope = jax.grad(lambda contact: jnp.log(contact.steady(1e-9 * FRICTION * FORCE).wear_volume))(contact)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slope))
     at_rest, wide = (jax.grad(lambda force: contact.steady(force).worn_radius)(force) for force in (0.0, 1e-9))
