@@ -16,7 +16,7 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import BY_THEN, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states, stem_and_side
+from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
 from plgwear_jax.optimise.conditions import conditions, inclination, solved_by_elimination
 from plgwear_jax.optimise.evaluation import Known, evaluate
 from plgwear_jax.optimise.question import Question, keeps, moved
@@ -322,9 +322,8 @@ def _name(path: str, question: Question) -> str:
     room, key, last = parts[0], parts[1], parts[-1]
     if room == "limits":
         name = question.limits[int(key)].name
-        stem, end = stem_and_side(name)
         if last == "value":
-            return f"limit: {end} {stem}" if end else f"limit: {stem}"
+            return "limit: " + re.sub("(.*)_(lowest|highest)", r"\2 \1", name)
         return f"limit: {last}" if name == "edge_pressure" else f"limit: {last} of {name}"
     if room == "places":
         return f"{last} of {question.objective}"

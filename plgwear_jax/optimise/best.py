@@ -79,12 +79,6 @@ class LimitState:
         return bool(keeps(-excess if self.lowest else excess))
 
 
-def stem_and_side(name: str) -> tuple[str, str]:
-    """The stem of the name of a limit, and its side, "lowest" or "highest"; empty if the name has none."""
-    stem, _, end = name.rpartition("_")
-    return (stem, end) if end in ("lowest", "highest") else (name, "")
-
-
 @record
 class Design:
     """The best gradient for a contact and its load. A pytree, as all that belongs to it.

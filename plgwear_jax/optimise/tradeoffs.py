@@ -7,17 +7,18 @@ import jax
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.catalogue import entry, placed
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import LARGER
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.best import ACTIVE, Design, stem_and_side
+from plgwear_jax.optimise.best import ACTIVE, Design
 from plgwear_jax.optimise.evaluation import Known, evaluate, reference_variables, search
 from plgwear_jax.optimise.question import (
     Bounds,
     Keywords,
+    Limit,
     LoadGiven,
     Objective,
     Question,
@@ -54,6 +55,7 @@ class Front:
         x_name: x in the catalogue.
         y_name: y in the catalogue.
         larger: Which of both is the better the larger it is: "", "x", "y" or "xy".
+        limits: Those that `active` names.
     """
 
     x: Array
@@ -70,6 +72,7 @@ class Front:
     x_name: str = static()
     y_name: str = static()
     larger: str = static(default="")
+    limits: tuple[Limit, ...] = ()
 
     @property
     def best(self) -> tuple[str, str]:
@@ -91,10 +94,11 @@ class Front:
             for name, side in self.at_bound.items()
             if side[end]
         ]
-        for name, active in self.active.items():
-            if active[end]:
-                stem, side = stem_and_side(name.removeprefix("transient."))
-                said.append(f"{side or 'highest'} {stem.replace('_', ' ')} allowed")
+        said += [
+            f"{'lowest' if limit.lowest else 'highest'} {placed(limit.quantity, limit.places)} allowed"
+            for limit in self.limits
+            if self.active[limit.name][end]
+        ]
         return ", ".join(said)
 
 
@@ -197,6 +201,7 @@ def front(
         x_name=name,
         y_name=question.objective,
         larger=larger,
+        limits=tuple(question.limits[i - 1] for i in others),
     )
 
 

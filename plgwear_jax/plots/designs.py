@@ -238,7 +238,7 @@ def front_picture(front: Front) -> Figure:
             color="0.3",
         )
     axes.set_ylim(0.0, 1.4 * axes.dataLim.y1)
-    axes.legend()
+    legend_above(figure, axes, 2)
     for side, name, places in ((axes.yaxis, front.y_name, front.y_places), (axes.xaxis, front.x_name, front.x_places)):
         show_units(side, name, placed(name, places) if places else None)
     figure.supxlabel(axes.get_xlabel(), fontsize="medium")

@@ -36,7 +36,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     limits = {"penetration": {"below": 8.5e-7}}  # which is reached where the wear is least
     asked = {"hold": HOLD, "weight": weight, "distance": 1e-6, "limits": limits}
     curve = optimise.front(RIGID, force, {"k": (-0.9, 0.9)}, points=9, **asked)
-    assert curve.ends == ("k at its upper bound", "highest penetration allowed")
+    assert curve.ends == ("k at its upper bound", "highest indentation depth allowed")
 
     def both(contacts):
         wear = weight @ np.stack([contacts.steady(one).wear_volume for one in force])
