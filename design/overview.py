@@ -115,8 +115,10 @@ def draw_wear(axes: Axes, points: int) -> None:
     assert isinstance(contact, FrettingContact)
     most = float(np.asarray(contact.friction * contact.normal_force))
     best = optimise.design(**asked)
-    # Under a small amplitude the stiffest surface that the limits allow is the best one.
+    # Under a small amplitude the stiffest surface that the limits allow is the best one. Where E(0) is infinite, so is the
+    # tension there.
     asked["load"] = 0.05 * most
+    asked["limits"] = {name: limit for name, limit in asked["limits"].items() if name != "peak_tension"}
     stiff = optimise.design(**asked)
     phi = np.concatenate([np.geomspace(0.005, 0.1, points // 4, endpoint=False), np.linspace(0.1, 0.97, points)])
     reference = _volumes(contact, phi * most)
