@@ -115,7 +115,7 @@ def draw_wear(axes: Axes, points: int) -> None:
     assert isinstance(contact, FrettingContact)
     most = float(np.asarray(contact.friction * contact.normal_force))
     best = optimise.design(**asked)
-    # Under a small amplitude the stiffest surface that the limits allow is the best one; with E(0) its tension is infinite.
+    # Under a small amplitude the stiffest surface allowed is the best one; with E(0) the tension there is infinite.
     asked["load"] = 0.05 * most
     asked["limits"] = {name: limit for name, limit in asked["limits"].items() if name != "peak_tension"}
     stiff = optimise.design(**asked)
