@@ -474,4 +474,5 @@ def test_single_precision_keeps_two_digits(load):
     volume = one.volume(np.float32(cycles))
     assert volume.dtype == np.float32
     assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
-    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=2e-3)
+    # Which cell touches last is decided by roundings.
+    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=1e-2)
