@@ -5,12 +5,15 @@ import pickle
 import jax
 import jax.numpy as jnp
 import numpy as np
+from kinds import KINDS
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax._core.startup import programs
 from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
 from plgwear_jax.special import cholesky
+from plgwear_jax.steady.state import solved_states
+from plgwear_jax.surfaces.effort import effort_of
 
 ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])
 PLAIN = np.linspace(0.1, 0.9, 7)
@@ -66,6 +69,7 @@ def indexed(x, y):
     return (
         (x[at], table[at], table[:, moved], table[moved, moved], x.at[moved].get(mode="fill")),
         (x.at[:2].set(y[:2]), table.at[1].set(y), table.at[2, -1].set(0.0), x.at[moved].set(y[:3], mode="clip")),
+        (x.at[0].add(y[1]), table.at[:, 1].add(y), x.at[jnp.array([1, 1])].add(y[:2])),
         jax.vmap(lambda row: (row[moved], jax.lax.dynamic_slice(row, (moved[0],), (2,))))(table),
         jax.lax.dynamic_slice(table, (moved[0], moved[1]), (2, 6)),
         jax.lax.pad(table, 0.5, ((1, 3, 2), (0, 1, 0))),
@@ -75,7 +79,9 @@ def indexed(x, y):
 def accumulated(x, y):
     """Sums up to each number, and what is in order."""
     sums = jnp.cumsum(jnp.outer(x, y), 0), jnp.cumprod(y), jax.lax.cumsum(x, reverse=True), jax.lax.cummax(y)
-    return sums, jnp.argmax(jnp.outer(x, y), 1), jnp.any(x > 0.4), jnp.all(x > 0.4), jnp.clip(x, 0.2, 0.6)
+    found = [function(jnp.outer(x, y), 1) for function in (jnp.argmax, jnp.argmin, jnp.sort)]
+    places = jnp.searchsorted(jnp.sort(x), y, side="right", method="compare_all"), jnp.tile(x, 2)
+    return sums, found, places, jnp.any(x > 0.4), jnp.all(x > 0.4), jnp.clip(x, 0.2, 0.6)
 
 
 def special(x, y):
@@ -125,6 +131,11 @@ def test_every_operation_is_that_of_xla(function, at, relative, absolute):
         assert_allclose(one, other, rtol=error, atol=absolute * floats)
 
 
+@parametrize("kind", [kind for kind in KINDS if kind != "closed forms"])
+def test_states_are_solved_in_steps(kind):
+    assert stepwise(solved_states.jitted.trace(effort_of(None), KINDS[kind], 1.0)) is not None
+
+
 def test_what_nobody_needs_is_no_step_and_arguments_take_the_dtype_of_the_program():
     def function(x):
         jnp.exp(x)
@@ -153,7 +164,6 @@ def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, mo
 
 REST = {
     "quotient of integers": lambda x: x.astype(int) // 3,
-    "sum at places": lambda x: x.at[:1].add(x[:1]),
     "large": lambda x: jnp.outer(jnp.ones(3_000_000), x).sum(1)[:2],
     "long": lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=10_000)[0],
     "a loop that does not end soon": lambda x: jax.lax.while_loop(lambda n: n < 1000.0, lambda n: n + 1.0, 0.0 * x[0]),

@@ -255,7 +255,7 @@ def test_narrow_rings_beside_a_tip_keep_their_digits():
 
 def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
     """The volume is that of 160 pressures, which resolve the layer."""
-    contact = FrettingContact(Layered([1e-7, 1e-5], [4e11, 1.1e11, 1.1e11], 0.3), R, FORCE, FRICTION, None, Cone(0.01))
+    contact = contact_of(Layered([1e-7, 1e-5], [4e11, 1.1e11, 1.1e11], 0.3), None, Cone(0.01))
     assert_allclose(contact.steady(1e-3 * FRICTION * FORCE).wear_volume, 5.75526e-23, rtol=1e-3)
 
 

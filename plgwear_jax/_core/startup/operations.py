@@ -121,13 +121,16 @@ def _gathered(x, at, *, dimension_numbers, slice_sizes, mode):
     return np.moveaxis(found, range(count, found.ndim), numbers.offset_dims)
 
 
-def _scattered(x, at, updates, *, dimension_numbers, mode):
-    numbers, count = dimension_numbers, at.ndim - 1
-    new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
-    new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
-    x = x.copy()
-    x[_window_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode)] = new
-    return x
+def _scattering(put):
+    def scattered(x, at, updates, *, dimension_numbers, mode):
+        numbers, count = dimension_numbers, at.ndim - 1
+        new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
+        new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
+        x = x.copy()
+        put(x, _window_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode), new)
+        return x
+
+    return scattered
 
 
 # --- matrices ---------------------------------------------------------------------------------------------------------
@@ -210,6 +213,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "add_any": np.add,
     "and": np.bitwise_and,
     "argmax": lambda x, *, axes, index_dtype: np.argmax(x, axes[0]).astype(index_dtype),
+    "argmin": lambda x, *, axes, index_dtype: np.argmin(x, axes[0]).astype(index_dtype),
     "bitcast_convert_type": lambda x, *, new_dtype: x.view(new_dtype),
     "broadcast_in_dim": _broadcast,
     "cholesky": functools.partial(_each_matrix, np.linalg.cholesky),
@@ -234,6 +238,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "iota": lambda *, shape, dimension, dtype: np.indices(shape, dtype)[dimension],
     "is_finite": np.isfinite,
     "le": np.less_equal,
+    "le_to": lambda x, y: (x <= y) | np.isnan(y),  # as in a sorted array, in which NaN comes last
     "lgamma": lambda x: importlib.import_module("scipy.special").gammaln(x),
     "lt": np.less,
     "max": np.maximum,
@@ -258,7 +263,8 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "round": _rounded,
     "rsqrt": lambda x: 1 / np.sqrt(x),
     "scan": _scanned,
-    "scatter": _scattered,
+    "scatter": _scattering(np.ndarray.__setitem__),
+    "scatter-add": _scattering(np.add.at),
     "select_n": lambda which, *cases: np.where(which, *cases[::-1]) if len(cases) == 2 else np.choose(which, cases),
     "shift_left": np.left_shift,
     "shift_right_arithmetic": np.right_shift,
@@ -269,6 +275,8 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "squeeze": lambda x, *, dimensions: x.squeeze(dimensions),
     "stack": lambda *parts, axis: np.stack(parts, axis),
     "sub": np.subtract,
+    "sort": lambda x, *, dimension: np.sort(x, dimension),
+    "tile": lambda x, *, reps: np.tile(x, reps),
     "transpose": lambda x, *, permutation: x.transpose(permutation),
     "triangular_solve": _triangle_solved,
     "unstack": lambda x, *, axis: list(np.moveaxis(x, axis, 0)),
