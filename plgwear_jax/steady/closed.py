@@ -44,7 +44,8 @@ _THICKNESS = Domain("> 0", lambda h: h > 0.0)
 
 
 @program(static=1)
-def _contact_radius(digits: int | None, contact: Any) -> Array:
+def _unworn_radius(digits: int | None, contact: Any) -> Array:
+    """a_0 in m, Eq. (12)."""
     material = Steady._unflatten(digits, (contact, None, None))._material
     log_stiffness = material.log_stiffness(digits=digits)
     k = jnp.asarray(material.k, log_stiffness.dtype)
@@ -106,7 +107,7 @@ class Steady(Solution):
 
     def _solve(self) -> tuple[Array, ArrayLike | None]:
         """The contact radius and the force that a displacement needs, once for all results."""
-        find = with_slopes(_contact_radius) if follows(self.contact) else _contact_radius
+        find = with_slopes(_unworn_radius) if follows(self.contact) else _unworn_radius
         radius = find(self.digits, self.contact)
         if self.load.holds_force:
             return radius, None

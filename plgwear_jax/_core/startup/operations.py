@@ -271,11 +271,11 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "slice": lambda x, *, start_indices, limit_indices, strides: x[
         tuple(map(slice, start_indices, limit_indices, strides or (None,) * x.ndim))
     ],
+    "sort": lambda x, *, dimension: np.sort(x, dimension),
     "split": lambda x, *, sizes, axis: np.split(x, np.cumsum(sizes[:-1]), axis),
     "squeeze": lambda x, *, dimensions: x.squeeze(dimensions),
     "stack": lambda *parts, axis: np.stack(parts, axis),
     "sub": np.subtract,
-    "sort": lambda x, *, dimension: np.sort(x, dimension),
     "tile": lambda x, *, reps: np.tile(x, reps),
     "transpose": lambda x, *, permutation: x.transpose(permutation),
     "triangular_solve": _triangle_solved,
