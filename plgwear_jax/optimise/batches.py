@@ -95,6 +95,8 @@ def designs(
         >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius")
         >>> print(best.variables["k"])
         [-0.5  0.5]
+        >>> print(best.value)  # m^3
+        [6.62736508e-19 3.38602833e-15]
 
     References:
         As `design`.

@@ -197,8 +197,9 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     touching = (edge / begin[..., 0]) ** 2
     touching = touching / (touching + 0.05**2)
     inner = edge + (share * beside.unworn + (1.0 - share) * beside.steady - edge) * within
-    least = jnp.finfo(r.dtype).tiny
-    mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
+    inner = jnp.maximum(inner, jnp.finfo(r.dtype).tiny)
+    # Close to c, after few cycles, the blend is a difference of infinite pressures, which may be negative.
+    mean = jnp.log(inner) * touching + jnp.log(jnp.maximum(blend, 0.1 * inner)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips, around, jnp.where(r == c, edge, 0.0)))
     return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)

@@ -87,6 +87,13 @@ def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycle
     assert "little but the least coefficient" in found.doubt
 
 
+def test_a_coefficient_is_hardly_told_by_an_interval_of_a_factor_of_100():
+    volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(1e-3 * CYCLES))  # which grow as the coefficient
+    rough, worse = (fit_wear_coefficient(ONE, 2.0, 1e-3 * CYCLES, volume, share * volume) for share in (1.1, 1.13))
+    assert rough.doubt is None and "the data hardly tell" in worse.doubt
+    assert 20.0 < rough.interval[1] / rough.interval[0] < 100.0 < worse.interval[1] / worse.interval[0]
+
+
 def test_the_most_likely_of_several_minima_is_found():
     """An early point and a late one that contradict each other, each with a minimum of its own."""
     run = ONE.over_cycles(2.0, COEFFICIENT)

@@ -5,7 +5,9 @@ dimensionality reduction,
 
     p(0) = E*/pi int_0^a g'/x dx = E* A/pi (32/9 a^3 - 4 q a),      F = 2 E* int_0^a (g(a) - g) dx,
 
-so that p(0) is negative below a^2 = 9/8 q, where F still grows with a.
+so that p(0) is negative below a^2 = 9/8 q, where F still grows with a. A groove f, whose image has g' = x h(x^2), has
+
+    p(r) = E*/pi int_0^l h(r^2 + t^2) dt,      l^2 = a^2 - r^2.
 """
 
 from typing import Any
@@ -16,10 +18,14 @@ import numpy as np
 import pytest
 from kinds import contact_of, dome
 from marks import compiled, compiled_case, parametrize
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy import optimize
 
-from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, Shape, optimise
+from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, Shape
 from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.optimise import design
+from plgwear_jax.steady.state import solved_states
+from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.sweep import sweep
 from plgwear_jax.wear_laws import PressurePower
 
@@ -67,6 +73,52 @@ def test_a_dimple_is_refused_once_its_middle_would_pull(body):
         pulls.steady(0.0).contact_radius
     told = float(str(error.value).split("(")[1].split(" ")[0])
     assert told == pytest.approx(share, abs=0.02)
+
+
+class Groove(Shape):
+    """An indenter with h(u) = 1 - b u + d u^2, for u over the square of 1e-4 m."""
+
+    b: Any
+    d: Any
+
+    def height(self, r, radius):
+        u = (r / RADIUS) ** 2
+        return A * RADIUS**4 * u * (0.25 + u * (5.0 / 96.0 * self.d * u - 3.0 / 32.0 * self.b))
+
+    def pressure(self, r, a):
+        """Of the contact radius a, in units of E*/pi A RADIUS^3; radii in those of 1e-4 m."""
+        u, v = r * r, a * a - r * r
+        return np.sqrt(v) * (1.0 - self.b * (u + v / 3.0) + self.d * (u * u + 2.0 * u * v / 3.0 + v * v / 5.0))
+
+    def force(self, a):
+        """That pressure times the area."""
+        t, weight = np.polynomial.legendre.leggauss(40)
+        turn = 0.25 * np.pi * (1.0 + t)
+        return 0.5 * np.pi**2 * a * a * weight @ (np.sin(turn) * np.cos(turn) * self.pressure(a * np.sin(turn), a))
+
+
+@parametrize(
+    "groove, a, phi, stick, pulls, most",
+    [
+        (Groove(5.0, 5.0), 1.0, 0.3, (0.9, 1.0), 1, 0.03),  # within the stick area
+        (Groove(4.4, 4.2), 0.95, 0.75, (0.2, 0.4), 0, 0.01),  # around it
+    ],
+)
+def test_a_groove_would_pull_at_its_own_place(groove, a, phi, stick, pulls, most):
+    """The tension is that before any wear under F_N, or under the force (1 - phi) F_N of the stick area."""
+    unit = E / (1.0 - NU**2) * A * RADIUS**5 / np.pi
+    contact = FrettingContact(LAW, 5e-3, unit * groove.force(a), 0.4, None, groove)
+    c = optimize.brentq(lambda c: groove.force(c) - (1.0 - phi) * groove.force(a), *stick)
+    share, place = [], np.linspace(0.0, 0.98, 400)
+    for radius in (a, c):
+        share.append(groove.pressure(place * radius, radius) * np.pi * radius**2 / groove.force(radius))
+    scaled = share / np.sqrt(1.0 - place**2)
+    least = np.argmin(scaled, -1)
+    assert np.argmin(scaled.min(-1)) == pulls
+    found = solved_states(effort_of(None), contact, jnp.asarray(phi * 0.4 * contact.normal_force)).least
+    assert_allclose(found.share[0], share[pulls][least[pulls]], rtol=most)
+    assert_allclose(found.r[0], (a, c)[pulls] * place[least[pulls]] * RADIUS, rtol=0.05)
+    assert_array_equal(found.pulled, [1.0, pulls])
 
 
 @parametrize("body", ["a power law", "layers"])
@@ -151,7 +203,7 @@ def test_marches_of_the_stiffest_surfaces_are_followed():
 @compiled
 def test_designs_say_that_no_candidate_is_left():
     with pytest.raises(ValueError, match="no candidate has a wear_volume: " + LINE):
-        optimise.design(SKIN, 0.9 * LIMIT, {"material.thickness[0]": (1.8e-5, 2.2e-5)})
+        design(SKIN, 0.9 * LIMIT, {"material.thickness[0]": (1.8e-5, 2.2e-5)})
 
 
 @compiled

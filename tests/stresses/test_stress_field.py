@@ -19,6 +19,7 @@ RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
 STEEL = Elastic(210e9, 0.3)
 LAYERS = Layered([0.1 * A, 0.5 * A], [800e9, 160e9, 320e9], 0.3)
+FILM = Layered([0.2 * A], [400e9, 110e9], 0.3)
 TABLE = DepthGraded([0.0, 0.2 * A, 0.5 * A, A], [400e9, 300e9, 250e9, 210e9], 0.25)
 
 
@@ -227,15 +228,17 @@ def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(see
 # --- peaks and derivatives --------------------------------------------------------------------------------------------
 
 
-@parametrize("material", [STEEL, LAYERS, compiled_case(TABLE)])
-def test_no_place_of_a_fine_grid_is_above_the_peaks(material):
-    steady = steady_of(material, 0.6)
+@parametrize("phi, material", [(0.6, STEEL), (0.25, STEEL), (0.6, LAYERS), (0.02, FILM), compiled_case(0.6, TABLE)])
+def test_no_place_of_a_fine_grid_is_above_the_peaks(phi, material):
+    """With little friction von Mises' stress has its peak on the leading side, in a stiff film above its interface."""
+    steady = steady_of(material, phi)
     a, p_0 = steady.contact_radius, steady.peak_initial_pressure
-    x, z = np.linspace(-1.5, 1.5, 121) * a, np.append(0.0, np.geomspace(1e-3, 2.0, 60))[:, None] * a
+    z = np.concatenate([np.geomspace(1e-3, 2.0, 60) * a, [0.0, FILM.thickness[0] * (1.0 - 1e-12)]])
+    x, z = np.linspace(-1.5, 1.5, 121) * a, z[:, None]
     stress = steady.stress(x, z)
     for name, peak in (("principal", steady.peak_tension), ("mises", steady.peak_mises)):
         highest = float(jnp.max(getattr(stress, name)) / p_0)
-        assert highest - 1e-6 <= float(peak / p_0) <= highest + 5e-3
+        assert highest - 1e-6 <= float(peak / p_0) <= highest + 1e-4
 
 
 @parametrize("k", [1e-5, 1e-4, 1e-3, 5e-3, 0.02, 0.1])

@@ -19,6 +19,7 @@ from plgwear_jax.wear.closed_ring import curves_of
 from plgwear_jax.wear.numeric_ring import cells_at, widths
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution, edges_of
 from plgwear_jax.wear.ring_curves import volume_of
+from plgwear_jax.wear.ring_march import _solved, _Step
 
 # The tests of closed forms ask for these shapes, so that they share their programs.
 K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
@@ -60,6 +61,21 @@ def test_the_rate_is_the_slope_of_the_volume():
     rate = np.asarray(run.rate(times))
     assert_allclose((ahead - behind) / (2e-4 * times), rate, rtol=1e-4, atol=1e-5 * rate.max())
     assert np.all(rate >= 0.0)
+
+
+def test_a_step_of_a_march_has_the_derivatives_of_differences():
+    cells = np.arange(5)
+    compliance = np.exp(-0.5 * abs(cells[:, None] - cells))
+    step = compliance, 0.1 + 0.2 * cells, 1.0 + 0.5 * cells, 0.02 * cells
+    along = 0.1 * compliance**2, 0.1 * cells, np.cos(cells), 0.1 * np.sin(cells)
+
+    @jax.jit
+    def found(share):
+        moved = jax.tree.map(lambda x, change: x + share * change, step, along)
+        return _solved(_Step(*moved, jnp.int32(3)), jnp.ones(6))
+
+    slope = jax.jvp(found, (0.0,), (1.0,))[1]
+    assert_allclose(slope, (found(1e-4) - found(-1e-4)) / 2e-4, rtol=1e-5)
 
 
 # k, phi, parts of the unit of time and the number of rings, which are off by 1e-4 of the final volume.
@@ -115,6 +131,15 @@ def test_nothing_is_below_what_it_begins_with():
         # To where the contact ends before any wear, and after it.
         for r in (np.ones((5, 1)), np.full((5, 1), 1.0 - 2.0**-53), 0.5 * (1.0 + a), 0.5 * (1.0 + c)):
             assert np.all(run.pressure(r, n) >= 0.0)
+
+
+def test_the_pressure_has_no_jump_beside_the_stick_radius():
+    """Around c, and where what is known next to c begins, as long as all of the ring touches."""
+    run, _, _, unit = of("some")
+    times, c = unit * np.append(0.0, np.geomspace(1e-6, 0.1, 15)), np.asarray(fretting.stick_radius(K, PHI))
+    for places in ([-5e-7, -1e-8, 1e-8, 5e-7], [-1.01e-4, -0.99e-4]):
+        around = np.stack([run.pressure(c * (1.0 + y), times) for y in places])
+        assert_allclose(around, np.broadcast_to(around[-1], around.shape), rtol=0.15)
 
 
 def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
