@@ -109,6 +109,11 @@ class Shape:
         return ()
 
     @property
+    def face(self) -> Any:
+        """The radius in m of a flat face, beyond which any contact reaches."""
+        return 0.0
+
+    @property
     def reach(self) -> Any:
         """The radius in m up to which f is known; None if it is known everywhere."""
         return None

@@ -158,9 +158,14 @@ class _Flat(_Splined):
     ranges: ClassVar = {"flat_radius": NUMBER}
 
     @property
+    def face(self) -> Any:
+        """All of the flat."""
+        return self.flat_radius
+
+    @property
     def kinks(self) -> Any:
         """The edge of the flat face."""
-        return (self.flat_radius,)
+        return (self.face,)
 
 
 class RoundedFlat(_Flat):

@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where
 
-_MOST = 60  # evaluations; six or seven are enough
+_MOST = 120  # evaluations; six or seven are enough, but where the function jumps
 
 
 def root_of(
@@ -37,7 +37,8 @@ def root_of(
             step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
             step = jnp.clip(step, -farthest, farthest)
             outside = (x + step <= low) | (x + step >= high)
-            done = (abs(step) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
+            # Where the function jumps the bounds meet, and no step from there is short.
+            done = (jnp.minimum(abs(step), high - low) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
             moved = jnp.where(outside & ~done & jnp.isfinite(low + high), 0.5 * (low + high), x + step)
             return moved, low, high, x, value, count + 1, done
 

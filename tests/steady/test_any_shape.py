@@ -330,6 +330,22 @@ def test_pressures_under_a_flat_face_have_slopes_and_single_precision():
     assert_allclose(pressure(np.float32(flat), jnp.float32), found, rtol=1e-4)
 
 
+@parametrize("k, most", [(0.2, 3e-4), compiled_case("layers", 5e-3)])
+def test_close_to_gross_slip_a_worn_flat_face_wears_as_it_does_there(k, most):
+    """The stick radius is the edge of the face to all digits, where the slope of the force jumps."""
+    shape = TruncatedSphere(1.24e-4)
+    contact = on("layers", shape) if k == "layers" else contact_with(shape, k)
+
+    def log_volume(share, lack):
+        flat, force = share * shape.flat_radius, share * FORCE
+        one = dataclasses.replace(contact, normal_force=force, shape=TruncatedSphere(flat))
+        return jnp.log(one.steady((1.0 - lack) * FRICTION * force).wear_volume)
+
+    read = jax.jit(lambda lack: jnp.stack(jax.jvp(lambda share: log_volume(share, lack), (1.0,), (1.0,))))
+    known, *others = (read(lack) for lack in (1e-5, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12))
+    assert_allclose(others, np.broadcast_to(known, (5, 2)), rtol=most)
+
+
 @parametrize("shape, k", [(Profile(RADII, HEIGHTS), 0.3), (TruncatedSphere(5e-5), -0.3)])
 def test_pressures_between_kinks_carry_the_normal_force(shape, k):
     """Of the table three are inside the contact; at the edge of a face the pressure is infinite."""
