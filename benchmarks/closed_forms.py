@@ -301,9 +301,9 @@ def size(report: Report, quick: bool) -> None:
 
 
 PARTS = {
-    "digits": Part("Speed against accuracy, one core", digits, digits_again),
-    "kernels": Part("Special functions, one core", kernels),
-    "size": Part("Cost against size", size),
+    "digits": Part("Speed against accuracy, one core", [digits], digits_again),
+    "kernels": Part("Special functions, one core", [kernels]),
+    "size": Part("Cost against size", [size]),
 }
 
 if __name__ == "__main__":

@@ -113,8 +113,8 @@ def pairs(report: Report, quick: bool) -> None:
 
 
 PARTS = {
-    "rule": Part("Stiff and compliant surfaces of coatings", rule),
-    "pairs": Part("Digits of elastic pairs", pairs),
+    "rule": Part("Stiff and compliant surfaces of coatings", [rule]),
+    "pairs": Part("Digits of elastic pairs", [pairs]),
 }
 
 if __name__ == "__main__":

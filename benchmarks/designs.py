@@ -187,13 +187,8 @@ def amplitudes(report: Report, quick: bool) -> None:
     )
 
 
-def against_scipy(report: Report, quick: bool) -> None:
-    amplitudes(report, quick)
-    problems(report, quick)
-
-
 PARTS = {
-    "designs": Part("Designs against SciPy, one core, float64", against_scipy),
+    "designs": Part("Designs against SciPy, one core, float64", [amplitudes, problems]),
 }
 
 if __name__ == "__main__":

@@ -429,4 +429,4 @@ def extremes(report: Report, quick: bool) -> None:
 
 
 if __name__ == "__main__":
-    harness.run({"extremes": Part("Correct digits towards the edges of the domain", extremes)})
+    harness.run({"extremes": Part("Correct digits towards the edges of the domain", [extremes])})

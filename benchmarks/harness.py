@@ -339,7 +339,9 @@ class Part(NamedTuple):
     """What a program measures for one table, and how the picture of the committed table is drawn."""
 
     title: str
-    measure: Callable[[Report, bool], Figure | None]  # with whether it has to be quick
+    measures: Sequence[
+        Callable[[Report, bool], Figure | None]
+    ]  # with whether they have to be quick; the last one draws
     redraw: Callable[[], Figure] | None = None
 
 
@@ -361,10 +363,10 @@ def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -
             return
         failed = False
         for name in names or parts:
-            title, measure, drawn = parts[name]
+            title, measures, drawn = parts[name]
             if not redraw:
                 report = Report(name, out, title, quick)
-                report.close(measure(report, quick))
+                report.close([measure(report, quick) for measure in measures][-1])
                 failed |= report.failed
             elif drawn:
                 drawn().savefig(out / f"{name}.png")

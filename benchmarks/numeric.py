@@ -155,11 +155,6 @@ def rigid(report: Report, quick: bool) -> None:
     report.table("Largest errors on a power law, phi from 0.01 to 0.99, against integrals in mpmath", columns, rows)
 
 
-def surfaces(report: Report, quick: bool) -> None:
-    for part in (times, errors, rigid):  # times before all else, as first answers compile
-        part(report, quick)
-
-
 # --- random contacts -------------------------------------------------------------------------------------------------
 
 RADIUS, MEAN = 5e-3, 110e9  # the sizes about which contacts are drawn
@@ -297,10 +292,6 @@ def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
     return found | {"derivatives": slope[None], "balances": jnp.stack(sums)}
 
 
-def volumes(digits: int, one: Any, force: Any) -> Any:
-    return one.steady(force, digits=digits).wear_volume
-
-
 def marched(digits: int, one: Any, force: Any) -> Any:
     """The last volume by the march of any test, to which `PressurePower` is another law."""
     run = one.over_cycles(force, PressurePower(COEFFICIENT, 1.0), digits=digits)
@@ -354,7 +345,8 @@ def solve(kind: Kind, count: int, tables: Tables, lines: dict[str, list[str]]) -
             layers = contacts.material
             halves = np.repeat(0.5 * layers.thickness, 2, -1), np.repeat(layers.modulus, 2, -1)[:, :-1]
             divided = dataclasses.replace(contacts, material=Layered(*halves, layers.nu))
-            add("balances", "layers in two", mapped(volumes, 4)(divided, forces) / volume - 1.0)
+            again = mapped(lambda digits, one, force: one.steady(force, digits=digits).wear_volume, 4)(divided, forces)
+            add("balances", "layers in two", again / volume - 1.0)
         add("balances", "last of a march", mapped(marched, 2)(contacts, forces) / volume - 1.0)
         single = jax.tree.map(lambda x: np.asarray(x, np.float32), given)
         compare("float32", jax.device_get(program(*single)), found, phi >= 0.1)
@@ -402,8 +394,8 @@ def random_contacts(report: Report, quick: bool) -> None:
 
 
 PARTS = {
-    "surfaces": Part("Elastic indenters and any E(z)", surfaces),
-    "random_contacts": Part("Random contacts without closed forms", random_contacts),
+    "surfaces": Part("Elastic indenters and any E(z)", [times, errors, rigid]),
+    "random_contacts": Part("Random contacts without closed forms", [random_contacts]),
 }
 
 if __name__ == "__main__":

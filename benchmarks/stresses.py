@@ -232,8 +232,8 @@ def tamaas(report: Report, quick: bool) -> None:
 
 
 PARTS = {
-    "stresses": Part("Stresses in the half-space", stresses),
-    "tamaas": Part("Stresses of sliding Hertzian contacts by Tamaas", tamaas),
+    "stresses": Part("Stresses in the half-space", [stresses]),
+    "tamaas": Part("Stresses of sliding Hertzian contacts by Tamaas", [tamaas]),
 }
 
 if __name__ == "__main__":

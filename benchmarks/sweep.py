@@ -123,4 +123,4 @@ def sweeps(report: Report, quick: bool) -> None:
 
 
 if __name__ == "__main__":
-    harness.run({"sweep": Part("Sweeps", sweeps)}, [rates, memory])
+    harness.run({"sweep": Part("Sweeps", [sweeps])}, [rates, memory])

@@ -550,10 +550,10 @@ def startup(report: Report, quick: bool) -> None:
 
 
 PARTS = {
-    "first_answer": Part("The first answer in a fresh process, all cores, median of 3 rounds", first_answer),
-    "waits": Part("How long one answer takes, all cores, median of 2 rounds", waits),
-    "matrix": Part("Every question for every contact: seconds of the processor", matrix),
-    "startup": Part("What each part of the start buys, all cores, one round", startup),
+    "first_answer": Part("The first answer in a fresh process, all cores, median of 3 rounds", [first_answer]),
+    "waits": Part("How long one answer takes, all cores, median of 2 rounds", [waits]),
+    "matrix": Part("Every question for every contact: seconds of the processor", [matrix]),
+    "startup": Part("What each part of the start buys, all cores, one round", [startup]),
 }
 
 if __name__ == "__main__":

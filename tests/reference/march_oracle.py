@@ -23,6 +23,7 @@ class Given(NamedTuple):
     displacement: float | None = None  # amplitude over that at which the contact begins to slip as a whole
     normal_force: float = 1.0
     friction: float = 1.0
+    rig: float = 0.0  # by how much a rig gives way under mu F_N, relative to the same displacement as above
 
 
 # Blocks, and a radius beyond the last scar.
@@ -58,11 +59,17 @@ class Rings(NamedTuple):
     A: np.ndarray  # displacements by pressures
     first: float  # the penetration of the unworn contact
 
-    def pressed(self, shape, soft, touches, *, force=None, depth=None):
-        """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0."""
+    def pressed(self, shape, soft, touches, *, force=None, depth=None, rig=0.0):
+        """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0.
+
+        A depth is that of a spring, which gives way by `rig` for a force of 1.
+        """
+        A = self.A + rig * self.load
         for _ in range(300):
+            if force is not None and not np.any(touches):
+                touches = shape == shape.min()
             on = np.flatnonzero(touches)
-            matrix = self.A[np.ix_(on, on)] + np.diag(soft[on])
+            matrix = A[np.ix_(on, on)] + np.diag(soft[on])
             if force is None:
                 found = np.linalg.solve(matrix, depth - shape[on]) if on.size else np.zeros(0)
             else:
@@ -71,10 +78,10 @@ class Rings(NamedTuple):
                 found = depth * right[:, 0] - right[:, 1]
             p = np.zeros(shape.size)
             p[on] = found
-            overlaps = depth - shape - self.A @ p > 1e-13
+            overlaps = depth - shape - A @ p > 1e-13
             now = np.where(touches, p > 0.0, overlaps)
             if np.all(now == touches):
-                return p, depth
+                return p, depth - rig * (self.load @ p)
             # All that pull let go; of those that overlap enough come back to begin again.
             touches = now if np.any(now) else overlaps | (shape == shape.min())
         raise RuntimeError("no pressures found")
@@ -91,8 +98,10 @@ class Rings(NamedTuple):
             for length in lengths:
                 shape, nothing = self.shape + worn, 0.0 * worn
                 if given.displacement is not None:
-                    less = depth - given.displacement / given.friction * self.first
-                    second = self.pressed(shape, nothing, sticks, depth=less) if less > shape.min() else (nothing, less)
+                    rig = given.rig * self.first
+                    less = depth - given.displacement / given.friction * self.first + rig * given.normal_force
+                    held = {"depth": less, "rig": rig}
+                    second = self.pressed(shape, nothing, sticks, **held) if less > shape.min() else (nothing, less)
                 else:
                     load = given.normal_force - given.force / given.friction
                     second = self.pressed(shape, nothing, sticks, force=load)
