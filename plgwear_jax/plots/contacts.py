@@ -65,23 +65,17 @@ def regimes_picture(
     words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness else " $u_x$")
     x, y, force = found.displacement_amplitude, found.normal_force, cut.normal_force[0]
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
-    left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1)
+    left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1, label="partial slip")
     left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_RATIOS, colors="0.45", linewidths=0.6), fontsize=6.5)
-    criterion_at = found.displacement_where("energy_ratio", criterion)
-    at_onset = f"transition to gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
+    at_onset = f"transition to gross slip, energy ratio {cut.gross_slip_energy_ratio[0]:.3g}"
     left.plot(onset, y, color="k", label=at_onset)
-    left.plot(criterion_at, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
+    said = f"energy ratio {criterion:g} (criterion of laboratories)"
+    left.plot(found.displacement_where("energy_ratio", criterion), y, label=said, **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")
     if own.size:
         left.plot(own, np.full(own.size, force), label="load of the input file", **_OWN)
     left.axhline(force, **GUIDE)
-    box = {"facecolor": "w", "edgecolor": "none", "pad": 1.0}
-    place: Style = {"transform": left.transAxes, "fontstyle": "italic", "color": "0.25", "bbox": box}
-    if not found.gross_slip[-1, 0]:
-        left.text(0.03, 0.93, "partial slip", **place)
-    if found.gross_slip[0, -1]:
-        left.text(0.97, 0.04, "gross slip", ha="right", **place)
 
     moves = cut.displacement_amplitude
     for (name, level), style in zip(CRITERIA.items(), (BEST, REFERENCE | {"color": PURPLE}), strict=True):
@@ -195,21 +189,20 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, volume, "o", color=shade["color"], **DOT)
         share = f" ({100.0 * volume / end:.0f} %)" if final else ""
-        mantissa, _, exponent = f"{number:.1e}".partition("e")
-        told = f"{number:.0f}" if 1.0 <= number < 1e3 else rf"${mantissa}\times 10^{{{int(exponent)}}}$"
-        styles.append(shade | {"label": f"{told} cycles{share}"})
+        styles.append(shade | {"label": f"{float(f'{number:.2g}'):,.10g} cycles{share}"})
     if final:
         states.append(float(run.lasting_cycles))
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
-    first, last = max(2.0 * inner - outer, 0.0), outer + 0.15 * (outer - inner)
     # Radii crowd at the stick-slip boundary, where all quantities may have infinite slopes.
-    crowded = np.linspace(0.0, 1.0, 121) ** 2
-    r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
+    crowded = np.linspace(-1.0, 1.07, 301)
+    r = np.maximum(inner + (outer - inner) * crowded * abs(crowded), 0.0)
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
     start = run.contact.steady(0.0)
     shape, before = (np.asarray(field(r)) for field in (start.profile, start.initial_pressure))
     deepest, highest = depths.max(), (2.5 if inner > 0.0 else 1.1) * before.max()
+    mark_roughness(panels["c"], deepest)
+    panels["d"].set_ylim(0.0, highest)
     for key, name, words, unworn, rows in (
         ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths),
         ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths),
@@ -219,11 +212,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
             axes.plot(r, row, **style)
-        axes.set_xlim(first, last)
-        if key == "c":
-            mark_roughness(axes, deepest)
-        elif key == "d":
-            axes.set_ylim(0.0, highest)
+        axes.set_xlim(r[0], r[-1])
         label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")

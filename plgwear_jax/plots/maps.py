@@ -232,11 +232,10 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     return values
 
 
-def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
-    """Where the cells around the values end: halfway on the scale of the axis; the outer ones with the values."""
+def _between(axis: Any, values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The values of an axis at places counted from 0, also between them, on its scale; beyond the ends those."""
     scale = axis.get_transform()
-    u = scale.transform(values)
-    return np.concatenate([values[:1], scale.inverted().transform(0.5 * (u[1:] + u[:-1])), values[-1:]])
+    return scale.inverted().transform(np.interp(places, np.arange(values.size), scale.transform(values)))
 
 
 def _norm(variable: xr.DataArray) -> Normalize:
@@ -301,7 +300,7 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     beyond = "both" if relative or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
-    edges = _cell_edges(axes.xaxis, x), _cell_edges(axes.yaxis, y)
+    edges = (_between(axis, row, np.arange(row.size + 1) - 0.5) for axis, row in ((axes.xaxis, x), (axes.yaxis, y)))
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
     if not isinstance(norm, LogNorm | AsinhNorm):
@@ -327,14 +326,12 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
     """
     (upwards, across), values = variable.dims, variable.fillna(np.inf).to_numpy().astype(float)
     if upwards == "k" and across in ("phi", "tangential_force"):
-        least, row = values.min(axis=0), values.argmin(axis=0)
-        middle = np.clip(row, 1, y.size - 2)
-        before, at, behind = (values[middle + step, np.arange(x.size)] for step in (-1, 0, 1))
+        row = values.argmin(axis=0)
+        near = np.clip(row + np.array([[-1], [0], [1]]), 0, y.size - 1)
+        before, least, behind = np.take_along_axis(values, near, axis=0)
         with np.errstate(all="ignore"):
-            vertex = 0.5 * (before - behind) / (before - 2.0 * at + behind)
-        row_of = np.where((np.abs(vertex) < 1.0) & (before + behind > 2.0 * at), middle + vertex, row)
-        scale = axes.yaxis.get_transform()
-        best = scale.inverted().transform(np.interp(row_of, np.arange(y.size), scale.transform(y)))
+            vertex = 0.5 * (before - behind) / (before - 2.0 * least + behind)
+        best = _between(axes.yaxis, y, row + np.nan_to_num(vertex))
         best[np.isinf(least) | (least == values.max(axis=0))] = np.nan
         best[1:][np.abs(np.diff(row)) > 0.25 * y.size] = np.nan  # no step across where the other end wears less
         handles = axes.plot(x, best, label="least wear, $k^*$", clip_on=False, **_LEAST)
