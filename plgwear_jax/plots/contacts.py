@@ -66,7 +66,7 @@ def regimes_picture(
     x, y, force = found.displacement_amplitude, found.normal_force, cut.normal_force[0]
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
     left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1, label="partial slip")
-    left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
+    left.set(xscale="log", yscale="log", ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_RATIOS, colors="0.45", linewidths=0.6), fontsize=6.5)
     at_onset = f"transition to gross slip, energy ratio {cut.gross_slip_energy_ratio[0]:.3g}"
     left.plot(onset, y, color="k", label=at_onset)
@@ -139,7 +139,7 @@ def stress_picture(steady: Steady) -> Figure:
     for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
         axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **_PEAK)
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
-    axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
+    axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
         show_units(axis, "r", words, size=a)
     axes.legend(loc="lower right", frameon=True, facecolor="0.2", edgecolor="none", labelcolor="w")
@@ -184,7 +184,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.axhline(end, color=ORANGE)
     if life:
         mark(axes, life, "life")
-    axes.set(xlim=cycles[[0, -1]], ylim=(volumes[0], 3.0 * end))
+    axes.set_ylim(volumes[0], 3.0 * end)
     label(axes, "cycles", "volume")
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, volume, "o", color=shade["color"], **DOT)
@@ -212,7 +212,6 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
             axes.plot(r, row, **style)
-        axes.set_xlim(r[0], r[-1])
         label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
@@ -248,7 +247,7 @@ def blocks_picture(run: Run) -> Figure:
         values = np.asarray(read(ends))
         # the volume grows from nothing, all others are those at the end of each block
         axes.plot(cycles, np.append(0.0 if name == "volume" else values[0], values), **style)
-        axes.set(xlim=(0.0, 1.02 * cycles[-1] or None), ylim=(0.0, None))
+        axes.set_ylim(0.0)
         label(axes, "cycles", name, entry(name).name)
     panels[2].legend()
     letters(panels)

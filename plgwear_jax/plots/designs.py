@@ -128,7 +128,6 @@ def _three_panels(
         axes.errorbar(z, 0.5 * (low + high), 0.5 * (high - low), fmt="none", ecolor="k", elinewidth=0.8,
                       capsize=2.0, label=f"allowed modulus{words}")  # fmt: skip
     mark(axes, radius, "$a_0$")
-    axes.set_xlim(depths[0], depths[-1])
     show_units(axes.xaxis, "depth", size=radius)
     show_units(axes.yaxis, "modulus", size=1e11)
     return figure, panels
@@ -146,6 +145,7 @@ def _draw_depths(
     axes: Axes, radii: Any, depths: Any, styles: Sequence[Style], end: str = r"$a_\infty$", words: str | None = None
 ) -> None:
     """Draw wear depths over the radii of rings, and the roughness of a ground surface; elsewhere nothing is worn."""
+    axes.margins(x=0.05)
     for r, depth, style in zip(radii, depths, styles, strict=True):
         axes.plot(r, depth, **style)
         for edge in filter(None, r[[0, -1]]):  # all of a punch, and after cycles, is drawn from the axis on
@@ -166,7 +166,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     values = np.unique([*between, here, np.clip(there, low, high)])
     course = along(design, name, values)
     curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
-    axes.set(xscale="linear" if is_linear(name) else "log", ymargin=0.2)
+    axes.set(xscale="linear" if is_linear(name) else "log", xmargin=0.05, ymargin=0.2)
     axes.plot(values, np.where(course.keeps_limits, curve, np.nan), color="0.2")
     axes.plot(there, 0.0, "s", color=REFERENCE["color"], **DOT)
     axes.plot(here, -100.0 * design.saving, "o", color=BLUE, **DOT)
@@ -206,6 +206,7 @@ def front_picture(front: Front) -> Figure:
     inside = np.where(front.certified, BLUE, "w")
     for axes, (name, values) in zip(panels, columns.items(), strict=True):
         axes.plot(front.x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
+        axes.margins(x=0.05)
         axes.scatter(front.x, values, s=12.0, color=inside, edgecolors=BLUE)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))

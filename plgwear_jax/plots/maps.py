@@ -132,7 +132,7 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
     variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
-    variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
+    variable = variable.squeeze()
     if variable.ndim == 0:
         raise MapError(f"{name}: is a single number, {float(variable):g}; there is nothing to draw")
     if variable.ndim > 2:
@@ -173,9 +173,8 @@ def _axis_told(row: xr.DataArray) -> str:
 def _arranged(variable: xr.DataArray) -> list[Any]:
     """The vertical axis, or that with a curve for each value, then the horizontal one."""
     order = *_ACROSS, *variable.dims
-    names = sorted(variable.dims, key=lambda name: (_is_number(variable[name]), -order.index(name)))
-    few = [variable.sizes[name] <= _FEW for name in names]
-    return names[::-1] if few == [False, True] else names
+    rows = variable.coords
+    return sorted(variable.dims, key=lambda dim: (rows[dim].size > _FEW, _is_number(rows[dim]), -order.index(dim)))
 
 
 # --- words and units --------------------------------------------------------------------------------------------------
@@ -318,6 +317,7 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 
+@np.errstate(all="ignore")
 def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray) -> list[Any]:
     """Draw the exponent of least wear for each amplitude, or the design of least wear, and where a little more is worn.
 
@@ -329,8 +329,7 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
         row = values.argmin(axis=0)
         near = np.clip(row + np.array([[-1], [0], [1]]), 0, y.size - 1)
         before, least, behind = np.take_along_axis(values, near, axis=0)
-        with np.errstate(all="ignore"):
-            vertex = 0.5 * (before - behind) / (before - 2.0 * least + behind)
+        vertex = 0.5 * (before - behind) / (before - 2.0 * least + behind)
         best = _between(axes.yaxis, y, row + np.nan_to_num(vertex))
         best[np.isinf(least) | (least == values.max(axis=0))] = np.nan
         best[1:][np.abs(np.diff(row)) > 0.25 * y.size] = np.nan  # no step across where the other end wears less
@@ -340,8 +339,7 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
         handles = axes.plot(x[column], y[row], "*", label="least wear", **_STAR)
     else:
         return []
-    with np.errstate(all="ignore"):
-        more = np.ma.masked_invalid(values / least - 1.0)
+    more = np.ma.masked_invalid(values / least - 1.0)
     if more.count() and more.min() < _MORE < more.max():
         style = {"colors": "w", "linewidths": 1.0, "linestyles": "dashed", "zorder": 4}
         axes.contour(x, y, more, levels=[_MORE], **style).set_path_effects(_EDGE)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from cycler import cycler
+from matplotlib import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
@@ -35,6 +35,7 @@ from plgwear_jax.plots.style import (
     Style,
     legend_above,
     letters,
+    mark,
 )
 
 AMPLITUDES = np.array([0.3, 0.6, 0.9])  # the paper shows three and does not say which
@@ -94,7 +95,7 @@ def _sketch(axes: Axes, r: np.ndarray, surface: Any, body: Any, *arrows: tuple[A
         style = {"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}
         axes.annotate("", (x1, z1), (x0, z0), arrowprops=style)
         axes.text(0.5 * (x0 + x1), 0.5 * (z0 + z1) - 0.07, f" {words}", fontsize=9)
-    axes.set(xlim=r[[0, -1]], ylim=(1.4, -1.3), aspect="equal")
+    axes.set(ylim=(1.4, -1.3), aspect="equal")
     axes.set_axis_off()
 
 
@@ -108,8 +109,8 @@ def gross_slip_set_up(page: FigureBase) -> list[Claim]:
     initial, steady = gross_slip.initial_pressure(r, EXPONENTS), gross_slip.steady_pressure(r, EXPONENTS[1:])
     pressures.set_prop_cycle(_OF_EXPONENT)
     pressures.plot(r, initial, label=[f"initial, {_of_k(k)}" for k in EXPONENTS])
-    pressures.plot(r, steady, color="0.6", linewidth=1.0, label=["steady, $k = 0$", r"steady, $k = \pm 0.5$"])
-    pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 2.5), xlabel="$r/a$", ylabel=r"pressure $p\, \pi a^2/F_{N0}$")
+    pressures.plot(r, steady, color="0.6", label=["steady, $k = 0$", r"steady, $k = \pm 0.5$"])
+    pressures.set(ylim=(0.0, 2.5), xlabel="$r/a$", ylabel=r"pressure $p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
     _sketch(
         axes,
@@ -172,10 +173,10 @@ def fretting_set_up(page: FigureBase) -> list[Claim]:
 def _punch(page: FigureBase, k: float) -> list[Claim]:
     n, top, r = numbers(), -0.32, 1.0 + np.linspace(-1.0, 1.0, 401) ** 3  # dense at the edge of the punch
     steady, inside = gross_slip.steady_displacement(r, k), r <= 1.0
-    axes = page.add_subplot(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
+    axes = page.add_subplot(ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
     axes.fill_between(r, top, steady, inside, facecolor="0.93")
     axes.fill_between(r, steady, 1.0, inside, label=r"worn, $\Delta V$", **_WORN)
-    axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8)
+    axes.vlines(1.0, top, 1.0, color="k", linewidth=0.8)
     axes.plot(r, gross_slip.initial_displacement(r, k), label="initial", color="k")
     axes.plot(r, steady, label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
@@ -333,8 +334,8 @@ def edge_radii(page: FigureBase) -> list[Claim]:
     axes.plot(phi, outer, label=[*map(_of_k, EXPONENTS)])
     axes.plot(phi, inner)
     axes.axhline(1.0, **GUIDE)
-    axes.text(0.66, 1.92, r"$a_\infty/a_0$", ha="right", fontsize=9)
-    axes.text(0.66, 0.52, "$c/a_0$", ha="right", fontsize=9)
+    axes.text(0.5, 1.5, r"$a_\infty/a_0$")
+    axes.text(0.5, 0.5, "$c/a_0$")
     axes.legend(loc="upper left")
     crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
     stick, worn = fretting.stick_radius(EXPONENTS, 0.5), fretting.worn_radius(EXPONENTS, 0.5)
@@ -357,9 +358,7 @@ def edge_radii(page: FigureBase) -> list[Claim]:
 def gradients_of_equal_contact(page: FigureBase) -> list[Claim]:
     """The moduli over the depth of three materials with the same contact radius under the same force."""
     n, z, factors = numbers(), np.linspace(0.0, 1.0, 301)[1:, None] ** 3 * 3.0, modulus_factor(EXPONENTS, "holl")
-    axes = page.add_subplot(
-        prop_cycle=_OF_EXPONENT, xlim=(0.0, 3.0), ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$"
-    )
+    axes = page.add_subplot(prop_cycle=_OF_EXPONENT, ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$")
     laws = [rf"{x:.2f}\, E_0\, (z/a_0)^{{{k:g}}}" if k else "E_0" for x, k in zip(factors, EXPONENTS, strict=True)]
     axes.plot(z, factors * z**EXPONENTS, label=[f"$E(z) = {law}$" for law in laws])
     axes.legend(loc="upper right")
@@ -377,7 +376,7 @@ def gradients_of_equal_contact(page: FigureBase) -> list[Claim]:
 
 def _column(page: FigureBase, field: Callable[..., Any], x: Any, reach: float, top: float, label: str) -> Any:
     """A column of panels, one for each exponent, with a field at each amplitude over x of shape (k, r, φ)."""
-    frame = {"prop_cycle": _OF_AMPLITUDE, "xlim": (0.0, reach), "ylim": (0.0, top), "ylabel": label}
+    frame = {"prop_cycle": _OF_AMPLITUDE, "ylim": (0.0, top), "ylabel": label}
     panels, r = page.subplots(3, 1, sharex=True, sharey=True, subplot_kw=frame), reach * _crowded(0.0, 1.0)
     for axes, k, places in zip(panels, EXPONENTS, x, strict=True):
         axes.plot(places, field(places, k, AMPLITUDES), label=[rf"$F_x/(\mu F_N) = {phi:g}$" for phi in AMPLITUDES])
@@ -432,18 +431,18 @@ def wear_volumes(page: FigureBase) -> list[Claim]:
     (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
     """
     panels = whole, low, high = page.subplots(1, 3, subplot_kw={"prop_cycle": _OF_PAIR})
-    phi, left = 1.0 - np.linspace(1.0, 0.2, 161)[:, None] ** 2, np.geomspace(0.1, 1e-5, 161)[:, None]
+    phi, left = 1.0 - np.linspace(1.0, 1e-4, 161)[:, None] ** 2, np.geomspace(0.1, 1e-5, 161)[:, None]
     small = 0.4 * np.linspace(0.0, 1.0, 161)[1:, None] ** 3
     whole.plot(phi, fretting.wear_volume(PAIRS, phi), label=[*map(_of_k, PAIRS)])
     for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
         axes.plot(x, fretting.wear_volume(PAIRS, some) / fretting.wear_volume(0.0, some))
         axes.set_ylabel(r"wear volume $\Delta V/\Delta V(k=0)$")
     n = numbers()
-    low.axvline(n["turn"], **GUIDE)
-    low.text(n["turn"], 1.95, f" {n['turn']:.3f}: $\\pm k$ cross,\n as $k \\to 0$", va="top", fontsize=7)
+    mark(low, n["turn"], rf"{n['turn']:.3f}: $\pm k$ cross, as $k \to 0$")
     whole.set(ylim=(0.0, 1.2), ylabel=r"wear volume $\Delta V\, R/a_0^4$", **_OVER_PHI)
-    low.set(ylim=(0.0, 2.0), **_OVER_PHI | {"xlim": (0.0, 0.4)})
-    high.set(xscale="log", yscale="log", xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xlabel=r"$1 - F_x/(\mu F_N)$")
+    low.set(ylim=(0.0, 2.0), xlabel=_OVER_PHI["xlabel"])
+    high.set(xscale="log", yscale="log", ylim=(0.05, 20.0), xlabel=r"$1 - F_x/(\mu F_N)$")
+    high.invert_xaxis()
     letters(panels, ("as in the paper", "small amplitudes", "close to gross slip"))
     legend_above(page, whole, 7)
     pair, again = (n["turn_widest"], n["turn_pair"], n["turn"]), (n["return_pair"], n["return_compliant"])
