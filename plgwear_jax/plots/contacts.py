@@ -98,7 +98,7 @@ def regimes_picture(
 
 _PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
-_TICKS = slice(10, -10, 10), slice(10, -10, 10)  # of the places, those whose directions are drawn
+_TICKS = slice(10, -10, 10)  # of the places along both axes, those whose directions are drawn
 _LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
 _COLOURS = 20  # about as many shades; a continuous scale makes files of three times the size
 
@@ -128,9 +128,12 @@ def stress_picture(steady: Steady) -> Figure:
     axes.contour(x, z, tension, levels=_LEVELS, colors="w", linewidths=0.7)
     shares = ", ".join(f"{level:g}" for level in _LEVELS)
     axes.plot([], color="w", linewidth=0.7, label=f"principal stress {shares}")
-    turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)[_TICKS]
-    lines: Style = {"color": "w", "width": 1.2e-3, "headwidth": 0.0, "headlength": 0.0, "headaxislength": 0.0}
-    axes.quiver(x[_TICKS[1]], z[_TICKS[0]], np.cos(turn), np.sin(turn), angles="xy", pivot="mid", scale=45.0, **lines)
+    turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)
+    turn = turn[_TICKS, _TICKS]
+    axes.quiver(
+        x[_TICKS], z[_TICKS], np.cos(turn), np.sin(turn), color="w", angles="xy", pivot="mid", scale=45.0,
+        width=1.2e-3, headwidth=0.0, headlength=0.0, headaxislength=0.0,
+    )  # fmt: skip
     for depth in np.cumsum(layers(steady.contact.material)):  # where the modulus jumps
         axes.axhline(depth, **GUIDE | {"color": "w", "zorder": 2})
     for edge, colour, words in ((a, "k", "contact"), (c, GREEN, "stick area")):
@@ -269,7 +272,6 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     """
     figure = page(14.0, 7.0)
     left, right = panels = figure.subplots(1, 2)
-    dots: Style = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
     bars = np.nan_to_num(fit.deviation, posinf=0.0)
     best, low, high = fit.curve
     if np.all(np.isfinite(low)):
@@ -280,7 +282,8 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     right.axhline(0.0, **BEST)
     left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))
     for axes, known, words in ((left, 0.0, None), (right, fit.fitted, f"{points} less fitted")):
-        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, **dots)
+        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, fmt="o", color="k", markersize=3.5,
+                      elinewidth=0.8, capsize=2.0)  # fmt: skip
         axes.set_xlim(0.0, 1.1 * fit.cycles.max())
         label(axes, "cycles", "volume", words)
     letters(panels)

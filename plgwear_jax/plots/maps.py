@@ -105,8 +105,7 @@ def map_picture(ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str,
     if variable.isnull().any():
         missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
-    equation = str(variable.attrs.get("equation", ""))
-    equation = f", Eq. ({equation})" if equation[:1].isdecimal() else ""
+    equation = f", Eq. ({variable.attrs['equation']})" if "equation" in variable.attrs else ""
     firm = [one.replace(" ", _FIRM) for one in told]  # no line ends between a symbol, its number and its unit
     lines = textwrap.wrap(", ".join([variable.attrs["label"] + equation, *firm]), 66, break_long_words=False)
     figure.suptitle("\n".join(lines).replace(_FIRM, " "), x=0.02, ha="left", fontsize="medium")
@@ -341,7 +340,7 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
         return []
     more = np.ma.masked_invalid(values / least - 1.0)
     if more.count() and more.min() < _MORE < more.max():
-        style = {"colors": "w", "linewidths": 1.0, "linestyles": "dashed", "zorder": 4}
-        axes.contour(x, y, more, levels=[_MORE], **style).set_path_effects(_EDGE)
+        edge = axes.contour(x, y, more, levels=[_MORE], colors="w", linewidths=1.0, linestyles="dashed", zorder=4)
+        edge.set_path_effects(_EDGE)
         handles += axes.plot([], [], **_LEAST | {"linestyle": "--", "linewidth": 1.0, "label": "5 % more wear"})
     return handles

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from matplotlib import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
+from matplotlib.rcsetup import cycler
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax._core.units import text_cells
