@@ -65,23 +65,17 @@ def regimes_picture(
     words = entry("displacement_amplitude").name + (" of the rig" if rig_stiffness else " $u_x$")
     x, y, force = found.displacement_amplitude, found.normal_force, cut.normal_force[0]
     onset, criterion = found.gross_slip_displacement, CRITERIA["energy_ratio"]
-    left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1)
-    left.set(xscale="log", yscale="log", xlim=x[[0, -1]], ylim=y[[0, -1]])
+    left.fill_betweenx(y, x[0], onset, color="#E6F4FB", linewidth=0.0, zorder=-1, label="partial slip")
+    left.set(xscale="log", yscale="log", ylim=y[[0, -1]])
     left.clabel(left.contour(x, y, found.energy_ratio, levels=_RATIOS, colors="0.45", linewidths=0.6), fontsize=6.5)
-    criterion_at = found.displacement_where("energy_ratio", criterion)
-    at_onset = f"transition to gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
+    at_onset = f"transition to gross slip, energy ratio {cut.gross_slip_energy_ratio[0]:.3g}"
     left.plot(onset, y, color="k", label=at_onset)
-    left.plot(criterion_at, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
+    said = f"energy ratio {criterion:g} (criterion of laboratories)"
+    left.plot(found.displacement_where("energy_ratio", criterion), y, label=said, **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")
     if own.size:
         left.plot(own, np.full(own.size, force), label="load of the input file", **_OWN)
     left.axhline(force, **GUIDE)
-    box = {"facecolor": "w", "edgecolor": "none", "pad": 1.0}
-    place: Style = {"transform": left.transAxes, "fontstyle": "italic", "color": "0.25", "bbox": box}
-    if not found.gross_slip[-1, 0]:
-        left.text(0.03, 0.93, "partial slip", **place)
-    if found.gross_slip[0, -1]:
-        left.text(0.97, 0.04, "gross slip", ha="right", **place)
 
     moves = cut.displacement_amplitude
     for (name, level), style in zip(CRITERIA.items(), (BEST, REFERENCE | {"color": PURPLE}), strict=True):
@@ -104,7 +98,7 @@ def regimes_picture(
 
 _PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
-_TICKS = slice(10, -10, 10), slice(10, -10, 10)  # of the places, those whose directions are drawn
+_TICKS = slice(10, -10, 10)  # of the places along both axes, those whose directions are drawn
 _LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
 _COLOURS = 20  # about as many shades; a continuous scale makes files of three times the size
 
@@ -134,9 +128,12 @@ def stress_picture(steady: Steady) -> Figure:
     axes.contour(x, z, tension, levels=_LEVELS, colors="w", linewidths=0.7)
     shares = ", ".join(f"{level:g}" for level in _LEVELS)
     axes.plot([], color="w", linewidth=0.7, label=f"principal stress {shares}")
-    turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)[_TICKS]
-    lines: Style = {"color": "w", "width": 1.2e-3, "headwidth": 0.0, "headlength": 0.0, "headaxislength": 0.0}
-    axes.quiver(x[_TICKS[1]], z[_TICKS[0]], np.cos(turn), np.sin(turn), angles="xy", pivot="mid", scale=45.0, **lines)
+    turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)
+    turn = turn[_TICKS, _TICKS]
+    axes.quiver(
+        x[_TICKS], z[_TICKS], np.cos(turn), np.sin(turn), color="w", angles="xy", pivot="mid", scale=45.0,
+        width=1.2e-3, headwidth=0.0, headlength=0.0, headaxislength=0.0,
+    )  # fmt: skip
     for depth in np.cumsum(layers(steady.contact.material)):  # where the modulus jumps
         axes.axhline(depth, **GUIDE | {"color": "w", "zorder": 2})
     for edge, colour, words in ((a, "k", "contact"), (c, GREEN, "stick area")):
@@ -145,7 +142,7 @@ def stress_picture(steady: Steady) -> Figure:
     for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
         axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **_PEAK)
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
-    axes.set(xlim=x[[0, -1]], ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
+    axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
         show_units(axis, "r", words, size=a)
     axes.legend(loc="lower right", frameon=True, facecolor="0.2", edgecolor="none", labelcolor="w")
@@ -190,26 +187,25 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.axhline(end, color=ORANGE)
     if life:
         mark(axes, life, "life")
-    axes.set(xlim=cycles[[0, -1]], ylim=(volumes[0], 3.0 * end))
+    axes.set_ylim(volumes[0], 3.0 * end)
     label(axes, "cycles", "volume")
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, volume, "o", color=shade["color"], **DOT)
         share = f" ({100.0 * volume / end:.0f} %)" if final else ""
-        mantissa, _, exponent = f"{number:.1e}".partition("e")
-        told = f"{number:.0f}" if 1.0 <= number < 1e3 else rf"${mantissa}\times 10^{{{int(exponent)}}}$"
-        styles.append(shade | {"label": f"{told} cycles{share}"})
+        styles.append(shade | {"label": f"{float(f'{number:.2g}'):,.10g} cycles{share}"})
     if final:
         states.append(float(run.lasting_cycles))
         styles.append(_END)
     inner, outer = float(np.min(run.stick_radius(states))), float(np.max(run.contact_radius(states)))
-    first, last = max(2.0 * inner - outer, 0.0), outer + 0.15 * (outer - inner)
     # Radii crowd at the stick-slip boundary, where all quantities may have infinite slopes.
-    crowded = np.linspace(0.0, 1.0, 121) ** 2
-    r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
+    crowded = np.linspace(-1.0, 1.07, 301)
+    r = np.maximum(inner + (outer - inner) * crowded * abs(crowded), 0.0)
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
     start = run.contact.steady(0.0)
     shape, before = (np.asarray(field(r)) for field in (start.profile, start.initial_pressure))
     deepest, highest = depths.max(), (2.5 if inner > 0.0 else 1.1) * before.max()
+    mark_roughness(panels["c"], deepest)
+    panels["d"].set_ylim(0.0, highest)
     for key, name, words, unworn, rows in (
         ("b", "profile", f"{entry('profile').name} $f$", shape, shape + depths),
         ("c", "wear_depth", entry("wear_depth").name, 0.0 * r, depths),
@@ -219,11 +215,6 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         axes.plot(r, unworn, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
             axes.plot(r, row, **style)
-        axes.set_xlim(first, last)
-        if key == "c":
-            mark_roughness(axes, deepest)
-        elif key == "d":
-            axes.set_ylim(0.0, highest)
         label(axes, "r", name, words)
     if inner > 0.0:
         mark(panels["d"], inner, "stick-slip boundary")
@@ -259,7 +250,7 @@ def blocks_picture(run: Run) -> Figure:
         values = np.asarray(read(ends))
         # the volume grows from nothing, all others are those at the end of each block
         axes.plot(cycles, np.append(0.0 if name == "volume" else values[0], values), **style)
-        axes.set(xlim=(0.0, 1.02 * cycles[-1] or None), ylim=(0.0, None))
+        axes.set_ylim(0.0)
         label(axes, "cycles", name, entry(name).name)
     panels[2].legend()
     letters(panels)
@@ -281,7 +272,6 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     """
     figure = page(14.0, 7.0)
     left, right = panels = figure.subplots(1, 2)
-    dots: Style = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
     bars = np.nan_to_num(fit.deviation, posinf=0.0)
     best, low, high = fit.curve
     if np.all(np.isfinite(low)):
@@ -292,7 +282,8 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     right.axhline(0.0, **BEST)
     left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))
     for axes, known, words in ((left, 0.0, None), (right, fit.fitted, f"{points} less fitted")):
-        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, **dots)
+        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, fmt="o", color="k", markersize=3.5,
+                      elinewidth=0.8, capsize=2.0)  # fmt: skip
         axes.set_xlim(0.0, 1.1 * fit.cycles.max())
         label(axes, "cycles", "volume", words)
     letters(panels)

@@ -128,7 +128,6 @@ def _three_panels(
         axes.errorbar(z, 0.5 * (low + high), 0.5 * (high - low), fmt="none", ecolor="k", elinewidth=0.8,
                       capsize=2.0, label=f"allowed modulus{words}")  # fmt: skip
     mark(axes, radius, "$a_0$")
-    axes.set_xlim(depths[0], depths[-1])
     show_units(axes.xaxis, "depth", size=radius)
     show_units(axes.yaxis, "modulus", size=1e11)
     return figure, panels
@@ -146,6 +145,7 @@ def _draw_depths(
     axes: Axes, radii: Any, depths: Any, styles: Sequence[Style], end: str = r"$a_\infty$", words: str | None = None
 ) -> None:
     """Draw wear depths over the radii of rings, and the roughness of a ground surface; elsewhere nothing is worn."""
+    axes.margins(x=0.05)
     for r, depth, style in zip(radii, depths, styles, strict=True):
         axes.plot(r, depth, **style)
         for edge in filter(None, r[[0, -1]]):  # all of a punch, and after cycles, is drawn from the axis on
@@ -162,27 +162,21 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     (low, high), here, there = bounds[name], design.variables[name], design.reference_variables[name]
-    values = np.append((np.linspace if is_linear(name) else np.geomspace)(low, high, _POINTS), here)
-    values = np.unique(np.append(values, there) if low <= there <= high else values)
+    between = (np.linspace if is_linear(name) else np.geomspace)(low, high, _POINTS)
+    values = np.unique([*between, here, np.clip(there, low, high)])
     course = along(design, name, values)
     curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
-    kept, change = np.asarray(course.keeps_limits), -100.0 * design.saving
-    if not kept.all():
-        axes.plot(values, curve, label="breaks a limit", **FORBIDDEN)
-    axes.plot(values, np.where(kept, curve, np.nan), color="0.2")
+    axes.set(xscale="linear" if is_linear(name) else "log", xmargin=0.05, ymargin=0.2)
+    axes.plot(values, np.where(course.keeps_limits, curve, np.nan), color="0.2")
     axes.plot(there, 0.0, "s", color=REFERENCE["color"], **DOT)
-    axes.plot(here, change, "o", color=BLUE, **DOT)
+    axes.plot(here, -100.0 * design.saving, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
     axes.set_title(less(design.saving), loc="right")
-    # What breaks a limit may be far from all that counts, and is cut off there.
-    seen = [*curve[kept & np.isfinite(curve)], 0.0, change]  # some contacts may have no answer, as where they open
-    low, high = _widened(seen, 0.2 * np.ptp(seen))
-    shown = values[(low < curve) & (curve < high)]
+    low, high = axes.get_ylim()
+    if not np.all(course.keeps_limits):  # it may be far from all that counts, and is cut off there
+        seen = np.where((low < curve) & (curve < high), curve, np.nan)
+        axes.plot(values, seen, label="breaks a limit", **FORBIDDEN)
     axes.set_ylim(low, high)
-    if is_linear(name):
-        axes.set_xlim(*_widened([there, *shown], 0.05 * np.ptp(shown)))
-    else:
-        axes.set_xscale("log")
     others = "\nall else as in the best design" if len(bounds) > 1 else ""
     show_units(axes.xaxis, name, leaf(name).label)
     axes.set_xlabel(axes.get_xlabel() + others)
@@ -191,19 +185,14 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.set_ylabel(f"change of {f'mean {minimised.name}' if several else minimised.label} (%)")
 
 
-def _widened(values: Sequence[float], margin: float) -> tuple[float, float]:
-    """The least and the largest of some values, with a margin on both sides."""
-    return min(values) - margin, max(values) + margin
-
-
 @picture
 def front_picture(front: Front) -> Figure:
     """Draw the front, the best y for each x, beside the reference, and the variables along it.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
-    limit, or that no better one exists.
+    Designs that are not certified are hollow. Below stands what ends the front on both sides: a variable at its bound,
+    another limit, or that no better one exists.
 
     Args:
         front: The result of `optimise.front`.
@@ -214,34 +203,23 @@ def front_picture(front: Front) -> Figure:
     columns = {front.y_name: front.y, **front.variables}
     figure = page(7.0 * len(columns), 7.0)
     panels = figure.subplots(1, len(columns), sharex=True, squeeze=False)[0]
-    x, y = np.asarray(front.x), np.asarray(front.y)
     inside = np.where(front.certified, BLUE, "w")
     for axes, (name, values) in zip(panels, columns.items(), strict=True):
-        values = np.asarray(values)
-        axes.plot(x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
-        axes.scatter(x, values, s=12.0, color=inside, edgecolors=BLUE)
+        axes.plot(front.x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
+        axes.margins(x=0.05)
+        axes.scatter(front.x, values, s=12.0, color=inside, edgecolors=BLUE)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         show_units(axes.yaxis, name, leaf(name).label, size=np.max(values))
     letters(panels)
     axes = panels[0]
     axes.plot(front.reference_x, front.reference_y, "s", color=REFERENCE["color"], label="reference", **DOT)
-    for end, words in zip((0, -1), front.ends, strict=True):
-        above = (y[0] >= y[-1]) == (end == 0)  # the higher end has room above, the lower one below
-        axes.annotate(
-            words.replace(", ", "\n"),
-            (x[end], y[end]),
-            (0.0, 8.0 if above else -8.0),
-            textcoords="offset points",
-            ha="left" if (x[0] <= x[-1]) == (end == 0) else "right",
-            va="bottom" if above else "top",
-            color="0.3",
-        )
-    axes.set_ylim(0.0, 1.4 * axes.dataLim.y1)
+    axes.set_ylim(0.0, 1.1 * axes.dataLim.y1)
     legend_above(figure, axes, 2)
     for side, name, places in ((axes.yaxis, front.y_name, front.y_places), (axes.xaxis, front.x_name, front.x_places)):
         show_units(side, name, placed(name, places) if places else None)
-    figure.supxlabel(axes.get_xlabel(), fontsize="medium")
+    ended = (f"{best}: {end}" for best, end in zip(front.best, front.ends, strict=True))
+    figure.supxlabel("\n".join([axes.get_xlabel(), *ended]), fontsize="medium")
     axes.set_xlabel("")
     return figure
 

@@ -105,8 +105,7 @@ def map_picture(ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str,
     if variable.isnull().any():
         missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
-    equation = str(variable.attrs.get("equation", ""))
-    equation = f", Eq. ({equation})" if equation[:1].isdecimal() else ""
+    equation = f", Eq. ({variable.attrs['equation']})" if "equation" in variable.attrs else ""
     firm = [one.replace(" ", _FIRM) for one in told]  # no line ends between a symbol, its number and its unit
     lines = textwrap.wrap(", ".join([variable.attrs["label"] + equation, *firm]), 66, break_long_words=False)
     figure.suptitle("\n".join(lines).replace(_FIRM, " "), x=0.02, ha="left", fontsize="medium")
@@ -132,7 +131,7 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
         if axis not in dims:
             raise MapError(f"{one_line(axis)}: is no axis of {name}{near_or_all(axis, dims)}")
     variable = variable.isel({dim: _nearest(variable[dim], value) for dim, value in at.items()})
-    variable = variable.isel({dim: 0 for dim in variable.dims if np.all(variable[dim] == variable[dim][0])})
+    variable = variable.squeeze()
     if variable.ndim == 0:
         raise MapError(f"{name}: is a single number, {float(variable):g}; there is nothing to draw")
     if variable.ndim > 2:
@@ -173,9 +172,8 @@ def _axis_told(row: xr.DataArray) -> str:
 def _arranged(variable: xr.DataArray) -> list[Any]:
     """The vertical axis, or that with a curve for each value, then the horizontal one."""
     order = *_ACROSS, *variable.dims
-    names = sorted(variable.dims, key=lambda name: (_is_number(variable[name]), -order.index(name)))
-    few = [variable.sizes[name] <= _FEW for name in names]
-    return names[::-1] if few == [False, True] else names
+    rows = variable.coords
+    return sorted(variable.dims, key=lambda dim: (rows[dim].size > _FEW, _is_number(rows[dim]), -order.index(dim)))
 
 
 # --- words and units --------------------------------------------------------------------------------------------------
@@ -232,11 +230,10 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     return values
 
 
-def _cell_edges(axis: Any, values: np.ndarray) -> np.ndarray:
-    """Where the cells around the values end: halfway on the scale of the axis; the outer ones with the values."""
+def _between(axis: Any, values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The values of an axis at places counted from 0, also between them, on its scale; beyond the ends those."""
     scale = axis.get_transform()
-    u = scale.transform(values)
-    return np.concatenate([values[:1], scale.inverted().transform(0.5 * (u[1:] + u[:-1])), values[-1:]])
+    return scale.inverted().transform(np.interp(places, np.arange(values.size), scale.transform(values)))
 
 
 def _norm(variable: xr.DataArray) -> Normalize:
@@ -301,7 +298,7 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     beyond = "both" if relative or np.isinf(values).any() else "neither"
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
-    edges = _cell_edges(axes.xaxis, x), _cell_edges(axes.yaxis, y)
+    edges = (_between(axis, row, np.arange(row.size + 1) - 0.5) for axis, row in ((axes.xaxis, x), (axes.yaxis, y)))
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=22, extend=beyond)
     if not isinstance(norm, LogNorm | AsinhNorm):
@@ -319,6 +316,7 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 
+@np.errstate(all="ignore")
 def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray) -> list[Any]:
     """Draw the exponent of least wear for each amplitude, or the design of least wear, and where a little more is worn.
 
@@ -327,14 +325,11 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
     """
     (upwards, across), values = variable.dims, variable.fillna(np.inf).to_numpy().astype(float)
     if upwards == "k" and across in ("phi", "tangential_force"):
-        least, row = values.min(axis=0), values.argmin(axis=0)
-        middle = np.clip(row, 1, y.size - 2)
-        before, at, behind = (values[middle + step, np.arange(x.size)] for step in (-1, 0, 1))
-        with np.errstate(all="ignore"):
-            vertex = 0.5 * (before - behind) / (before - 2.0 * at + behind)
-        row_of = np.where((np.abs(vertex) < 1.0) & (before + behind > 2.0 * at), middle + vertex, row)
-        scale = axes.yaxis.get_transform()
-        best = scale.inverted().transform(np.interp(row_of, np.arange(y.size), scale.transform(y)))
+        row = values.argmin(axis=0)
+        near = np.clip(row + np.array([[-1], [0], [1]]), 0, y.size - 1)
+        before, least, behind = np.take_along_axis(values, near, axis=0)
+        vertex = 0.5 * (before - behind) / (before - 2.0 * least + behind)
+        best = _between(axes.yaxis, y, row + np.nan_to_num(vertex))
         best[np.isinf(least) | (least == values.max(axis=0))] = np.nan
         best[1:][np.abs(np.diff(row)) > 0.25 * y.size] = np.nan  # no step across where the other end wears less
         handles = axes.plot(x, best, label="least wear, $k^*$", clip_on=False, **_LEAST)
@@ -343,10 +338,9 @@ def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray
         handles = axes.plot(x[column], y[row], "*", label="least wear", **_STAR)
     else:
         return []
-    with np.errstate(all="ignore"):
-        more = np.ma.masked_invalid(values / least - 1.0)
+    more = np.ma.masked_invalid(values / least - 1.0)
     if more.count() and more.min() < _MORE < more.max():
-        style = {"colors": "w", "linewidths": 1.0, "linestyles": "dashed", "zorder": 4}
-        axes.contour(x, y, more, levels=[_MORE], **style).set_path_effects(_EDGE)
+        edge = axes.contour(x, y, more, levels=[_MORE], colors="w", linewidths=1.0, linestyles="dashed", zorder=4)
+        edge.set_path_effects(_EDGE)
         handles += axes.plot([], [], **_LEAST | {"linestyle": "--", "linewidth": 1.0, "label": "5 % more wear"})
     return handles

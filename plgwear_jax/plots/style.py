@@ -40,7 +40,7 @@ _Given = ParamSpec("_Given")
 
 def use_style() -> None:
     """Have matplotlib draw your own pictures in the style of those of this library, from now on."""
-    matplotlib.rcParams.update(STYLE)
+    matplotlib.rcParams.update(STYLE | {"axes.xmargin": 0.05})
 
 
 def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:

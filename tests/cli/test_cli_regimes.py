@@ -93,9 +93,8 @@ def test_the_picture_says_what_it_shows():
     left, right = figure.axes
     assert left.get_xlabel().startswith("displacement amplitude $u_x$ (")
     assert left.get_ylabel() == "normal force $F_N$ (N)"
-    assert {"partial slip", "gross slip"} <= {text.get_text() for text in left.texts}
     told = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert {"transition to gross slip, energy ratio 0.273", "load of the input file"} <= told
+    assert {"partial slip", "transition to gross slip, energy ratio 0.273", "load of the input file"} <= told
     assert [text.get_text() for text in right.texts] == ["0.2", "0.26", "transition"]
     of_rig = plots.regimes_picture(found, cut, rig_stiffness=1e7).axes[0]
     assert of_rig.get_xlabel().startswith("displacement amplitude of the rig (")
