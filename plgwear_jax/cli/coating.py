@@ -64,7 +64,7 @@ def coating(
     given.load.refuse_rest()
     if isinstance(given.material.nu, str):
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
-    report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
+    report = Report(scene_file, as_json, f"{table.stem}-coating", picture=picture, table=csv_file, scene=out)
     text = ""
     if out:
         named = given.load.table or given.load.history

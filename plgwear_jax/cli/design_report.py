@@ -10,7 +10,7 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.cli.question import amplitudes_told
-from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
+from plgwear_jax.cli.report import Column, Report, about, by_quantity, by_rows, counted, each_with_unit, fields
 from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
@@ -139,8 +139,7 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
     states = {name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()}
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
-    columns = (Column(one, [row[i] for row in rows], "", i != 1, i in (0, 3)) for i, one in enumerate(headings))
-    report.table(*columns, title="")
+    report.table(*by_rows(headings, rows, left=(0, 2, 3), wrap=(0, 3)), title="")
 
 
 def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
@@ -196,7 +195,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     times = forever.best_by_then / found.value
     report.say(
         f"{worn}, and the steady-state optimum, {_where(best.items())}, wears {least}",
-        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles the steady-state optimum wears less; "
+        f"beyond {about(flips_at)} cycles the steady-state optimum wears less; "
         f"after {counted(cycles)} it has worn {times:.3g} times as much",
     )
 
@@ -245,9 +244,8 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
         else:  # the best k is a result
             rows.append(["k of the reference" if source == "k" else source, *cells])
     headings = "input", "saving (points)", *(name if is_linear(name) else f"{name} (%)" for name in varied)
-    columns = (Column(heading, [row[i] for row in rows], left=i == 0) for i, heading in enumerate(headings))
     report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
-    report.table(*columns, title="")
+    report.table(*by_rows(headings, rows), title="")
     report.say(f"without effect: {', '.join(idle)}" if idle else None)
 
 

@@ -54,7 +54,7 @@ def front(
     positive("--distance", distance, "in m")
     given = given if y is None else given.minimising(given.traded("--y", y))
     given.traded("--x", x, distance)
-    report = Report(scene_file, as_json, picture, csv_file, kind="front")
+    report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
     with computing("looking for the best y for each x", one_question=True):
         import numpy as np
 

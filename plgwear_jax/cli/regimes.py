@@ -67,7 +67,7 @@ def regimes(
     forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
     positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness or given.load.rig_stiffness
-    report = Report(scene_file, as_json, picture, csv_file, kind="regimes")
+    report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)
     with computing("computing the loops", one_question=True):
         import numpy as np
 

@@ -7,7 +7,7 @@ import typer
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report
+from plgwear_jax.cli.report import Report, by_rows
 from plgwear_jax.cli.terminal import computing, message, refuse, warn
 
 
@@ -33,7 +33,7 @@ def solve(
     given = read_scene(scene_file)
     if picture and not given.load:
         refuse("--picture: stresses are those of a fretting contact")
-    report = Report(scene_file, as_json, picture)
+    report = Report(scene_file, as_json, picture=picture)
     with computing("computing the quantities", one_question=True):
         import numpy as np
 
@@ -63,9 +63,8 @@ def solve(
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    headings = "quantity", "value", "unit", "at r", "meaning"
-    columns = [Column(one, [row[i] for row in rows], "", i != 1, i == 4) for i, one in enumerate(headings)]
-    report.table(*(column for column in columns if column.heading != "at r" or any(column.cells)))
+    columns = by_rows(("quantity", "value", "unit", "at r", "meaning"), rows, left=(0, 2, 3, 4), wrap=(4,))
+    report.table(*(column for column in columns if any(column.cells)))
     if picture and given.load:
         contact: Any = given.build_contact()
         report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))
