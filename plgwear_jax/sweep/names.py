@@ -9,7 +9,7 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -37,9 +37,12 @@ from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.rules import OBJECTIVE, PLACES
 from plgwear_jax._core.units import text_cells
 from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Displacement, Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
+
+if TYPE_CHECKING:
+    from plgwear_jax.sweep.plan import SweepPlan
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
@@ -53,13 +56,13 @@ class AxisNames:
 
     Args:
         contact: The contact; None for the dimensionless functions.
-        load: A load that has numbers.
+        load: Its load, if it has one of its own.
 
     Attributes:
         paths: The path in the contact of each of its numbers, by all names that it has.
         own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
             has them.
-        load: The load.
+        held: The load, if it is the `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         of_load: The numbers of the load, None where it has none of its own.
         allowed: All names; elements of an array are one.
     """
@@ -68,7 +71,7 @@ class AxisNames:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
         self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self.load = dict[str, Any](), load
+        self.own, self.held = dict[str, Any](), None if load is None or load.lasts else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -84,61 +87,6 @@ class AxisNames:
         if isinstance(contact, FrettingContact):
             arguments = *reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES, "cycles", "wear_coefficient", "share"
         self.allowed += arguments
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class SweepTarget:
-    """The contact and its loads.
-
-    Attributes:
-        contact: The contact of which quantities are asked; None for the dimensionless functions.
-        known: The names of its numbers, and of those of its load.
-        load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
-        inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
-        holl: Poisson's ratio is Holl's, and so not a number.
-        amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
-            end; None without loads.
-        design: Further arguments of `optimise.designs`; None if no design can be asked for.
-        bounds: Of `optimal_exponent`.
-        digits: Correct digits wanted.
-    """
-
-    contact: FrettingContact | GrossSlipContact | None
-    known: AxisNames
-    load: Any
-    inputs: tuple[str, ...]
-    holl: bool
-    amplitudes: tuple[np.ndarray, np.ndarray] | None
-    design: Mapping[str, Any] | None
-    bounds: tuple[float, float]
-    digits: int | None
-
-    @property
-    def numeric(self) -> bool:
-        """The contact has no closed forms."""
-        return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
-
-    @property
-    def slow(self) -> bool:
-        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
-        return self.numeric or self.marched or self.for_life
-
-    @property
-    def for_life(self) -> bool:
-        """Designs are those of a life."""
-        return (self.design or {}).get("cycles") is not None
-
-    @property
-    def marched(self) -> bool:
-        """What is over cycles has the two digits of a march."""
-        return self.load is not None or "displacement" in self.inputs
-
-    def digits_of(self, name: str) -> str | None:
-        """The correct digits of a quantity by default; None if they are all that the dtype holds."""
-        head = name.split(".")[0]
-        if head == "transient" or (head == "design" and self.for_life):
-            return "2" if self.marched else "4"
-        return "4" if self.numeric else None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -194,7 +142,7 @@ def label_of(name: str) -> str:
 # --- names ----------------------------------------------------------------------------------------------------------
 
 
-def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
+def resolve(name: str, subject: "SweepPlan") -> SweepQuantity:
     """The quantity of this name.
 
     Raises:
@@ -207,7 +155,7 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
     return dataclasses.replace(asked, name=name)
 
 
-def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
+def _find(name: str, stem: str, subject: "SweepPlan") -> SweepQuantity:
     (head, _, tail), contact = stem.partition("."), subject.contact
     if head == ("optimal_exponent" if contact is None else "design"):
         return _of_optimum(name, head, tail, subject)
@@ -233,12 +181,12 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
         elif head in known and tail and not near(stem, known):
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
         raise QuantityError(f"{one_line(name)}: there is no such quantity{by}")
-    if subject.load is not None and needs_force(stem):
-        raise QuantityError(f"{stem}: {never_steady(subject.load)}")
+    if subject.known.held is not None and needs_force(stem):
+        raise QuantityError(f"{stem}: {never_steady(subject.known.held)}")
     return known[stem]
 
 
-def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
+def _functions(subject: "SweepPlan") -> dict[str, SweepQuantity]:
     """The dimensionless functions, by name and by that with their room."""
     found: dict[str, SweepQuantity] = {}
     for module, laws in (
@@ -263,7 +211,7 @@ def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
     return found
 
 
-def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
+def _of_contact(name: str, law: Law, subject: "SweepPlan") -> SweepQuantity:
     moved = "F_x" in law.arguments
     mean = moved and subject.amplitudes is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
@@ -292,7 +240,7 @@ def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     return SweepQuantity(name, needs, evaluate, law.unit, about, law.equation)
 
 
-def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
+def _differentiated(asked: SweepQuantity, by: str, subject: "SweepPlan") -> SweepQuantity:
     path, slopes = subject.known.paths.get(by, ""), _slopes_of(asked, subject)
     if not (by in slopes or (path and slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(slopes)}" if slopes else ""
@@ -324,7 +272,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
 # --- contacts and loads ---------------------------------------------------------------------------------------------
 
 
-def contact_at(subject: SweepTarget, values: Values) -> Any:
+def contact_at(subject: "SweepPlan", values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
     for name, value in values.items():
@@ -333,16 +281,15 @@ def contact_at(subject: SweepTarget, values: Values) -> Any:
     return contact
 
 
-def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
+def _load_at(subject: "SweepPlan", contact: Any, values: Values) -> tuple[Load, Any]:
     """The load, and the weights of its amplitudes along a last axis or None."""
-    factor = jnp.asarray(values.get("factor", 1.0))
+    factor = jnp.asarray(values.get("factor", 1.0), subject.dtype)
     if subject.amplitudes is not None:
-        dtype = jnp.asarray(values["normal_force"]).dtype
-        forces, weights = (jnp.asarray(each, dtype)[values["load_case"]] for each in subject.amplitudes)
-        return Force(factor.astype(dtype)[..., None] * forces), weights
+        forces, weights = (jnp.asarray(each, subject.dtype)[values["load_case"]] for each in subject.amplitudes)
+        return Force(factor[..., None] * forces), weights
     given = {name: values[name] for name in subject.inputs}
-    if subject.load is not None:
-        load = subject.load
+    load = subject.known.held
+    if load is not None:
         for name in given.keys() - {"factor"}:
             load = with_leaf(load, f"of{name.removeprefix('load')}", given[name])
         return load.with_amplitude(lambda amplitude: factor * amplitude), None
@@ -356,7 +303,7 @@ def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, 
 SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 
 
-def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
+def _slopes_of(asked: SweepQuantity, subject: "SweepPlan") -> list[str]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
     numbers = [name for name, value in subject.known.own.items() if not isinstance(value, str) and not np.ndim(value)]
     left_out = {"load_case", "nu"} if subject.holl else {"load_case"}
@@ -382,7 +329,7 @@ _EXPONENT = """
 _SMOOTH = "k", "wear_volume"
 
 
-def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> SweepQuantity:
+def _of_optimum(stem: str, head: str, field: str, subject: "SweepPlan") -> SweepQuantity:
     """A field of the best exponents or designs, which all come from one search."""
     given, objective = None if subject.contact is None else subject.design, ""
     if subject.contact is None:
