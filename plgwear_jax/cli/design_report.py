@@ -144,23 +144,15 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
 
 def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
-    limits, reached, names = [], [], []
+    limits, reached = [], []
     for limit in found.question.limits:
         if limit.name in conflict.allowed:
             said = limited[limit.name]
             best, allowed = (measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed))
             limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
             reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
-            names.append(said)
-    *first, last = limits
-    if not first:
-        return f"limits: {last} cannot be kept between the bounds of what varies: {reached[0]}"
-    if len(first) == 1:
-        pairs = zip(reversed(names), reached, strict=True)
-        told = "; ".join(f"with the {kept} kept, {best}" for kept, best in pairs)
-        return f"limits: {first[0]} and {last} cannot both be kept: {told}"
-    together = f"{', '.join(first)} and {last} cannot all be kept"
-    return f"limits: {together}: with the others kept, {', '.join(reached)}"
+    cannot = "together: with the others kept," if limits[1:] else "between the bounds of what varies:"
+    return f"limits: {' and '.join(limits)} cannot be kept {cannot} {', '.join(reached)}"
 
 
 def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:

@@ -115,13 +115,9 @@ def _computed(
     told = np.append(onset[2] * np.array(_SHARES), own)
     # Always as many, so that all files need the same program.
     between = np.linspace(0.0, max(2.5 * onset[2], 1.1 * told.max()), max(_CUT - told.size, 2))[1:]
-    columns = np.concatenate([np.geomspace(*moves, _AMPLITUDES), told, between])
-    order = np.argsort(columns, kind="stable")
-    whole = slip_regimes(contact, columns[order], np.append(rows, force), rig_stiffness=rig)
-    refuse_extremes(POSITIVE.contains(whole.energy_ratio).all(), "the loops exceed")
-    of_map = order < _AMPLITUDES
-    found = whole.part(np.arange(rows.size), np.flatnonzero(of_map))
-    return found, whole.part(np.array([rows.size]), np.flatnonzero(~of_map)), own
+    found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
+    refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
+    return found, slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig), own
 
 
 def _tell(
