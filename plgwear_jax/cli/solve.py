@@ -56,14 +56,13 @@ def solve(
             else:
                 value = quantity.edge_value
                 meaning += f"; unbounded at {quantity.unbounded_at}"
-        number, _, unit = measured(name, value).partition(" ")
-        rows.append([name, number, unit, place, meaning])
+        rows.append([name, measured(name, value), place, meaning])
     radius, onset = map(quantities.get, ("contact_radius", "gross_slip_displacement"))
     report.doubt(given, *(one and float(one.value) for one in (radius, onset)))
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    columns = by_rows(("quantity", "value", "unit", "at r", "meaning"), rows, left=(0, 2, 3, 4), wrap=(4,))
+    columns = by_rows(("quantity", "value", "at r", "meaning"), rows, left=(0, 2, 3), wrap=(3,))
     report.table(*(column for column in columns if any(column.cells)))
     if picture and given.load:
         contact: Any = given.build_contact()

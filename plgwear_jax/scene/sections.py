@@ -1,7 +1,7 @@
 """The sections of an input file, whose keys `keys` has checked: what does not go together is refused here."""
 
-import importlib
 import math
+import pkgutil
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
@@ -63,8 +63,7 @@ class Body(SimpleNamespace):
     def record(self, **others: Any) -> Any:
         """The record, with those fields that are told elsewhere. Imports JAX."""
         inner = {name: value.record() if isinstance(value, Body) else value for name, value in self.fields.items()}
-        module, _, name = self.record_name.rpartition(".")
-        return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
+        return pkgutil.resolve_name(f"plgwear_jax.{self.record_name}")(**inner | others)
 
 
 def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
@@ -163,8 +162,6 @@ class LoadSection(SimpleNamespace):
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
-        if self.file is None:
-            return not (self.tangential_force or self.displacement)
         return not (self.given * self.columns.get("weight", 1.0)).any()
 
     def refuse_rest(self) -> None:

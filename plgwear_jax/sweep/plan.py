@@ -299,11 +299,8 @@ def _told(value: Any) -> Any:
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     """The shape of chunks of at most so many points, of equal size and as square as possible."""
-    lengths, parts = np.array(shape), np.ones(len(shape), int)
-    while math.prod((sizes := -(-lengths // parts)).tolist()) > points:
-        longest = int(sizes.argmax())
-        parts[longest] = min(max(parts[longest] + 1, int(1.02 * parts[longest])), shape[longest])
-    return tuple(sizes.tolist())
+    parts = normalize_chunks("auto", tuple(shape), limit=points, dtype="u1")  # a byte for each point
+    return tuple(-(-length // len(part)) for length, part in zip(shape, parts, strict=True))
 
 
 def in_precision(dtype: Any) -> Any:
