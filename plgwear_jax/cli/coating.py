@@ -73,7 +73,7 @@ def coating(
         text = read_text(scene_file, "an input file is a TOML file", ValueError)
         if _MATERIAL.search(text) is None:
             refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
-    with computing("computing the contact", one_question=True):
+    with computing("computing the contact"):
         import dataclasses
 
         import numpy as np

@@ -34,7 +34,7 @@ def design(
     if sensitivities and space.scatter:
         refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
     report = Report(scene_file, as_json, f"{scene_file.stem}-design", picture=picture)
-    with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least", one_question=True):
+    with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least"):
         found: Any = given.free_design() if space.free else given.design()
     with working("comparing it with the reference"):
         from plgwear_jax.cli.design_report import tell_design, tell_freely

@@ -28,16 +28,10 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     question, comparison, objective = found.question, optimise.compared(found), found.objective
     words = {"edge_pressure": placed("edge_pressure", {"distance": comparison.distance})}
     if given.life:
-        words[objective] = f"{entry(objective).words} after {counted(given.life)} cycles"
-
-    def called(name: str) -> str:
-        return words.get(name) or entry(name).words
-
-    limited = {  # what each limit limits, at its place
-        one.name: placed(one.quantity, one.places) if one.places else called(one.quantity) for one in question.limits
-    }
+        words[objective] = f"{entry(objective).name} after {counted(given.life)} cycles"
+    limited = {one.name: placed(one.quantity, one.places) for one in question.limits}  # what each limit limits
     both = described(found, comparison)
-    lessened = called(objective).partition(", ")[0]
+    lessened = words.get(objective) or entry(objective).name
     verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
     conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"

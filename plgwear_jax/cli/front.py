@@ -55,7 +55,7 @@ def front(
     given = given if y is None else given.minimising(given.traded("--y", y))
     given.traded("--x", x, distance)
     report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
-    with computing("looking for the best y for each x", one_question=True):
+    with computing("looking for the best y for each x"):
         import numpy as np
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]

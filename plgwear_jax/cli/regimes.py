@@ -68,7 +68,7 @@ def regimes(
     positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness or given.load.rig_stiffness
     report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)
-    with computing("computing the loops", one_question=True):
+    with computing("computing the loops"):
         import numpy as np
 
         found, cut, own = _computed(given, moves, forces, rig)

@@ -34,7 +34,7 @@ def solve(
     if picture and not given.load:
         refuse("--picture: stresses are those of a fretting contact")
     report = Report(scene_file, as_json, picture=picture)
-    with computing("computing the quantities", one_question=True):
+    with computing("computing the quantities"):
         import numpy as np
 
         quantities, slides = given.solve(digits=digits), given.load and given.load.slides

@@ -8,6 +8,7 @@ import dataclasses
 import functools
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -254,11 +255,11 @@ class SweepPlan:
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
-        """A description of the sweep that can be compared with another and read by people."""
+        """A description of the sweep, as JSON gives it, that can be compared with another and read by people."""
         heads = {name.split(".")[0] for name in self.names}
         kinds = {name: type(getattr(self.contact, name, None)).__name__ for name in BODIES}
         rows = {name: value for name, value in self.known.own.items() if np.ndim(value)}
-        return _told(
+        told = json.dumps(
             {
                 "version": __version__,
                 "formulas": FORMULAS,
@@ -275,20 +276,18 @@ class SweepPlan:
                 "dtype": str(self.dtype),
                 "axes": [*self.axes],
                 "chunk": self.chunk,
-            }
+            },
+            default=_told,
         )
+        return json.loads(told)
 
 
 def _told(value: Any) -> Any:
-    """A value as JSON; a row of values in words, with a digest that differs for other values."""
+    """A record or array as JSON; a row of values in words, with a digest that differs for other values."""
     if dataclasses.is_dataclass(value):
-        value = vars(value)
-    if isinstance(value, Mapping):
-        return {name: _told(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [*map(_told, value)]
+        return vars(value)
     if not np.ndim(value):
-        return getattr(value, "item", lambda: value)()
+        return value.item()
     flat = np.ascontiguousarray(value, dtype=np.float64).ravel()
     digest = hashlib.sha256(flat.tobytes()).hexdigest()[:16]
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
