@@ -184,8 +184,8 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             if life:
                 after = f"{measured('volume', end['volume'])} after the life of {counted(life)} cycles"
                 report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
-            told = (f"{100.0 * share:g} % is worn after {about(shares[share])} cycles" for share in _REPORTED)
-            report.say(f"{held} {', '.join(told)}")
+            told = (f"{100.0 * share:g} % after {about(shares[share])} cycles" for share in _REPORTED)
+            report.say(f"{held} the wear reaches {', '.join(told)}")
     report.say(both)
     if until:
         ends = f": the largest wear depth is {measured('depth', worn['deepest_wear'])}" if steady or blocks else ""
