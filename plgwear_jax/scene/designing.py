@@ -11,7 +11,7 @@ from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_qu
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.asking import DesignSpace, edge_distance
+from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
@@ -138,7 +138,9 @@ def _limits_of(space: DesignSpace) -> dict[str, Any]:
     if not space.free:
         window = space.variables.get("modulus", window)
     if window is not None:
-        limits["modulus_at"] = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
+        own = [one for name, one in each_limit(limits) if name == "modulus_at"]
+        at_depths = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
+        limits["modulus_at"] = own + at_depths
     return limits
 
 

@@ -260,6 +260,13 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     other = vars(given.front(x="penetration", y="edge_pressure", larger="y"))
     assert (other["x"], other["minimise"], other["larger"]) == ({"penetration": {}}, x, "y")
     assert other["limits"] == pressure
+    # A window is two limits of the modulus, beside those that stand there as such.
+    window = "modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [70e9, 300e9]] }"
+    text = changed(
+        SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ modulus_at = {{ below = 3e11, z = 1e-4 }}, {window} }}\n")
+    )
+    ends = [{"z": 1e-5, "between": [60e9, 400e9]}, {"z": 1e-3, "between": [70e9, 300e9]}]
+    assert read(text).arguments()["limits"] == {"modulus_at": [{"below": 3e11, "z": 1e-4}, *ends]}
     near, far = ({"below": 5e8, "distance": distance} for distance in (1e-6, 2e-6))
     both = ", ".join(f"{{ below = 5e8, distance = {at['distance']} }}" for at in (near, far))
     several = read(changed(SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ pressure = [{both}] }}\n")))
