@@ -242,19 +242,17 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     """The best free gradient next to the best power law and the reference; returns what `tell_design` does."""
     assert given.load is not None
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
-    contacts, widest, verdict = (
-        (found.contact, found.power_law, found.reference),
-        found.contact_radii[0],
-        _free_verdict(found),
-    )
+    contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
+    verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
+    sides = {"best": "free gradient", "power_law": f"power law, k = {found.exponent:.3g}", "reference": "reference"}
     counts, at = coating.where_it_counts(found.contact, force), np.asarray(profile.at)
     rings = [coating.worn(contact, force) for contact in contacts]
     worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
     depths = np.geomspace(min(0.5 * at[at > 0.0][0], 0.03 * widest), max(2.0 * at[-1], 3.0 * widest), 300)
     curves = [depths, *(contact.material.modulus_at(depths) for contact in contacts)]
     moduli = found.modulus, found.power_law.material.modulus, found.reference.material.modulus_at(at)
-    load, sides = amplitudes_told(given, found.objective), ("best", "power_law", "reference")
     values = found.value, found.power_law_value, found.reference_value
+    compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.put(
         {"value": objective.unit, "contact_radius": entry("contact_radius").unit},
         load=load,
@@ -273,14 +271,12 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         where_it_counts=dict(zip(("depth", "dlogV_dlogE_per_decade"), counts, strict=True)),
     )
     report.say(load)
-    headings = "free gradient", "power law", "reference"
-    compared = {found.objective: values, "contact_radius": found.contact_radii}
-    report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = np.stack([profile.lower, profile.upper], 1)
+    report.table(*by_quantity([*sides.values()], compared))
+    allowed = (measured("modulus", ends) for ends in zip(profile.lower, profile.upper, strict=True))
     report.table(
         each_with_unit("depth", at),
-        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, headings, strict=True)),
-        Column("allowed", [measured("modulus", between) for between in ends]),
+        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, sides.values(), strict=True)),
+        Column("allowed", [*allowed]),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Table
 
 
-def arguments_of(given: "Scene", places: Mapping[str, float] | None = None) -> dict[str, Any]:
+def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = None) -> dict[str, Any]:
     """The arguments of `optimise.design`, or those of a front whose x is at these places.
 
     Refused is a distance from the stick-slip boundary that is larger than the stick radius of the reference.

@@ -9,7 +9,7 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -37,12 +37,9 @@ from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.rules import OBJECTIVE, PLACES
 from plgwear_jax._core.units import text_cells
 from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
-from plgwear_jax.contact import FrettingContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import Displacement, Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
-
-if TYPE_CHECKING:
-    from plgwear_jax.sweep.plan import SweepPlan
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
@@ -71,7 +68,7 @@ class AxisNames:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
         self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self.held = dict[str, Any](), None if load is None or load.lasts else load
+        self.own, self.held = dict[str, Any](), None if getattr(load, "lasts", True) else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -87,6 +84,66 @@ class AxisNames:
         if isinstance(contact, FrettingContact):
             arguments = *reversed(AMPLITUDES), "rig_stiffness", "factor", *PLACES, "cycles", "wear_coefficient", "share"
         self.allowed += arguments
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class SweepTarget:
+    """The contact and its loads.
+
+    Attributes:
+        contact: The contact of which quantities are asked; None for the dimensionless functions.
+        known: The names of its numbers, and of those of its load.
+        inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
+        amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
+            end; None without loads.
+        design: Further arguments of `optimise.designs`; None if no design can be asked for.
+        bounds: Of `optimal_exponent`.
+        digits: Correct digits wanted.
+        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
+        dtype: float64 or float32.
+    """
+
+    contact: FrettingContact | GrossSlipContact | None
+    known: AxisNames
+    inputs: tuple[str, ...]
+    amplitudes: tuple[np.ndarray, np.ndarray] | None
+    design: Mapping[str, Any] | None
+    bounds: tuple[float, float]
+    digits: int | None
+    fixed: Mapping[str, Any]
+    dtype: np.dtype
+
+    @property
+    def holl(self) -> bool:
+        """Poisson's ratio is Holl's, and so not a number."""
+        return any(isinstance(value, str) for value in self.fixed.values())
+
+    @property
+    def numeric(self) -> bool:
+        """The contact has no closed forms."""
+        return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
+
+    @property
+    def for_life(self) -> bool:
+        """Designs are those of a life."""
+        return (self.design or {}).get("cycles") is not None
+
+    @property
+    def marched(self) -> bool:
+        """What is over cycles has the two digits of a march."""
+        return self.known.held is not None or "displacement" in self.inputs
+
+    @property
+    def slow(self) -> bool:
+        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
+        return self.numeric or self.marched or self.for_life
+
+    def digits_of(self, name: str) -> str:
+        """The correct digits of a quantity."""
+        head = name.split(".")[0]
+        lasts = head == "transient" or (head == "design" and self.for_life)
+        usual = ("2" if self.marched else "4") if lasts else "4" if self.numeric else f"all of {self.dtype}"
+        return str(self.digits or usual)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -142,7 +199,7 @@ def label_of(name: str) -> str:
 # --- names ----------------------------------------------------------------------------------------------------------
 
 
-def resolve(name: str, subject: "SweepPlan") -> SweepQuantity:
+def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
     """The quantity of this name.
 
     Raises:
@@ -155,7 +212,7 @@ def resolve(name: str, subject: "SweepPlan") -> SweepQuantity:
     return dataclasses.replace(asked, name=name)
 
 
-def _find(name: str, stem: str, subject: "SweepPlan") -> SweepQuantity:
+def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     (head, _, tail), contact = stem.partition("."), subject.contact
     if head == ("optimal_exponent" if contact is None else "design"):
         return _of_optimum(name, head, tail, subject)
@@ -186,7 +243,7 @@ def _find(name: str, stem: str, subject: "SweepPlan") -> SweepQuantity:
     return known[stem]
 
 
-def _functions(subject: "SweepPlan") -> dict[str, SweepQuantity]:
+def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
     """The dimensionless functions, by name and by that with their room."""
     found: dict[str, SweepQuantity] = {}
     for module, laws in (
@@ -211,7 +268,7 @@ def _functions(subject: "SweepPlan") -> dict[str, SweepQuantity]:
     return found
 
 
-def _of_contact(name: str, law: Law, subject: "SweepPlan") -> SweepQuantity:
+def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     moved = "F_x" in law.arguments
     mean = moved and subject.amplitudes is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
@@ -240,7 +297,7 @@ def _of_contact(name: str, law: Law, subject: "SweepPlan") -> SweepQuantity:
     return SweepQuantity(name, needs, evaluate, law.unit, about, law.equation)
 
 
-def _differentiated(asked: SweepQuantity, by: str, subject: "SweepPlan") -> SweepQuantity:
+def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
     path, slopes = subject.known.paths.get(by, ""), _slopes_of(asked, subject)
     if not (by in slopes or (path and slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(slopes)}" if slopes else ""
@@ -272,7 +329,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: "SweepPlan") -> Swee
 # --- contacts and loads ---------------------------------------------------------------------------------------------
 
 
-def contact_at(subject: "SweepPlan", values: Values) -> Any:
+def contact_at(subject: SweepTarget, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
     for name, value in values.items():
@@ -281,7 +338,7 @@ def contact_at(subject: "SweepPlan", values: Values) -> Any:
     return contact
 
 
-def _load_at(subject: "SweepPlan", contact: Any, values: Values) -> tuple[Load, Any]:
+def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
     """The load, and the weights of its amplitudes along a last axis or None."""
     factor = jnp.asarray(values.get("factor", 1.0), subject.dtype)
     if subject.amplitudes is not None:
@@ -303,7 +360,7 @@ def _load_at(subject: "SweepPlan", contact: Any, values: Values) -> tuple[Load, 
 SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 
 
-def _slopes_of(asked: SweepQuantity, subject: "SweepPlan") -> list[str]:
+def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
     numbers = [name for name, value in subject.known.own.items() if not isinstance(value, str) and not np.ndim(value)]
     left_out = {"load_case", "nu"} if subject.holl else {"load_case"}
@@ -329,7 +386,7 @@ _EXPONENT = """
 _SMOOTH = "k", "wear_volume"
 
 
-def _of_optimum(stem: str, head: str, field: str, subject: "SweepPlan") -> SweepQuantity:
+def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> SweepQuantity:
     """A field of the best exponents or designs, which all come from one search."""
     given, objective = None if subject.contact is None else subject.design, ""
     if subject.contact is None:

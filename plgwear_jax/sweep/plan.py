@@ -26,11 +26,10 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from plgwear_jax._core.catalogue import BODIES, leaf
 from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
-    AxisNames,
     SweepQuantity,
+    SweepTarget,
     axis_unit,
     label_of,
     resolve,
@@ -43,76 +42,25 @@ LOAD = "load_case"
 FORMULAS = 2
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class SweepPlan:
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class SweepPlan(SweepTarget):
     """Everything that determines the content of a sweep, whoever computes it.
 
     Attributes:
-        contact: The contact of which quantities are asked; None for the dimensionless functions.
-        known: The names of its numbers, and of those of its load.
-        inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
-        amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
-            end; None without loads.
-        design: Further arguments of `optimise.designs`; None if no design can be asked for.
-        bounds: Of `optimal_exponent`.
-        digits: Correct digits wanted.
         names: The quantities.
         axes: The values along each axis; of loads their row numbers.
-        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
         loads: The names of the loads, if these are an axis.
-        dtype: float64 or float32.
         most: The most points of a chunk; None for the default.
     """
 
-    contact: FrettingContact | GrossSlipContact | None
-    known: AxisNames
-    inputs: tuple[str, ...]
-    amplitudes: tuple[np.ndarray, np.ndarray] | None
-    design: Mapping[str, Any] | None
-    bounds: tuple[float, float]
-    digits: int | None
     names: tuple[str, ...]
     axes: Mapping[str, np.ndarray]
-    fixed: Mapping[str, Any]
     loads: tuple[str, ...]
-    dtype: np.dtype
     most: int | None
 
     def __getstate__(self) -> dict[str, Any]:
         # sent to other processes: the fields, not the cached functions, which each process makes itself
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-
-    @property
-    def holl(self) -> bool:
-        """Poisson's ratio is Holl's, and so not a number."""
-        return any(isinstance(value, str) for value in self.fixed.values())
-
-    @property
-    def numeric(self) -> bool:
-        """The contact has no closed forms."""
-        return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
-
-    @property
-    def for_life(self) -> bool:
-        """Designs are those of a life."""
-        return (self.design or {}).get("cycles") is not None
-
-    @property
-    def marched(self) -> bool:
-        """What is over cycles has the two digits of a march."""
-        return self.known.held is not None or "displacement" in self.inputs
-
-    @property
-    def slow(self) -> bool:
-        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
-        return self.numeric or self.marched or self.for_life
-
-    def digits_of(self, name: str) -> str:
-        """The correct digits of a quantity."""
-        head = name.split(".")[0]
-        lasts = head == "transient" or (head == "design" and self.for_life)
-        usual = ("2" if self.marched else "4") if lasts else "4" if self.numeric else f"all of {self.dtype}"
-        return str(self.digits or usual)
 
     @functools.cached_property
     def shape(self) -> tuple[int, ...]:
