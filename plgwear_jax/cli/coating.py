@@ -64,7 +64,7 @@ def coating(
     given.load.refuse_rest()
     if isinstance(given.material.nu, str):
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
-    report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
+    report = Report(scene_file, as_json, f"{table.stem}-coating", picture=picture, table=csv_file, scene=out)
     text = ""
     if out:
         named = given.load.table or given.load.history
@@ -73,7 +73,7 @@ def coating(
         text = read_text(scene_file, "an input file is a TOML file", ValueError)
         if _MATERIAL.search(text) is None:
             refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
-    with computing("computing the contact", one_question=True):
+    with computing("computing the contact"):
         import dataclasses
 
         import numpy as np
@@ -119,16 +119,20 @@ def coating(
 def _section(fit: "PowerLawFit", name: str) -> str:
     """The section [material] of the power law."""
     law: Any = fit.material
-    low, high = fit.exponent_interval
-    within = f"  # {low:.3g} to {high:.3g} with 95 % confidence" if low == low else ""  # not NaN
+    within = _within("k", fit.exponent_interval)
     return f"""\
 [material]                          # a power law fitted to {name}
 E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
 z0 = {float(law.z0):.6g}  # m, the contact radius on E(z) as measured
-k = {float(law.k):.6g}{within}
+k = {float(law.k):.6g}{within and f"  #{within}"}
 nu = {float(law.nu):.6g}  # Poisson's ratio
 
 """
+
+
+def _within(name: str, interval: tuple[float, float]) -> str:
+    """An interval of confidence; empty if the data tell none."""
+    return "" if interval[0] != interval[0] else f" ({measured(name, interval)} with 95 % confidence)"
 
 
 def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:
@@ -154,14 +158,10 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         title=name,
         more="rows",
     )
-    (k_low, k_high), (E_low, E_high) = fit.exponent_interval, fit.modulus_interval
-    k_within = E_within = correlation = ""
-    if k_low == k_low:  # not NaN
-        k_within = f" ({k_low:.3g} to {k_high:.3g} with 95 % confidence)"
-        E_within = f" ({measured('E0', E_low)} to {measured('E0', E_high)})"
-        variance = np.diag(fit.covariance)
-        correlated = fit.covariance[0, 1] / np.sqrt(variance[0] * variance[1]) if variance.all() else 0.0
-        correlation = f"; correlation of k and log E0: {correlated:.2g}"
+    k_within, E_within = _within("k", fit.exponent_interval), _within("E0", fit.modulus_interval)
+    (variance, covariance), (_, other) = fit.covariance
+    correlated = covariance / np.sqrt(variance * other) if variance else 0.0
+    correlation = f"; correlation of k and log E0: {correlated:.2g}" if k_within else ""
     E0, z0 = (f"{name} = {measured(name, law[name])}" for name in ("E0", "z0"))
     felt = measured("depth", fit.felt)
     report.say(

@@ -33,8 +33,8 @@ def design(
         refuse(f"{scene_file}: [load]: {text}; in Python, scene.load(file).free_design() finds it")
     if sensitivities and space.scatter:
         refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
-    report = Report(scene_file, as_json, picture, kind="design")
-    with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least", one_question=True):
+    report = Report(scene_file, as_json, f"{scene_file.stem}-design", picture=picture)
+    with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least"):
         found: Any = given.free_design() if space.free else given.design()
     with working("comparing it with the reference"):
         from plgwear_jax.cli.design_report import tell_design, tell_freely

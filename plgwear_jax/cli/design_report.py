@@ -10,7 +10,7 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.cli.question import amplitudes_told
-from plgwear_jax.cli.report import Column, Report, by_quantity, counted, each_with_unit, fields
+from plgwear_jax.cli.report import Column, Report, about, by_quantity, by_rows, counted, each_with_unit, fields
 from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
@@ -28,16 +28,10 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     question, comparison, objective = found.question, optimise.compared(found), found.objective
     words = {"edge_pressure": placed("edge_pressure", {"distance": comparison.distance})}
     if given.life:
-        words[objective] = f"{entry(objective).words} after {counted(given.life)} cycles"
-
-    def called(name: str) -> str:
-        return words.get(name) or entry(name).words
-
-    limited = {  # what each limit limits, at its place
-        one.name: placed(one.quantity, one.places) if one.places else called(one.quantity) for one in question.limits
-    }
+        words[objective] = f"{entry(objective).name} after {counted(given.life)} cycles"
+    limited = {one.name: placed(one.quantity, one.places) for one in question.limits}  # what each limit limits
     both = described(found, comparison)
-    lessened = called(objective).partition(", ")[0]
+    lessened = words.get(objective) or entry(objective).name
     verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
     conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
@@ -139,29 +133,20 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
     states = {name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()}
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
-    columns = (Column(one, [row[i] for row in rows], "", i != 1, i in (0, 3)) for i, one in enumerate(headings))
-    report.table(*columns, title="")
+    report.table(*by_rows(headings, rows, left=(0, 2, 3), wrap=(0, 3)), title="")
 
 
 def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
-    limits, reached, names = [], [], []
+    limits, reached = [], []
     for limit in found.question.limits:
         if limit.name in conflict.allowed:
             said = limited[limit.name]
             best, allowed = (measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed))
             limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
             reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
-            names.append(said)
-    *first, last = limits
-    if not first:
-        return f"limits: {last} cannot be kept between the bounds of what varies: {reached[0]}"
-    if len(first) == 1:
-        pairs = zip(reversed(names), reached, strict=True)
-        told = "; ".join(f"with the {kept} kept, {best}" for kept, best in pairs)
-        return f"limits: {first[0]} and {last} cannot both be kept: {told}"
-    together = f"{', '.join(first)} and {last} cannot all be kept"
-    return f"limits: {together}: with the others kept, {', '.join(reached)}"
+    cannot = "together: with the others kept," if limits[1:] else "between the bounds of what varies:"
+    return f"limits: {' and '.join(limits)} cannot be kept {cannot} {', '.join(reached)}"
 
 
 def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
@@ -196,7 +181,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     times = forever.best_by_then / found.value
     report.say(
         f"{worn}, and the steady-state optimum, {_where(best.items())}, wears {least}",
-        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles the steady-state optimum wears less; "
+        f"beyond {about(flips_at)} cycles the steady-state optimum wears less; "
         f"after {counted(cycles)} it has worn {times:.3g} times as much",
     )
 
@@ -245,9 +230,8 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
         else:  # the best k is a result
             rows.append(["k of the reference" if source == "k" else source, *cells])
     headings = "input", "saving (points)", *(name if is_linear(name) else f"{name} (%)" for name in varied)
-    columns = (Column(heading, [row[i] for row in rows], left=i == 0) for i, heading in enumerate(headings))
     report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
-    report.table(*columns, title="")
+    report.table(*by_rows(headings, rows), title="")
     report.say(f"without effect: {', '.join(idle)}" if idle else None)
 
 
@@ -258,19 +242,17 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     """The best free gradient next to the best power law and the reference; returns what `tell_design` does."""
     assert given.load is not None
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
-    contacts, widest, verdict = (
-        (found.contact, found.power_law, found.reference),
-        found.contact_radii[0],
-        _free_verdict(found),
-    )
+    contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
+    verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
+    sides = {"best": "free gradient", "power_law": f"power law, k = {found.exponent:.3g}", "reference": "reference"}
     counts, at = coating.where_it_counts(found.contact, force), np.asarray(profile.at)
     rings = [coating.worn(contact, force) for contact in contacts]
     worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
     depths = np.geomspace(min(0.5 * at[at > 0.0][0], 0.03 * widest), max(2.0 * at[-1], 3.0 * widest), 300)
     curves = [depths, *(contact.material.modulus_at(depths) for contact in contacts)]
     moduli = found.modulus, found.power_law.material.modulus, found.reference.material.modulus_at(at)
-    load, sides = amplitudes_told(given, found.objective), ("best", "power_law", "reference")
     values = found.value, found.power_law_value, found.reference_value
+    compared = {found.objective: values, "contact_radius": found.contact_radii}
     report.put(
         {"value": objective.unit, "contact_radius": entry("contact_radius").unit},
         load=load,
@@ -289,14 +271,12 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         where_it_counts=dict(zip(("depth", "dlogV_dlogE_per_decade"), counts, strict=True)),
     )
     report.say(load)
-    headings = "free gradient", "power law", "reference"
-    compared = {found.objective: values, "contact_radius": found.contact_radii}
-    report.table(*by_quantity((headings[0], f"power law, k = {found.exponent:.3g}", headings[2]), compared))
-    ends = np.stack([profile.lower, profile.upper], 1)
+    report.table(*by_quantity([*sides.values()], compared))
+    allowed = (measured("modulus", ends) for ends in zip(profile.lower, profile.upper, strict=True))
     report.table(
         each_with_unit("depth", at),
-        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, headings, strict=True)),
-        Column("allowed", [measured("modulus", between) for between in ends]),
+        *(each_with_unit("modulus", row, name) for row, name in zip(moduli, sides.values(), strict=True)),
+        Column("allowed", [*allowed]),
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )

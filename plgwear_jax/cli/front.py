@@ -54,8 +54,8 @@ def front(
     positive("--distance", distance, "in m")
     given = given if y is None else given.minimising(given.traded("--y", y))
     given.traded("--x", x, distance)
-    report = Report(scene_file, as_json, picture, csv_file, kind="front")
-    with computing("looking for the best y for each x", one_question=True):
+    report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
+    with computing("looking for the best y for each x"):
         import numpy as np
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]

@@ -67,8 +67,8 @@ def regimes(
     forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
     positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness or given.load.rig_stiffness
-    report = Report(scene_file, as_json, picture, csv_file, kind="regimes")
-    with computing("computing the loops", one_question=True):
+    report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)
+    with computing("computing the loops"):
         import numpy as np
 
         found, cut, own = _computed(given, moves, forces, rig)
@@ -115,13 +115,9 @@ def _computed(
     told = np.append(onset[2] * np.array(_SHARES), own)
     # Always as many, so that all files need the same program.
     between = np.linspace(0.0, max(2.5 * onset[2], 1.1 * told.max()), max(_CUT - told.size, 2))[1:]
-    columns = np.concatenate([np.geomspace(*moves, _AMPLITUDES), told, between])
-    order = np.argsort(columns, kind="stable")
-    whole = slip_regimes(contact, columns[order], np.append(rows, force), rig_stiffness=rig)
-    refuse_extremes(POSITIVE.contains(whole.energy_ratio).all(), "the loops exceed")
-    of_map = order < _AMPLITUDES
-    found = whole.part(np.arange(rows.size), np.flatnonzero(of_map))
-    return found, whole.part(np.array([rows.size]), np.flatnonzero(~of_map)), own
+    found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
+    refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
+    return found, slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig), own
 
 
 def _tell(

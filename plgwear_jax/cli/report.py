@@ -56,6 +56,11 @@ def counted(cycles: float) -> str:
     return f"{cycles:,.0f}" if 10.0 <= cycles < 1e10 else f"{cycles:.3g}"
 
 
+def about(cycles: float) -> str:
+    """A number of cycles to as many digits as a run has."""
+    return counted(float(f"{cycles:.3g}"))
+
+
 def rounded(number: float) -> str:
     """A number without a unit in readable form."""
     return f"{number:.4g}" if abs(number) >= 1e-3 else f"{number:.1e}" if number else "0"
@@ -74,32 +79,28 @@ def each_with_unit(
     return Column(heading or entry(name).name, cells, "" if end is None else measured(name, end), wrap=wrap)
 
 
-def shared(
-    name: str,
-    values: "np.ndarray",
-    heading: str | None = None,
-    *,
-    end: float | None = None,
-    size: float | None = None,
-    number: str = "",
-) -> Column:
-    """A column of values of a quantity, all in one unit, which ends the heading.
+def shared(name: str, values: "np.ndarray", end: float | None = None, heading: str | None = None) -> Column:
+    """A column of values of a quantity, all in the unit that suits the largest one and ends the heading.
 
     Args:
         name: The quantity.
         values: Its values in the SI unit, shape (n,).
-        heading: Replaces the name of the quantity in two lines.
         end: Another value, in the last row.
-        size: The unit has the prefix that suits this number; by default the largest value.
-        number: How numbers are formatted, such as "+.2g".
+        heading: Replaces the name of the quantity in two lines.
     """
-    if size is None:
-        size = max(float(values.max()), end or 0.0)
-    factor, unit = readable(size, entry(name).unit)
+    factor, unit = readable(max(float(values.max()), end or 0.0), entry(name).unit)
     heading = heading or entry(name).name.replace(" ", "\n", 1)
-    cells = [f"{value:{number}}" if number else rounded(value) for value in (values / factor).tolist()]
     below = "" if end is None else rounded(end / factor)
+    cells = [*map(rounded, (values / factor).tolist())]
     return Column(f"{heading}\n{unit}" if "\n" in heading else f"{heading} ({unit})", cells, below)
+
+
+def by_rows(
+    headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,), wrap: Sequence[int] = (0,)
+) -> list[Column]:
+    """The columns of a table from its rows; `left` are those for words, of which some may `wrap`."""
+    columns = enumerate(zip(headings, zip(*rows, strict=True), strict=False))  # there may be no rows
+    return [Column(heading, cells, "", place in left, place in wrap) for place, (heading, cells) in columns]
 
 
 def by_quantity(headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] = {}) -> list[Column]:
@@ -110,9 +111,8 @@ def by_quantity(headings: Sequence[str], rows: Mapping[str, Any], words: Mapping
         rows: For the name of each quantity a value per heading.
         words: Replacements of the catalogue's words, by the name of the quantity.
     """
-    cells = [measures(values, name) for name, values in rows.items()]
-    named = Column("", [words.get(name) or entry(name).words for name in rows], left=True, wrap=True)
-    return [named, *(Column(heading, [row[i] for row in cells]) for i, heading in enumerate(headings))]
+    cells = ((words.get(name) or entry(name).words, *measures(values, name)) for name, values in rows.items())
+    return by_rows(("", *headings), cells)
 
 
 class Report:
@@ -121,34 +121,23 @@ class Report:
     Args:
         scene_file: The scene, whose name is the title of tables.
         as_json: Whether to print one JSON object instead of words.
-        picture: The file for a picture, if one will be drawn.
-        table: A .csv file to be written, if any.
-        scene: A .toml file to be written, if any.
-        kind: What the picture shows, by which it is named if it has no name.
+        named: The name of the picture, if one will be drawn that has no other.
+        targets: The files to be written, if any: a `picture`, a `table` in CSV, and a `scene` in TOML.
 
     Raises:
         TargetError: One of the files cannot be written.
     """
 
-    def __init__(
-        self,
-        scene_file: Path,
-        as_json: bool,
-        picture: Path | None = None,
-        table: Path | None = None,
-        scene: Path | None = None,
-        kind: str = "",
-    ) -> None:
+    def __init__(self, scene_file: Path, as_json: bool, named: str = "", **targets: Path | None) -> None:
         self.scene = str(scene_file)
         self._as_json, self._words = as_json, list[Any]()
         self._found: dict[str, Any] = {"scene": self.scene}
         self._units: dict[str, str] = {}
-        if kind:
-            picture = picture or Path(f"{scene_file.stem}-{kind}.png")
-        self._files = {"picture": picture, "table": table, "scene": scene}
-        for file, suffixes in zip(self._files.values(), (files.PICTURES, (".csv",), (".toml",)), strict=True):
-            if file:
-                files.check_target(file, suffixes)
+        if named:
+            targets["picture"] = targets["picture"] or Path(f"{named}.png")
+        self._files = {what: file for what, file in targets.items() if file}
+        for what, file in self._files.items():
+            files.check_target(file, {"table": (".csv",), "scene": (".toml",)}.get(what, files.PICTURES))
 
     def put(self, units: Mapping[str, str] = {}, /, **facts: Any) -> None:
         """Add results in SI units to the JSON object; their units are those of the catalogue, or `units`."""
@@ -222,23 +211,21 @@ class Report:
 
     def write_table(self, columns: "Mapping[str, np.ndarray]") -> None:
         """Write the .csv file, if the command was given one: names of the columns, and rows in SI units."""
-        if file := self._files["table"]:
-            files.write_table(file, columns)
+        if "table" in self._files:
+            files.write_table(self._files["table"], columns)
 
     def end(self) -> None:
         """Print the words, and the names of the files that were written, or with --json the object."""
-        written = {kind: str(file) for kind, file in self._files.items() if file}
         if self._as_json:
             found = self._found | ({"units": self._units} if self._units else {})
-            if "picture" in written:
-                found["picture"] = written["picture"]
+            found |= {what: str(file) for what, file in self._files.items() if what == "picture"}
             # A number that is not finite becomes null.
             finite = json.loads(json.dumps(found, default=lambda array: array.tolist()), parse_constant=lambda _: None)
             typer.echo(json.dumps(finite))
             return
         from rich.console import Console
 
-        for one in (*self._words, *(f"{kind}: {one_line(file)}" for kind, file in written.items())):
+        for one in (*self._words, *(f"{what}: {one_line(str(file))}" for what, file in self._files.items())):
             if isinstance(one, str):
                 typer.echo(one)
             else:

@@ -7,7 +7,7 @@ import typer
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report
+from plgwear_jax.cli.report import Report, by_rows
 from plgwear_jax.cli.terminal import computing, message, refuse, warn
 
 
@@ -33,8 +33,8 @@ def solve(
     given = read_scene(scene_file)
     if picture and not given.load:
         refuse("--picture: stresses are those of a fretting contact")
-    report = Report(scene_file, as_json, picture)
-    with computing("computing the quantities", one_question=True):
+    report = Report(scene_file, as_json, picture=picture)
+    with computing("computing the quantities"):
         import numpy as np
 
         quantities, slides = given.solve(digits=digits), given.load and given.load.slides
@@ -56,16 +56,14 @@ def solve(
             else:
                 value = quantity.edge_value
                 meaning += f"; unbounded at {quantity.unbounded_at}"
-        number, _, unit = measured(name, value).partition(" ")
-        rows.append([name, number, unit, place, meaning])
+        rows.append([name, measured(name, value), place, meaning])
     radius, onset = map(quantities.get, ("contact_radius", "gross_slip_displacement"))
     report.doubt(given, *(one and float(one.value) for one in (radius, onset)))
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    headings = "quantity", "value", "unit", "at r", "meaning"
-    columns = [Column(one, [row[i] for row in rows], "", i != 1, i == 4) for i, one in enumerate(headings)]
-    report.table(*(column for column in columns if column.heading != "at r" or any(column.cells)))
+    columns = by_rows(("quantity", "value", "at r", "meaning"), rows, left=(0, 2, 3), wrap=(3,))
+    report.table(*(column for column in columns if any(column.cells)))
     if picture and given.load:
         contact: Any = given.build_contact()
         report.draw("stress_picture", contact.steady(given.load.hardest, digits=digits))

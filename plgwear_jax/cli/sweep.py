@@ -173,22 +173,19 @@ def _subject(
         if loads:
             refuse("--load: needs a contact, --scene")
         return {}
-    kinds = {name: name.split(".")[0] for name in names}
-    designed, of_scene = "design" in kinds.values(), not {*AMPLITUDES} & axes.keys()
+    designed, lasts = (any(name.startswith(f"{head}.") for name in names) for head in ("design", "transient"))
     given = read_scene(scene_file)
     if designed:
         given.asked()
-    others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
-    if given.design_space and others:
-        if given.design_space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
-            warn(
-                f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
-                "design.* alone (at a held contact radius a map over k and phi needs no input file)"
-            )
-        if given.design_space.level and not loads and of_scene:
-            warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
+    others, space = ", ".join(name for name in names if not name.startswith("design.")), given.design_space
+    if others and space and space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
+        warn(
+            f"{scene_file}: {others}: E0 and z0 are those of [material] for every k; hold counts for "
+            "design.* alone (at a held contact radius a map over k and phi needs no input file)"
+        )
+    if others and space and space.level and not loads and not {*AMPLITUDES} & axes.keys():
+        warn(f"{scene_file}: {others}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
-    lasts = "transient" in kinds.values()
     followed = lasts or (designed and given.life is not None)
     if given.wear and "wear_coefficient" not in axes and followed:
         given.wear.refuse_frictions(axes)
@@ -196,13 +193,13 @@ def _subject(
         known = {"wear_coefficient": given.wear.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        others = "contact", "load", "weight"  # which a sweep has of its own
-        found["design"] = {name: value for name, value in given.arguments().items() if name not in others}
+        own = "contact", "load", "weight"  # which a sweep has otherwise
+        found["design"] = {name: value for name, value in given.arguments().items() if name not in own}
     if loads:
         from plgwear_jax import tables
 
-        read = {str(file): tables.read(file, tables.LOADS) for file in loads}
-        found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
+        read = ((str(file), tables.read(file, tables.LOADS)) for file in loads)
+        found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read}
     elif given.load:
         found |= _load_of(given.load, axes, followed)
     return found

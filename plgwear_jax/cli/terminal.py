@@ -107,7 +107,7 @@ def working(doing: str) -> Iterator[None]:
 # --- JAX and matplotlib -----------------------------------------------------------------------------------------------
 
 
-def set_up(*, one_question: bool) -> None:
+def set_up(one_question: bool = True) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
@@ -126,10 +126,10 @@ def set_up(*, one_question: bool) -> None:
 
 
 @contextlib.contextmanager
-def computing(doing: str, *, one_question: bool) -> Iterator[None]:
+def computing(doing: str, one_question: bool = True) -> Iterator[None]:
     """Set JAX up, and show on a terminal that something is being done; see `set_up` and `working`."""
     with working(doing):
-        set_up(one_question=one_question)
+        set_up(one_question)
         yield
 
 

@@ -1,13 +1,13 @@
 """The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient from measured volumes."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from plgwear_jax._core.catalogue import entry, measured
-from plgwear_jax._core.units import readable
 from plgwear_jax.cli.question import (
     AsJson,
     Digits,
@@ -19,7 +19,7 @@ from plgwear_jax.cli.question import (
     read_scene,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, counted, fields, rounded, shared
+from plgwear_jax.cli.report import Column, Report, about, counted, fields, rounded, shared
 from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def wear(
     kind = "wear" if volumes is None else "fit"
     if volumes and csv_file:
         refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-    report = Report(scene_file, as_json, picture, csv_file, kind=kind)
+    report = Report(scene_file, as_json, f"{scene_file.stem}-{kind}", picture=picture, table=csv_file)
     if volumes:
         if digits:
             refuse("--digits: a fit computes the volumes as exactly as it can")
@@ -91,15 +91,10 @@ def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, dee
     both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
     worn = measured("depth", depth)
     if cycles < math.inf:
-        report.say(f"{worn} deep{both} after {_about(cycles)} cycles{more}")
+        report.say(f"{worn} deep{both} after {about(cycles)} cycles{more}")
     else:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
         report.say(f"a depth of {worn}{both} {reached}{deepest}")
-
-
-def _about(cycles: float) -> str:
-    """A number of cycles to as many digits as a run has."""
-    return counted(float(f"{cycles:.3g}"))
 
 
 def _share_out(given: "Scene", share: float, worn: dict[str, float]) -> str:
@@ -187,12 +182,10 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         else:
             report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
             if life:
-                unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
-                after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
+                after = f"{measured('volume', end['volume'])} after the life of {counted(life)} cycles"
                 report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
-            first, *later = ((f"{100.0 * share:g} %", _about(shares[share])) for share in _REPORTED)
-            then = "".join(f", {much} after {number}" for much, number in later)
-            report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
+            told = (f"{100.0 * share:g} % after {about(shares[share])} cycles" for share in _REPORTED)
+            report.say(f"{held} the wear reaches {', '.join(told)}")
     report.say(both)
     if until:
         ends = f": the largest wear depth is {measured('depth', worn['deepest_wear'])}" if steady or blocks else ""
@@ -202,9 +195,6 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
     report.end()
 
 
-_HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
-
-
 def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]", still: "np.ndarray") -> None:
     slips = (still & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
     report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
@@ -212,7 +202,7 @@ def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.nda
     report.table(
         Column("block\n\n", [f"{i + 1}" for i in range(columns["cycles"].size)]),
         Column("cycles\nso far\n", [*map(counted, columns["cycles"])]),
-        *(shared(name, values, _HEADINGS.get(name)) for name, values in columns.items() if name not in left_out),
+        *(shared(name, values) for name, values in columns.items() if name not in left_out),
         more="blocks",
     )
     if slips.size:
@@ -238,16 +228,16 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     """
     import numpy as np
 
+    shares, printed = dict[float, float](), [life] if life else []
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
             told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
             refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
-        printed, shares = [life or last], dict[float, float]()
+        printed = printed or [last]
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
-        shares = dict(zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True))
-        printed = [] if life is None else [life]
+        shares |= zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True)
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
     refuse_extremes(0.0 < first <= last < math.inf)
@@ -261,29 +251,23 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
     ends, last, share = dict[str, float](), "", list[Column]()
     if steady:
-        none = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
-        ends, last = steady | none | {"contact_radius": steady["worn_radius"]}, "steady state"
+        still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
+        ends, last = steady | still | {"contact_radius": steady["worn_radius"]}, "steady state"
         share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
-    # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
-    largest, most = max(ends.get("volume", 0.0), *rows["volume"]), rows["volume_per_cycle"].max()
-    unit, _ = readable(largest, entry("volume").unit)
-    count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
-
-    def column(name: str, heading: str | None = None, count: float = 1.0, size: float | None = None) -> Column:
-        return shared(name, count * rows[name], heading, end=ends.get(name), size=size)
-
-    return [
-        Column("cycles\n\n", [*map(counted, rows["cycles"])], last),
-        column("volume"),
-        *share,
-        column("deepest_wear"),
-        column("contact_radius"),
-        column("volume_per_cycle", f"wear per\n{count:g} cycles" if count > 1.0 else None, count, largest),
-        column("energy_per_cycle", "energy\na cycle"),
-    ]
+    cycles = Column("cycles\n\n", [*map(counted, rows["cycles"])], last)
+    volume, *others = (shared(name, rows[name], ends.get(name)) for name in _COURSE if name != "stick_radius")
+    return [cycles, volume, *share, *others]
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
+
+
+def _within(interval: tuple[float, float], told: Callable[[float], str]) -> str:
+    """An interval of confidence in words; empty if nothing limits it."""
+    low, high = interval
+    said = f"{told(low)} to {told(high)}" if low and high < math.inf else f"at least {told(low)}"
+    said = said if low or not high < math.inf else f"at most {told(high)}"
+    return f"95 % confidence: {said}" if low > 0.0 or high < math.inf else ""  # NaN is neither
 
 
 def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, until: float | None) -> None:
@@ -330,33 +314,22 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
     )
     report.say(load.remark if load.cycles is None else f"history {load.history}: {load.given.size} blocks")
-    size = np.max([found.volume, found.fitted])
-    columns = [
-        Column("cycles", [*map(counted, found.cycles)]),
-        shared("volume", found.volume, "measured", size=size, number=".4g"),
-        shared("volume", found.fitted, "fitted", size=size, number=".4g"),
-        shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
-    ]
+    volumes_told = {"measured": found.volume, "fitted": found.fitted, "difference": found.volume - found.fitted}
+    columns = [shared("volume", values, heading=heading) for heading, values in volumes_told.items()]
     if found.steady_volume:
         columns.append(Column("share (%)", [f"{x:.3g}" for x in 100.0 * found.fitted / found.steady_volume]))
-    report.table(*columns, more="rows")
+    report.table(Column("cycles", [*map(counted, found.cycles)]), *columns, more="rows")
     others = {"mm³/(N m)": of_volume, "mm³ per J of friction": of_energy}
     also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x)
     report.say(f"wear coefficient: {K:.4g} {unit}{' = ' if also else ''}{also}")
-    if low == low and (low or high < math.inf):  # not NaN, nor all that is possible
-        report.say(
-            f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
-        )
+    report.say(_within(found.interval, lambda K: f"{K:.4g} {unit}"))
     if until:
         tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
         best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
-        first, last = first if high < math.inf else 0.0, last if low > 0.0 else math.inf
-        report.put(interval_95_percent_until=(first, last) if low == low else None)
-        within = f"{_about(first)} to {_about(last)}" if last < math.inf else f"at least {_about(first)}"
-        within = within if first or not last < math.inf else f"at most {_about(last)}"
-        _tell_until(
-            given, report, until, best, "", f", 95 % confidence: {within}" if low == low and best < math.inf else ""
-        )
+        reached = (first if high < math.inf else 0.0, last if low > 0.0 else math.inf) if low == low else None
+        report.put(interval_95_percent_until=reached)
+        within = reached and _within(reached, about)
+        _tell_until(given, report, until, best, "", f", {within}" if within and best < math.inf else "")
     report.end()
     if found.doubt:
         warn(f"{data.name}: {found.doubt}")

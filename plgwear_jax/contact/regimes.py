@@ -54,14 +54,6 @@ class SlipRegimes:
         """Energy in J that friction dissipates in a cycle, shape (m, n)."""
         return 4.0 * self.energy_ratio * self.tangential_force * self.displacement_amplitude
 
-    def part(self, rows: np.ndarray, columns: np.ndarray) -> "SlipRegimes":
-        """The same at some of the normal forces and some of the displacement amplitudes, by their places."""
-        moves = self.displacement_amplitude[columns]
-        others = {name: x for name, x in vars(self).items() if name != "displacement_amplitude"}
-        return SlipRegimes(
-            moves, **{name: x[rows] if x.ndim == 1 else x[rows][:, columns] for name, x in others.items()}
-        )
-
     def displacement_where(self, name: Literal["energy_ratio", "loop_aperture"], value: float) -> np.ndarray:
         """Displacement amplitude in m at which a quantity has a value, as a criterion of gross slip, shape (m,).
 

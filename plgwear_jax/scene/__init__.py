@@ -9,6 +9,7 @@ import math
 import os
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -407,16 +408,25 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
         SceneError: See `load`.
     """
     reading = Reading(name, document, folder)
+    given = {section: reading.values_of(section) for section in document}
     for section in ("material", "contact"):
-        if section not in document:
+        if section not in given:
             reading.refuse((section,), "missing; every input file needs this section")
-    reading.read("material", body_from)
-    reading.read("contact", body_from)
-    reading.read("wear", WearSection.of)
-    reading.read("load", LoadSection.of)
-    if reading.contact is not None and reading.contact.kind == "fretting" and "load" not in document:
+    if given["contact"][0] == "Fretting" and "load" not in given:
         reading.refuse(("load",), f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
-    reading.read("design", lambda reading, _, values: DesignSpace(**values, reading=reading))
-    reading.read("output", output_of)
-    reading.end()
+    for section, build in _BUILT.items():
+        if section in given:
+            with reading.telling(section):
+                setattr(reading, section, build(reading, *given[section]))
     return Scene(*(getattr(reading, section) for section in NAMES))
+
+
+# How each section is made, from those before it, what it means and the values of its keys.
+_BUILT: dict[str, Callable[[Reading, str, dict[str, Any]], Any]] = {
+    "material": body_from,
+    "contact": body_from,
+    "wear": WearSection.of,
+    "load": LoadSection.of,
+    "design": lambda reading, _, values: DesignSpace(**values, reading=reading),
+    "output": output_of,
+}

@@ -68,7 +68,6 @@ class DesignSpace(SimpleNamespace):
         """The same, or a SceneError if it does not go together, or with the other sections."""
         with self.reading.telling("design"):
             self._refuse()
-        self.reading.end()
         return self
 
     @cached_property
@@ -201,20 +200,17 @@ class DesignSpace(SimpleNamespace):
 
 
 def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
-    """The section [output]: names of quantities of the contact, if that is known."""
+    """The section [output]: names of quantities of the contact."""
     output, contact = SimpleNamespace(**values), reading.contact
     for name in output.quantities:
         if output.quantities.count(name) > 1:
             raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
-    if contact is None:
-        return output
     laws = laws_of_scene(contact, reading.load, reading.wear)
     for name in output.quantities:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
             raise WrongKeyError("quantities", text)
-        nowhere = "design" not in reading.wrong and edge_distance(reading.design, output) is None
-        if "distance" in laws[name].arguments and nowhere:
+        if "distance" in laws[name].arguments and edge_distance(reading.design, output) is None:
             text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
         places = {place: getattr(output, place) for place in WITHIN if place in laws[name].arguments}

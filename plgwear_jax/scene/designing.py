@@ -1,5 +1,6 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_qu
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.asking import DesignSpace, edge_distance
+from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
@@ -19,11 +20,22 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Table
 
 
-def arguments_of(given: "Scene") -> dict[str, Any]:
-    """The arguments of `optimise.design`, where the limit of the edge pressure has a meaning."""
-    arguments = _arguments(given)
-    _refuse_beyond_the_middle(given, "[design] limits.edge_pressure.distance", edge_distance(given.asked()))
-    return arguments
+def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = None) -> dict[str, Any]:
+    """The arguments of `optimise.design`, or those of a front whose x is at these places.
+
+    Refused is a distance from the stick-slip boundary that is larger than the stick radius of the reference.
+    """
+    space, key = given.asked(), "distance"
+    if space.free:
+        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
+    if places is None:
+        key, places = "[design] limits.edge_pressure.distance", {"distance": edge_distance(space)}
+    asked, distance = _question(given), places.get("distance")
+    if distance is not None:
+        widest = float(asked["contact"].steady(given.load.largest).stick_radius)  # pyright: ignore
+        if distance >= widest:
+            raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+    return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
 def best_gradient(given: "Scene") -> optimise.FreeDesign:
@@ -38,7 +50,8 @@ def best_gradient(given: "Scene") -> optimise.FreeDesign:
 
 def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
-    arguments, ((name, places),) = _arguments(given), x.items()
+    ((name, places),) = x.items()
+    arguments = arguments_of(given, places)
     if "scenarios" in arguments:
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
@@ -53,7 +66,6 @@ def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, point
         ]
         if others:
             limits[one] = others if several[1:] else limit
-    _refuse_beyond_the_middle(given, "distance", places.get("distance"))
     return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
 
 
@@ -78,14 +90,6 @@ def _question(given: "Scene") -> dict[str, Any]:
         "limits": _limits_of(space),
         **lasting,
     }
-
-
-def _arguments(given: "Scene") -> dict[str, Any]:
-    space = given.asked()
-    if space.free:
-        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
-    asked = _question(given)
-    return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
 def _scenarios(given: "Scene") -> dict[str, Any]:
@@ -134,7 +138,9 @@ def _limits_of(space: DesignSpace) -> dict[str, Any]:
     if not space.free:
         window = space.variables.get("modulus", window)
     if window is not None:
-        limits["modulus_at"] = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
+        own = [one for name, one in each_limit(limits) if name == "modulus_at"]
+        at_depths = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
+        limits["modulus_at"] = own + at_depths
     return limits
 
 
@@ -148,18 +154,6 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
     reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
     return {"k": exponents_between(**window), "E0": (float(reached.min()), float(reached.max())), **others}
-
-
-def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:
-    """Refuse a distance from the stick-slip boundary that is larger than the stick radius of the reference."""
-    if distance is None:
-        return
-    assert given.load is not None
-    contact = solving.homogeneous(given.build_contact())
-    found = solving.scene_values(("stick_radius",), 0, None, contact, Force(given.load.largest), None, {})
-    widest = float(found["stick_radius"])
-    if distance >= widest:
-        raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
 def answer(question: str, **arguments: Any) -> Any:

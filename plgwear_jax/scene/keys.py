@@ -12,7 +12,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from plgwear_jax._core.catalogue import QUANTITIES, entry
 from plgwear_jax._core.extras import needs
@@ -48,7 +48,7 @@ def definition_of(section: str, given: Mapping[str, Any]) -> str:
     return _CONTACTS[kind]
 
 
-Refuse = Callable[[tuple[str, ...], str], None]  # what is done with the path of a wrong key, and what it must be
+Refuse = Callable[[tuple[str, ...], str], NoReturn]  # raises an error: the path of a wrong key, and what it must be
 
 
 def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tuple[str, ...]) -> dict[str, Any]:
@@ -67,11 +67,10 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
         for name in given
         if re.search(pattern, name)
     }
-    for name in given:
-        if name not in keys:
-            refuse((*path, name), _stray(section, name))
-    for name, key in keys.items():
-        here, value, inner, text = (*path, name), given.get(name), _section_of(key), f"must be {key['description']}"
+    for name in {**given, **keys}:  # as the file has them; what is missing comes last
+        here, value = (*path, name), given.get(name)
+        key = keys[name] if name in keys else refuse(here, _stray(section, name))
+        inner, text = _section_of(key), f"must be {key['description']}"
         if name not in given:
             if name in schema["required"]:
                 refuse(here, text)
@@ -85,7 +84,7 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
             refuse(here, text)
         else:
             found[name] = _taken(value, key, refuse, here)
-    return found
+    return {name: found[name] for name in keys if name in found}
 
 
 def _section_of(schema: Mapping[str, Any]) -> str:

@@ -1,7 +1,7 @@
 """The sections of an input file, whose keys `keys` has checked: what does not go together is refused here."""
 
-import importlib
 import math
+import pkgutil
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from types import SimpleNamespace
@@ -63,8 +63,7 @@ class Body(SimpleNamespace):
     def record(self, **others: Any) -> Any:
         """The record, with those fields that are told elsewhere. Imports JAX."""
         inner = {name: value.record() if isinstance(value, Body) else value for name, value in self.fields.items()}
-        module, _, name = self.record_name.rpartition(".")
-        return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
+        return pkgutil.resolve_name(f"plgwear_jax.{self.record_name}")(**inner | others)
 
 
 def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
@@ -74,7 +73,7 @@ def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body
         layers, moduli = len(values["thickness"]), len(values["modulus"])
         text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
         raise WrongKeyError("modulus", f"{text}, not {moduli}")
-    if section == "GrossSlip" and material is not None and material.kind != "power law":
+    if section == "GrossSlip" and material.kind != "power law":
         raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
     if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
         raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
@@ -123,11 +122,9 @@ class LoadSection(SimpleNamespace):
     """
 
     @classmethod
-    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self | None:
-        """The load of the contact, if that is known; force amplitudes of gross slip are refused."""
+    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+        """The load of the contact; force amplitudes of gross slip are refused."""
         kind, contact = _one_of(values, LOADS, "load"), reading.contact
-        if contact is None:
-            return None
         if contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" has a tangential force')
         limit: Any = contact.friction * contact.normal_force
@@ -165,8 +162,6 @@ class LoadSection(SimpleNamespace):
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
-        if self.file is None:
-            return not (self.tangential_force or self.displacement)
         return not (self.given * self.columns.get("weight", 1.0)).any()
 
     def refuse_rest(self) -> None:
@@ -303,15 +298,15 @@ class WearSection(SimpleNamespace):
 
     @classmethod
     def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
-        """The wear of the contact, if that is known."""
+        """The wear of the contact."""
         kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
         others = [name for name in ("exponent", "half_space_coefficient") if values[name] is not None]
         for name in others:
             if kind != "coefficient":
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
-        if contact is not None and contact.kind != "fretting":
+        if contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
-        return cls(**values, kind=kind, friction=getattr(contact, "friction", None), others=others)
+        return cls(**values, kind=kind, friction=contact.friction, others=others)
 
     def refuse_frictions(self, names: Iterable[str]) -> None:
         """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""

@@ -11,6 +11,8 @@ from plgwear_jax._core.catalogue import AXES, leaf
 from plgwear_jax._core.words import GivenError, cut, one_line, read_text
 from plgwear_jax.tables import number_in, numbered_lines
 
+_SPACINGS = "linear", "log", "logit"
+
 
 class AxisError(GivenError):
     """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
@@ -43,17 +45,17 @@ def check_axis(name: str, values: Any) -> np.ndarray:
 def spacing_of(name: str, values: np.ndarray) -> str:
     """The spacing on which the values of an axis are the most even: "linear", "log" or "logit", for pictures."""
     lower, upper = leaf(name).interval or (math.nan, math.nan)
+    if values.size < 3:
+        return "linear"
     with np.errstate(all="ignore"):
-        stretched = {"linear": values, "log": np.log(values), "logit": np.log((values - lower) / (upper - values))}
-        uneven = {kind: np.ptp(np.diff(u)) / np.abs(u[-1] - u[0]) for kind, u in stretched.items() if values.size > 2}
-    uneven = {kind: np.nan_to_num(value, nan=np.inf) for kind, value in uneven.items()}
-    return "linear" if uneven.get("linear", 0.0) < 1e-3 else min(uneven, key=uneven.__getitem__)
+        stretched = np.stack([values, np.log(values), np.log((values - lower) / (upper - values))])
+        uneven = np.nan_to_num(np.ptp(np.diff(stretched), axis=1) / np.ptp(stretched[:, [0, -1]], axis=1), nan=np.inf)
+    return _SPACINGS[0 if uneven[0] < 1e-3 else uneven.argmin()]
 
 
 # --- as text --------------------------------------------------------------------------------------------------------
 
 _MOST = 100_000_000
-_SPACINGS = ("linear", "log", "logit")
 _FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
 
 

@@ -53,13 +53,13 @@ class AxisNames:
 
     Args:
         contact: The contact; None for the dimensionless functions.
-        load: A load that has numbers.
+        load: Its load, if it has one of its own.
 
     Attributes:
         paths: The path in the contact of each of its numbers, by all names that it has.
         own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
             has them.
-        load: The load.
+        held: The load, if it is the `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         of_load: The numbers of the load, None where it has none of its own.
         allowed: All names; elements of an array are one.
     """
@@ -68,7 +68,7 @@ class AxisNames:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
         self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self.load = dict[str, Any](), load
+        self.own, self.held = dict[str, Any](), None if getattr(load, "lasts", True) else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -86,42 +86,42 @@ class AxisNames:
         self.allowed += arguments
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class SweepTarget:
     """The contact and its loads.
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
         known: The names of its numbers, and of those of its load.
-        load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
-        holl: Poisson's ratio is Holl's, and so not a number.
         amplitudes: Those in N of each load and their weights, each of shape (loads, n), padding without weight at the
             end; None without loads.
         design: Further arguments of `optimise.designs`; None if no design can be asked for.
         bounds: Of `optimal_exponent`.
         digits: Correct digits wanted.
+        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
+        dtype: float64 or float32.
     """
 
     contact: FrettingContact | GrossSlipContact | None
     known: AxisNames
-    load: Any
     inputs: tuple[str, ...]
-    holl: bool
     amplitudes: tuple[np.ndarray, np.ndarray] | None
     design: Mapping[str, Any] | None
     bounds: tuple[float, float]
     digits: int | None
+    fixed: Mapping[str, Any]
+    dtype: np.dtype
+
+    @property
+    def holl(self) -> bool:
+        """Poisson's ratio is Holl's, and so not a number."""
+        return any(isinstance(value, str) for value in self.fixed.values())
 
     @property
     def numeric(self) -> bool:
         """The contact has no closed forms."""
         return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
-
-    @property
-    def slow(self) -> bool:
-        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
-        return self.numeric or self.marched or self.for_life
 
     @property
     def for_life(self) -> bool:
@@ -131,14 +131,19 @@ class SweepTarget:
     @property
     def marched(self) -> bool:
         """What is over cycles has the two digits of a march."""
-        return self.load is not None or "displacement" in self.inputs
+        return self.known.held is not None or "displacement" in self.inputs
 
-    def digits_of(self, name: str) -> str | None:
-        """The correct digits of a quantity by default; None if they are all that the dtype holds."""
+    @property
+    def slow(self) -> bool:
+        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
+        return self.numeric or self.marched or self.for_life
+
+    def digits_of(self, name: str) -> str:
+        """The correct digits of a quantity."""
         head = name.split(".")[0]
-        if head == "transient" or (head == "design" and self.for_life):
-            return "2" if self.marched else "4"
-        return "4" if self.numeric else None
+        lasts = head == "transient" or (head == "design" and self.for_life)
+        usual = ("2" if self.marched else "4") if lasts else "4" if self.numeric else f"all of {self.dtype}"
+        return str(self.digits or usual)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -233,8 +238,8 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
         elif head in known and tail and not near(stem, known):
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
         raise QuantityError(f"{one_line(name)}: there is no such quantity{by}")
-    if subject.load is not None and needs_force(stem):
-        raise QuantityError(f"{stem}: {never_steady(subject.load)}")
+    if subject.known.held is not None and needs_force(stem):
+        raise QuantityError(f"{stem}: {never_steady(subject.known.held)}")
     return known[stem]
 
 
@@ -335,14 +340,13 @@ def contact_at(subject: SweepTarget, values: Values) -> Any:
 
 def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
     """The load, and the weights of its amplitudes along a last axis or None."""
-    factor = jnp.asarray(values.get("factor", 1.0))
+    factor = jnp.asarray(values.get("factor", 1.0), subject.dtype)
     if subject.amplitudes is not None:
-        dtype = jnp.asarray(values["normal_force"]).dtype
-        forces, weights = (jnp.asarray(each, dtype)[values["load_case"]] for each in subject.amplitudes)
-        return Force(factor.astype(dtype)[..., None] * forces), weights
+        forces, weights = (jnp.asarray(each, subject.dtype)[values["load_case"]] for each in subject.amplitudes)
+        return Force(factor[..., None] * forces), weights
     given = {name: values[name] for name in subject.inputs}
-    if subject.load is not None:
-        load = subject.load
+    load = subject.known.held
+    if load is not None:
         for name in given.keys() - {"factor"}:
             load = with_leaf(load, f"of{name.removeprefix('load')}", given[name])
         return load.with_amplitude(lambda amplitude: factor * amplitude), None

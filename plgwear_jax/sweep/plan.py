@@ -8,6 +8,7 @@ import dataclasses
 import functools
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -41,24 +42,20 @@ LOAD = "load_case"
 FORMULAS = 2
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class SweepPlan(SweepTarget):
     """Everything that determines the content of a sweep, whoever computes it.
 
     Attributes:
         names: The quantities.
         axes: The values along each axis; of loads their row numbers.
-        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
         loads: The names of the loads, if these are an axis.
-        dtype: float64 or float32.
         most: The most points of a chunk; None for the default.
     """
 
     names: tuple[str, ...]
     axes: Mapping[str, np.ndarray]
-    fixed: Mapping[str, Any]
     loads: tuple[str, ...]
-    dtype: np.dtype
     most: int | None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -124,14 +121,13 @@ class SweepPlan(SweepTarget):
             along = [length == 2 for length in array.shape]
             dims, shape, chunks = (list(itertools.compress(x, along)) for x in (self.axes, self.shape, self.chunk))
             empty = dask.array.empty(shape, dtype=array.dtype, chunks=chunks)
-            digits = self.digits or self.digits_of(asked.name) or f"all of {self.dtype}"
             about = {
                 "quantity": asked.name,
                 "units": asked.unit,
                 "label": label_of(asked.name),
                 "long_name": asked.description,
                 "equation": asked.equation,
-                "digits": str(digits),
+                "digits": self.digits_of(asked.name),
             }
             about = {key: text for key, text in about.items() if text}  # not everything has an equation
             found[variable_name(asked.name)] = xr.Variable(dims, empty, about)
@@ -146,7 +142,7 @@ class SweepPlan(SweepTarget):
         values |= zip(self.axes, jnp.meshgrid(*rows, indexing="ij", sparse=True), strict=True)
         shared: dict[Any, Any] = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
-        return tuple(jnp.expand_dims(x, tuple(range(len(rows) - x.ndim))) for x in found)
+        return tuple(jnp.array(x, ndmin=len(rows)) for x in found)
 
     def coordinate_attributes(self, name: str) -> dict[str, str]:
         """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
@@ -207,11 +203,11 @@ class SweepPlan(SweepTarget):
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
-        """A description of the sweep that can be compared with another and read by people."""
+        """A description of the sweep, as JSON gives it, that can be compared with another and read by people."""
         heads = {name.split(".")[0] for name in self.names}
         kinds = {name: type(getattr(self.contact, name, None)).__name__ for name in BODIES}
         rows = {name: value for name, value in self.known.own.items() if np.ndim(value)}
-        return _told(
+        told = json.dumps(
             {
                 "version": __version__,
                 "formulas": FORMULAS,
@@ -221,27 +217,25 @@ class SweepPlan(SweepTarget):
                 "contact": type(self.contact).__name__,
                 "bodies": kinds | rows,
                 "loads": {"names": self.loads, "amplitudes": self.amplitudes},
-                "held": type(self.load).__name__,
+                "held": type(self.known.held).__name__,
                 "bounds": self.bounds if "optimal_exponent" in heads else "not used",
                 "design": self.design if "design" in heads else "not used",
                 "digits": "all" if self.digits is None else self.digits,
                 "dtype": str(self.dtype),
                 "axes": [*self.axes],
                 "chunk": self.chunk,
-            }
+            },
+            default=_told,
         )
+        return json.loads(told)
 
 
 def _told(value: Any) -> Any:
-    """A value as JSON; a row of values in words, with a digest that differs for other values."""
+    """A record or array as JSON; a row of values in words, with a digest that differs for other values."""
     if dataclasses.is_dataclass(value):
-        value = vars(value)
-    if isinstance(value, Mapping):
-        return {name: _told(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [*map(_told, value)]
+        return vars(value)
     if not np.ndim(value):
-        return getattr(value, "item", lambda: value)()
+        return value.item()
     flat = np.ascontiguousarray(value, dtype=np.float64).ravel()
     digest = hashlib.sha256(flat.tobytes()).hexdigest()[:16]
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
@@ -252,11 +246,8 @@ def _told(value: Any) -> Any:
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     """The shape of chunks of at most so many points, of equal size and as square as possible."""
-    lengths, parts = np.array(shape), np.ones(len(shape), int)
-    while math.prod((sizes := -(-lengths // parts)).tolist()) > points:
-        longest = int(sizes.argmax())
-        parts[longest] = min(max(parts[longest] + 1, int(1.02 * parts[longest])), shape[longest])
-    return tuple(sizes.tolist())
+    parts = normalize_chunks("auto", tuple(shape), limit=points, dtype="u1")  # a byte for each point
+    return tuple(-(-length // len(part)) for length, part in zip(shape, parts, strict=True))
 
 
 def in_precision(dtype: Any) -> Any:

@@ -121,11 +121,10 @@ def sweep(
         raise SweepError("loads: name at least one")
     loads = loads or {}
     given = None if load is None else load_of(load)
-    held = None if given is None or given.lasts else given
     known = AxisNames(contact, given)
     of_load = {name: value for name, value in known.of_load.items() if value is not None and name not in axes}
     rows, fixed = _sorted_out(of_load | axes, known, contact)
-    inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
+    inputs = _inputs(loads, known.held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
@@ -138,14 +137,25 @@ def sweep(
         rows[LOAD] = np.arange(len(loads), dtype=np.int32)
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
-    holl = any(isinstance(value, str) for value in fixed.values())
-
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
-    target = contact, known, held, inputs, holl, amplitudes, design, bounds, digits
-    plan = SweepPlan(*target, names, rows, fixed, tuple(loads), dtype, chunk)
+    plan = SweepPlan(
+        contact=contact,
+        known=known,
+        inputs=inputs,
+        amplitudes=amplitudes,
+        design=design,
+        bounds=bounds,
+        digits=digits,
+        names=names,
+        axes=rows,
+        fixed=fixed,
+        loads=tuple(loads),
+        dtype=dtype,
+        most=chunk,
+    )
     _refuse(plan)
     try:
         used = {axis for variable in plan.variables.values() for axis in variable.dims}
@@ -257,7 +267,7 @@ def _sorted_out(
             if path is not None:
                 with_leaf(contact, path, array)
             elif of_block:
-                with_leaf(known.load, f"of{name.removeprefix('load')}", array)
+                with_leaf(known.held, f"of{name.removeprefix('load')}", array)
         except ValueError as error:
             raise AxisError(f"{name}: {error}") from None
         if array.ndim:

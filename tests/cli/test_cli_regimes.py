@@ -88,7 +88,7 @@ def test_the_picture_says_what_it_shows():
     its = scene.load("mine.toml").build_contact()
     onset = float(its.steady(0.0).gross_slip_displacement)
     found = contact.slip_regimes(its, onset * np.geomspace(0.03, 30.0, 41), np.geomspace(1.0, 100.0, 11))
-    cut = found.part(np.array([5]), np.arange(41))
+    cut = contact.slip_regimes(its, found.displacement_amplitude, [10.0])
     figure = plots.regimes_picture(found, cut, np.array([1.5e-7]))
     left, right = figure.axes
     assert left.get_xlabel().startswith("displacement amplitude $u_x$ (")

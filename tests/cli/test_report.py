@@ -43,7 +43,7 @@ def test_units_are_written_in_the_catalogue_alone(file):
 
 def test_people_read_tables_and_programs_one_object(capsys):
     for as_json in (False, True):
-        report = Report(Path("a.toml"), as_json, Path("a.png"), Path("a.csv"))
+        report = Report(Path("a.toml"), as_json, picture=Path("a.png"), table=Path("a.csv"))
         report.put(volume=np.array([1.0, np.inf]))
         report.say("a line", None, "")
         report.table(

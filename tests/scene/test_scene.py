@@ -134,12 +134,14 @@ def test_tables_lie_beside_the_scene():
         assert found.load.amplitudes.tolist() == [0.1, 0.4, 0.2]
 
 
-def test_a_table_is_read_after_the_section_that_names_it_is_checked():
+def test_a_table_is_read_after_the_keys_of_all_sections_are_checked():
     text = with_files(FRETTING, 'table = "missing.csv"')
-    assert complaint(changed(text, ("k = 0.25", "k = 2"))).startswith("scene.toml: [material] k = 2: ")
-    assert complaint(changed(text, ('hold = "contact_radius"', "hold = 1"))) == (
-        "missing.csv: there is no such file"  # [load] comes before [design]
-    )
+    assert complaint(text) == "missing.csv: there is no such file"
+    for change, line in {
+        ("k = 0.25", "k = 2"): "[material] k = 2: ",
+        ('hold = "contact_radius"', "hold = 1"): "[design] hold = 1: ",
+    }.items():
+        assert complaint(changed(text, change)).startswith(f"scene.toml: {line}")
 
 
 def test_refusal_of_what_does_not_go_with_a_load():
@@ -258,6 +260,13 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     other = vars(given.front(x="penetration", y="edge_pressure", larger="y"))
     assert (other["x"], other["minimise"], other["larger"]) == ({"penetration": {}}, x, "y")
     assert other["limits"] == pressure
+    # A window is two limits of the modulus, beside those that stand there as such.
+    window = "modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [70e9, 300e9]] }"
+    text = changed(
+        SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ modulus_at = {{ below = 3e11, z = 1e-4 }}, {window} }}\n")
+    )
+    ends = [{"z": 1e-5, "between": [60e9, 400e9]}, {"z": 1e-3, "between": [70e9, 300e9]}]
+    assert read(text).arguments()["limits"] == {"modulus_at": [{"below": 3e11, "z": 1e-4}, *ends]}
     near, far = ({"below": 5e8, "distance": distance} for distance in (1e-6, 2e-6))
     both = ", ".join(f"{{ below = 5e8, distance = {at['distance']} }}" for at in (near, far))
     several = read(changed(SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ pressure = [{both}] }}\n")))
