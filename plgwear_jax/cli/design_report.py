@@ -272,7 +272,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     )
     report.say(load)
     report.table(*by_quantity([*sides.values()], compared))
-    allowed = (measured("modulus", ends) for ends in zip(profile.lower, profile.upper, strict=True))
+    allowed = (measured("modulus", ends) for ends in np.stack([profile.lower, profile.upper], 1))
     report.table(
         each_with_unit("depth", at),
         *(each_with_unit("modulus", row, name) for row, name in zip(moduli, sides.values(), strict=True)),
