@@ -120,7 +120,7 @@ def test_pages_run_from_top_to_bottom(name):
 
 
 # Examples of searches and of a march over cycles, each of which is compiled.
-SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "batches", "tradeoffs", "search", "scenarios")}
+SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "tradeoffs", "search", "scenarios")}
 SLOW |= {
     f"plgwear_jax.{name}"
     for name in ("loads", "fitting", "surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws")
@@ -330,7 +330,7 @@ def test_the_tables_keep_what_is_promised():
             assert error <= limit, contact
             compared += 1
     assert compared > 10
-    assert generated.number("rigs", "a held displacement, .*", "volume, %") <= 1.0
+    assert generated.number("rigs", "1000", "worst") <= 1.0
 
 
 def test_values_and_first_derivatives_keep_eight_digits_everywhere():

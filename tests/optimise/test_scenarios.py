@@ -66,6 +66,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     assert found.at_bound["k"] is None and not found.scan_found_nothing_better
 
 
+@compiled
 def test_limits_hold_in_every_scenario():
     limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "penetration": {"below": 1.6e-6}}
     bounds = {"k": (-0.6, 0.6), "E0": (60e9, 240e9)}
