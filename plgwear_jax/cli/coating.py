@@ -119,7 +119,7 @@ def coating(
 def _section(fit: "PowerLawFit", name: str) -> str:
     """The section [material] of the power law."""
     law: Any = fit.material
-    within = _within("k", fit.exponent_interval)
+    within = _confidence("k", fit.exponent_interval)
     return f"""\
 [material]                          # a power law fitted to {name}
 E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
@@ -130,7 +130,7 @@ nu = {float(law.nu):.6g}  # Poisson's ratio
 """
 
 
-def _within(name: str, interval: tuple[float, float]) -> str:
+def _confidence(name: str, interval: tuple[float, float]) -> str:
     """An interval of confidence; empty if the data tell none."""
     return "" if interval[0] != interval[0] else f" ({measured(name, interval)} with 95 % confidence)"
 
@@ -158,7 +158,7 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         title=name,
         more="rows",
     )
-    k_within, E_within = _within("k", fit.exponent_interval), _within("E0", fit.modulus_interval)
+    k_within, E_within = _confidence("k", fit.exponent_interval), _confidence("E0", fit.modulus_interval)
     (variance, covariance), (_, other) = fit.covariance
     correlated = covariance / np.sqrt(variance * other) if variance else 0.0
     correlation = f"; correlation of k and log E0: {correlated:.2g}" if k_within else ""

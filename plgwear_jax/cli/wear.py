@@ -262,7 +262,7 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _within(interval: tuple[float, float], told: Callable[[float], str]) -> str:
+def _interval_in_words(interval: tuple[float, float], told: Callable[[float], str]) -> str:
     """An interval of confidence in words; empty if nothing limits it."""
     low, high = interval
     said = f"{told(low)} to {told(high)}" if low and high < math.inf else f"at least {told(low)}"
@@ -322,13 +322,13 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
     others = {"mm³/(N m)": of_volume, "mm³ per J of friction": of_energy}
     also = ", ".join(f"{x:.4g} {other}" for other, x in others.items() if x)
     report.say(f"wear coefficient: {K:.4g} {unit}{' = ' if also else ''}{also}")
-    report.say(_within(found.interval, lambda K: f"{K:.4g} {unit}"))
+    report.say(_interval_in_words(found.interval, lambda K: f"{K:.4g} {unit}"))
     if until:
         tried = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
         best, first, last = contact.over_cycles(test, law_of(tried, exponent)).cycles_to(depth=until).tolist()
         reached = (first if high < math.inf else 0.0, last if low > 0.0 else math.inf) if low == low else None
         report.put(interval_95_percent_until=reached)
-        within = reached and _within(reached, about)
+        within = reached and _interval_in_words(reached, about)
         _tell_until(given, report, until, best, "", f", {within}" if within and best < math.inf else "")
     report.end()
     if found.doubt:
