@@ -35,7 +35,6 @@ from plgwear_jax.plots.style import (
     Style,
     legend_above,
     letters,
-    mark,
 )
 
 AMPLITUDES = np.array([0.3, 0.6, 0.9])  # the paper shows three and does not say which
@@ -438,7 +437,8 @@ def wear_volumes(page: FigureBase) -> list[Claim]:
         axes.plot(x, fretting.wear_volume(PAIRS, some) / fretting.wear_volume(0.0, some))
         axes.set_ylabel(r"wear volume $\Delta V/\Delta V(k=0)$")
     n = numbers()
-    mark(low, n["turn"], rf"{n['turn']:.3f}: $\pm k$ cross, as $k \to 0$")
+    low.axvline(n["turn"], **GUIDE)
+    low.text(n["turn"], 1.8, f" {n['turn']:.3f}: $\\pm k$ cross,\n as $k \\to 0$")
     whole.set(ylim=(0.0, 1.2), ylabel=r"wear volume $\Delta V\, R/a_0^4$", **_OVER_PHI)
     low.set(ylim=(0.0, 2.0), xlabel=_OVER_PHI["xlabel"])
     high.set(xscale="log", yscale="log", ylim=(0.05, 20.0), xlabel=r"$1 - F_x/(\mu F_N)$")
