@@ -111,7 +111,7 @@ def test_steady_states_of_both_engines_agree(pair, digits, most):
     found, exact = (values(lambda each=each: everything(each, r, 0.1 * c, but), each) for each in (one, other))
     for name, expected in exact.items():
         scale = np.maximum(abs(expected), 1e-2 * np.max(abs(expected))) if np.ndim(expected) > c.ndim else abs(expected)
-        good = abs(np.asarray(found[name]) - expected) <= (1e-3 if name in STRESSES else most) * scale
+        good = abs(found[name] - expected) <= (1e-3 if name in STRESSES else most) * scale
         good |= np.isinf(expected) & (found[name] == expected)
         assert np.all(good | ~compared(pair, name)), name
 
@@ -159,9 +159,9 @@ def runs(pair, load):
 )
 def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     numeric, closed, cycles = runs(pair, load)
-    r = np.linspace(0.0, float(closed.steady.worn_radius), 101)[:, None]
+    r = np.linspace(0.0, closed.steady.worn_radius, 101)[:, None]
     for name in ("volume", "rate", "contact_radius", "stick_radius", "force_amplitude", "deepest_wear"):
-        found, expected = (np.asarray(getattr(each, name)(cycles)) for each in (numeric, closed))
+        found, expected = (getattr(each, name)(cycles) for each in (numeric, closed))
         # Where the displacement is held, the stick radius moves by whole cells.
         bound = max(most, 2e-4) if name == "stick_radius" else most
         assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
@@ -223,7 +223,7 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
         steady = contact.steady(forces)
         return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.slip_amplitude(r), steady.pressure(r)])
 
-    found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0])))
+    found = fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0]))
     assert_array_equal(np.isnan(found), [[False, True, False]] * 4)
     assert_allclose(found[:, 2], [0.0, 0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 
