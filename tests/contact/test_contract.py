@@ -104,7 +104,7 @@ def test_steady_states_of_both_engines_agree(pair, digits, most):
     force = FRICTION * FORCE * PHI
     one, other = (each.steady(force, digits=n) for each, n in zip(PAIRS[pair], (digits, None), strict=True))
     # NumPy computes the closed forms: XLA would need seconds to compile them.
-    c, outer = (np.asarray(x) for x in values(lambda: (other.stick_radius, other.worn_radius), other))
+    c, outer = values(lambda: (other.stick_radius, other.worn_radius), other)
     r = np.stack([0.0 * c, 0.5 * c, 0.9 * c, *(c + part * (outer - c) for part in (0.1, 0.5, 0.9, 1.2))])
     # Of other Poisson's ratios, stresses are others.
     but = STRESSES if pair == "two homogeneous bodies" else ()
@@ -139,7 +139,7 @@ WEARING |= {pair: PAIRS[pair] for pair in ("one modulus", "a parabola as a shape
 def runs(pair, load):
     """(The runs of both engines, cycles after which the shares are worn)."""
     numeric, closed = (each.over_cycles(load_of(each, load, F_X), COEFFICIENT) for each in WEARING[pair])
-    return numeric, closed, np.asarray(closed.cycles_to(SHARES))
+    return numeric, closed, closed.cycles_to(SHARES)
 
 
 # The most that fields, and all the rest, are apart, relative to the largest value.
@@ -185,7 +185,7 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
     one = CONTACTS[kind]
     steady, run = one.steady(F_X), one.over_cycles(load_of(one, load, F_X), COEFFICIENT)
     first = steady.energy_per_cycle * COEFFICIENT / FRICTION
-    begin, early, later, end = np.asarray(run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape)))[:4]
+    begin, early, later, end = run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape))[:4]
     assert begin == 0.0
     assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5 if load == "force" else 1e-2)
     assert_allclose(run.force_amplitude(0.0), F_X, rtol=1e-14 if load == "force" else 1e-2)

@@ -48,7 +48,7 @@ GRID_K, GRID_PHI = (
 
 def edges(k, phi):
     """(Stick radius, worn radius)."""
-    return np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+    return fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
 
 
 # --- radii ----------------------------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_wear_and_worn_radius_grow_with_the_amplitude_and_the_stick_radius_shrin
 def test_wear_depth_is_positive_in_the_ring_and_at_most_the_deepest(k, phi, part):
     c, a = edges(k, phi)
     r = np.clip(c + part * (a - c), c, a)
-    depth = np.asarray(fretting.wear_depth(r, k, phi))
+    depth = fretting.wear_depth(r, k, phi)
     assert np.all(depth >= 0.0)
     # Strictly inside, by 64 ulp of the radii, it must not vanish (unless it underflows).
     inner = (r > c * (1.0 + 64 * EPS)) & (r < a * (1.0 - 64 * EPS)) & (phi > 1e-100)
@@ -191,7 +191,6 @@ def test_displacement_beyond_the_contact_is_positive_and_falls(module):
     k, slip = GRID_K, [GRID_PHI] if module is fretting else []
     edge = fretting.stick_radius(k, GRID_PHI) if slip else 1.0
     for w in (module.initial_displacement(RADII, k), module.steady_displacement(edge * RADII, k, *slip)):
-        w = np.asarray(w)
         assert np.all(w > 0.0)
         # Rounding may undo a step that is smaller than it.
         assert np.all(np.diff(w, axis=0) <= 16 * EPS * w[1:])

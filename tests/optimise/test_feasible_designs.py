@@ -43,7 +43,7 @@ class Asked:
     def on_grid(self, name):
         steady = self.grid.steady(self.force)
         value = getattr(steady, name)
-        return np.asarray(value(self.distance) if name == "edge_pressure" else value)
+        return value(self.distance) if name == "edge_pressure" else value
 
     def place(self, name):
         return {"distance": self.distance} if name == "edge_pressure" else {}
@@ -157,7 +157,7 @@ def test_limits_that_few_contacts_keep_are_found_by_a_descent():
     """Between two points of the scan: the peak of a quantity along k, of which one part in 1e5 is allowed."""
     k = np.linspace(0.05, 0.7, 20001)
     grid = on(BENT, k=k)
-    radius = np.asarray(grid.steady(14.3).worn_radius)
+    radius = grid.steady(14.3).worn_radius
     least = int(np.argmin(radius))
     assert 100 < least < 19900
     limits = {"worn_radius": {"below": radius[least] * (1.0 + 2e-6)}}

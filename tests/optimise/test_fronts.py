@@ -40,7 +40,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
 
     def both(contacts):
         wear = weight @ np.stack([contacts.steady(one).wear_volume for one in force])
-        return np.asarray(contacts.steady(1.0).edge_pressure(1e-6)), wear
+        return contacts.steady(1.0).edge_pressure(1e-6), wear
 
     grid = held(np.linspace(-0.9, 0.9, 401))
     kept = grid.steady(1.0).penetration <= 8.5e-7

@@ -57,9 +57,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     stiff = np.array([1.0, 6e-4])
     scenarios = on(RIGID, friction=friction, E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
-    volumes = np.asarray(
-        on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
-    )
+    volumes = on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
     is_least(found, volumes.max(0), within=0.01)
     there = on(scenarios, k=found.variables["k"])
     assert_allclose(there.steady(FORCE).wear_volume, found.value, rtol=1e-8)

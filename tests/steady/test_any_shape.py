@@ -11,7 +11,7 @@ from inputs import scene_of
 from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, STEEL, contact_of
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from refusals import cases, is_told
+from refusals import cases, is_told, refusal
 from rigid_shapes import HEIGHTS, OWN, RADII, SHAPES, STEADY, Blend, R, contact_with, exact, steady
 
 from plgwear_jax import (
@@ -559,9 +559,8 @@ def test_input_files_take_tables(tmp_path):
 
 @cases("steady/refused.toml", "scene")
 def test_input_files_are_refused(case, tmp_path):
-    with pytest.raises(scene.SceneError) as error:
-        built(tmp_path, case.get("shape", PROFILE), case.get("table", ""))
-    assert is_told(str(error.value).replace(f"{tmp_path}/", ""), case)
+    line = refusal(scene.SceneError, built, tmp_path, case.get("shape", PROFILE), case.get("table", ""))
+    assert is_told(line.replace(f"{tmp_path}/", ""), case)
 
 
 @compiled

@@ -12,7 +12,7 @@ from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
-from refusals import cases, is_told
+from refusals import cases, is_told, refusal
 from scipy.interpolate import PchipInterpolator
 
 import plgwear_jax
@@ -304,9 +304,8 @@ def test_a_narrow_ring_beside_a_kink():
 @cases("steady/refused.toml", "record")
 def test_what_is_refused(case):
     """Half-spaces, and shapes of indenters."""
-    with pytest.raises((TypeError, ValueError)) as error:
-        getattr(plgwear_jax, case["name"])(*case["fields"])
-    assert is_told(str(error.value), case)
+    line = refusal((TypeError, ValueError), getattr(plgwear_jax, case["name"]), *case["fields"])
+    assert is_told(line, case)
 
 
 def test_an_indenter_that_is_none_is_refused():

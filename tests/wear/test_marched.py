@@ -12,9 +12,10 @@ from march_oracle import HISTORIES, Given, edges_to, on_power_law
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, coefficient_of, unit_of
+from refusals import cases
 
-from plgwear_jax import FrettingContact, Layered, fretting
-from plgwear_jax.loads import Block, Blocks, Displacement, Force
+from plgwear_jax import FrettingContact, Layered, fretting, loads
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Cone
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
@@ -32,8 +33,8 @@ THIN = Layered([2e-7], [200e9, 100e9], 0.3)  # than the cells
 def errors(one, force):
     """Of volume, last volume, contact radius and stick radius, at the times of the shares, along the first axis."""
     exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, SAME)
-    cycles = np.asarray(exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force))))
-    last = np.asarray(one.steady(force).wear_volume)
+    cycles = exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force)))
+    last = one.steady(force).wear_volume
     names = "volume", "contact_radius", "stick_radius"
     volume, radius, stick = (np.array([getattr(each, name)(cycles) for each in (run, exact)]) for name in names)
     end = run.volume(np.full_like(last, 1e30)) / last - 1.0
@@ -158,7 +159,7 @@ def test_the_largest_amplitude_decides(k):
     assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
     assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
     mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7, 0.0]), blocks=[2.0, 1.0, 1e4, 5.0]), np.cumsum([2.0, 1.0, 1e4, 5.0])
-    volume, alone = np.asarray(mixed.volume(n)), np.asarray(Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6])))
+    volume, alone = mixed.volume(n), Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6]))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
     assert mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
     assert_allclose(volume[2], alone[2], rtol=ERROR)
@@ -209,8 +210,8 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     def volume(k):
         return dome(k).over_cycles(moved, COEFFICIENT).volume(4e5)
 
-    slope = float(jax.grad(volume)(0.6))
-    by = (float(volume(0.601)) - float(volume(0.599))) / 2e-3
+    slope = jax.grad(volume)(0.6)
+    by = (volume(0.601) - volume(0.599)) / 2e-3
     assert 0.5 * by > slope > 2.0 * by
 
 
@@ -267,37 +268,16 @@ def worn(load, law=COEFFICIENT):
     return ONE.over_cycles(load, law)
 
 
-@parametrize(
-    "ask, told",
-    [
-        (lambda: worn(["2.0"]), r"a list of Block\(load, cycles\), not of '2.0'"),
-        (lambda: Blocks(2.0), r"a list of Block\(load, cycles\), not of 2.0"),
-        (lambda: Block("x", 1e5), "tangential_force takes real numbers"),
-        (lambda: Block(HELD, -1.0), "cycles = -1.0 is outside"),
-        (lambda: Block(HELD, 1e5, normal_force=-1.0), "normal_force = -1.0 is outside"),
-        (lambda: Block(HELD, 1e5, friction=0.0), "friction = 0.0 is outside"),
-        *(
-            (lambda law=law: worn(HELD, law), "law takes a wear coefficient K in 1/Pa or an instance")
-            for law in ("x", Archard)
-        ),
-        (lambda: worn([Block(2.0, 1.0), Block(4.5, 1.0)]), "block 2: .* the slip is gross"),
-        (lambda: worn(3.999, SAME), "= 0.99975 is outside .* <= 0.995 under"),
-        (lambda: Displacement(np.inf), "displacement_amplitude = inf is outside .* >= 0 and finite"),
-        (lambda: worn(TWO).volume(2.1e5), "cycles = 210000.0 is outside .* where the blocks end"),
-        (lambda: worn(HELD).volume(-1.0), "cycles = -1.0 is outside"),
-        (lambda: worn(HELD).pressure(-1.0, 0.0), "r = -1.0 is outside"),
-        (lambda: Block(1.0, np.inf), "cycles = inf is outside"),
-        (lambda: worn(2.0).volume(np.inf), "cycles = inf is outside"),
-        (lambda: worn(2.0, 0.0), "wear_coefficient = 0.0 is outside"),
-        (lambda: LAYERED.steady(5.0), "beyond which the slip is gross"),
-        (lambda: LAYERED.steady(2.0).pressure(-1.0), "r = -1.0 is outside"),
-        # The first question, before the run is solved.
-        (lambda: worn(GROSS).deepest_wear(1e30), WIDEST),
-    ],
-)
-def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
-    with pytest.raises((TypeError, ValueError), match=told):
-        ask()
+NAMED = {"HELD": HELD, "GROSS": GROSS, "TWO": TWO, "MORE": [Block(2.0, 1.0), Block(4.5, 1.0)]}
+NAMED |= {"SAME": SAME, "ARCHARD": Archard}
+ASKS = vars(loads) | {"run": worn, "steady": LAYERED.steady}
+
+
+@cases("wear/refused.toml", "tests")
+def test_what_is_no_test_is_refused_before_anything_is_solved(case):
+    given = jax.tree.map(lambda x: NAMED.get(x, x), case["given"])
+    with pytest.raises((TypeError, ValueError), match=case["line"]):
+        getattr(ASKS[case["ask"]](*given), case["read"])(*case["at"])
 
 
 @compiled

@@ -32,7 +32,7 @@ ERROR = {digits: 10.0**-digits for digits in RESOLUTIONS}  # promised, of the fi
 def of(amplitudes):
     """(The runs, their final volumes, first rates and units of time)."""
     phi = {"some": PHI, "close": CLOSE}[amplitudes]
-    final, rate = np.asarray(fretting.wear_volume(K, phi)), np.asarray(first_rate(K, phi))
+    final, rate = fretting.wear_volume(K, phi), first_rate(K, phi)
     return Reduced(K, phi), final, rate, final / rate
 
 
@@ -46,7 +46,7 @@ def volumes(resolution, k, phi, n):
 def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
     run, final, first, unit = of(amplitudes)
     times = unit * np.concatenate([[0.0, early], np.geomspace(1e-4, 10.0, 13), [1e3]])
-    volume = np.asarray(run.volume(times))
+    volume = run.volume(times)
     assert_array_equal(volume[:, 0], 0.0)
     assert_allclose(volume[:, 1], (first * times)[:, 1], rtol=1e-5)
     assert_allclose(run.rate(times)[:, :1], first, rtol=1e-6)
@@ -93,7 +93,7 @@ EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
 )
 def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, parts, rings):
     at = np.array(parts) * float(unit_of(k, phi))
-    mine = np.asarray(Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16))))[0, :3]
+    mine = Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16)))[0, :3]
     share = mine / fretting.wear_volume(k, phi)
     assert_allclose(share, worn_shares(k, phi, at, rings, 40), atol=2.0 * ERROR[4])
     assert parts is LATER or 0.1 < share[0] < 0.5
@@ -108,8 +108,8 @@ def test_closer_than_rounding_tells_it_is_refused():
 def test_digits_are_kept_over_the_whole_domain():
     close = [1.0 - 1e-4, 1.0 - 1e-8]
     k, phi = (x.reshape(-1, 1) for x in np.meshgrid([-0.97, -0.5, 0.2, 0.7, 0.97], [0.005, 0.3, 0.9, 0.98, *close]))
-    final = np.asarray(fretting.wear_volume(k, phi))
-    at = np.asarray(unit_of(k, phi)) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
+    final = fretting.wear_volume(k, phi)
+    at = unit_of(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
     finest, most = (
         volumes(MarchResolution(12, 32, 7.0, (3, 4, 5, 6)), k, phi, at),
@@ -125,7 +125,7 @@ def test_nothing_is_below_what_it_begins_with():
     n = np.append(0.0, np.geomspace(1e-12, 1e3, 15))
     for k, phi in zip(*rows, strict=True):
         run = Reduced(k, phi)
-        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        c, a = fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
         assert np.all(run.n_to(np.append(0.0, np.geomspace(1e-300, 0.5, 4))) >= 0.0)
         assert np.all(run.radius(n) >= 1.0) and np.all(run.rate(n) >= 0.0)
         # To where the contact ends before any wear, and after it.
@@ -200,7 +200,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 
     columns = [jnp.array([row[key] for row in rows]) for key in names]
     value, slopes = jax.vmap(jax.value_and_grad(read, tuple(range(len(names)))))(*columns)
-    value, slopes, inside = np.asarray(value), np.stack(slopes, -1), len(INSIDE)
+    slopes, inside = np.stack(slopes, -1), len(INSIDE)
     assert np.all(np.isnan(value[inside:])) and np.all(np.isnan(slopes[inside:]))
     finite = np.isfinite(value[:inside])
     # Nothing wears at phi = 0, so that no number of cycles wears a share of it.
