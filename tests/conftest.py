@@ -10,7 +10,6 @@ import resource
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -51,13 +50,13 @@ FOLDER, SECONDS = "JAX_COMPILATION_CACHE_DIR", "JAX_PERSISTENT_CACHE_MIN_COMPILE
 HALVES = {"PYTHONWARNINGS": "ignore:Error reading persistent compilation cache"}
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     if not hasattr(config, "workerinput"):
         os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.05"} | HALVES
 
 
 @functools.cache
-def prepare() -> None:
+def prepare():
     """Import and set what tests need, only in the processes that run them."""
     import jax
     from hypothesis import HealthCheck, settings
@@ -72,7 +71,7 @@ def prepare() -> None:
     settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 
-def pytest_collectstart() -> None:
+def pytest_collectstart():
     prepare()
 
 
@@ -86,7 +85,7 @@ TOGETHER = [
 LAST = ["test_docs", "test_notebooks"]
 
 
-def place(item: pytest.Item) -> tuple[int, int]:
+def place(item):
     name = item.path.stem
     for number, modules in enumerate(TOGETHER):
         if name in modules:
@@ -95,14 +94,14 @@ def place(item: pytest.Item) -> tuple[int, int]:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log):
+def pytest_xdist_make_scheduler(config, log):
     """With `--dist loadfile` a process takes all modules of a group, and groups in the order of `place`."""
     if config.getoption("dist") != "loadfile":
         return None
     from xdist.scheduler import LoadFileScheduling
 
     class ByGroup(LoadFileScheduling):
-        def _split_scope(self, nodeid: str) -> str:
+        def _split_scope(self, nodeid):
             name = Path(super()._split_scope(nodeid)).stem
             return next((modules[0] for modules in TOGETHER if name in modules), name)
 
@@ -110,20 +109,20 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log):
     return ByGroup(config, log)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     items.sort(key=place)
     # Tracing makes many objects that stay. Looking through all of them for garbage took a third of its time.
     gc.freeze()
     gc.set_threshold(100_000, 50, 1000)
 
 
-def pytest_unconfigure(config: pytest.Config) -> None:
+def pytest_unconfigure(config):
     if not hasattr(config, "workerinput"):
         shutil.rmtree(os.environ[FOLDER], ignore_errors=True)
 
 
 @pytest.fixture(autouse=True)
-def programs_not_kept() -> Iterator[None]:
+def programs_not_kept():
     """What a command line in this process has asked for ends with its test."""
     yield
     if "plgwear_jax._core.startup.programs" in sys.modules:
@@ -131,7 +130,7 @@ def programs_not_kept() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True, scope="module")
-def memory_that_two_processes_share() -> Iterator[None]:
+def memory_that_two_processes_share():
     """Programs of earlier modules are forgotten where they fill the memory; the folder of this run still has them."""
     yield
     largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)  # bytes
@@ -141,13 +140,13 @@ def memory_that_two_processes_share() -> Iterator[None]:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path, monkeypatch):
     """A folder of its own, in which the test runs."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.fixture(scope="session")
-def seed() -> int:
+def seed():
     """A seed for random points, fresh on every day unless PLGWEAR_SEED fixes it; printed with every failure."""
     return int(os.environ.get("PLGWEAR_SEED", "20240229"))

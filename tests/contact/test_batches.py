@@ -108,7 +108,7 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
     for one, other, both in zip(*map(jax.tree.leaves, (found, expected, crossed)), strict=True):
         scale = np.max(abs(other))
         assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
-        assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
+        assert_allclose(both[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
 
 
 # --- threads of OpenBLAS ------------------------------------------------------------------------------------------

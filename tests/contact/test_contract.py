@@ -104,14 +104,14 @@ def test_steady_states_of_both_engines_agree(pair, digits, most):
     force = FRICTION * FORCE * PHI
     one, other = (each.steady(force, digits=n) for each, n in zip(PAIRS[pair], (digits, None), strict=True))
     # NumPy computes the closed forms: XLA would need seconds to compile them.
-    c, outer = (np.asarray(x) for x in values(lambda: (other.stick_radius, other.worn_radius), other))
+    c, outer = values(lambda: (other.stick_radius, other.worn_radius), other)
     r = np.stack([0.0 * c, 0.5 * c, 0.9 * c, *(c + part * (outer - c) for part in (0.1, 0.5, 0.9, 1.2))])
     # Of other Poisson's ratios, stresses are others.
     but = STRESSES if pair == "two homogeneous bodies" else ()
     found, exact = (values(lambda each=each: everything(each, r, 0.1 * c, but), each) for each in (one, other))
     for name, expected in exact.items():
         scale = np.maximum(abs(expected), 1e-2 * np.max(abs(expected))) if np.ndim(expected) > c.ndim else abs(expected)
-        good = abs(np.asarray(found[name]) - expected) <= (1e-3 if name in STRESSES else most) * scale
+        good = abs(found[name] - expected) <= (1e-3 if name in STRESSES else most) * scale
         good |= np.isinf(expected) & (found[name] == expected)
         assert np.all(good | ~compared(pair, name)), name
 
@@ -139,7 +139,7 @@ WEARING |= {pair: PAIRS[pair] for pair in ("one modulus", "a parabola as a shape
 def runs(pair, load):
     """(The runs of both engines, cycles after which the shares are worn)."""
     numeric, closed = (each.over_cycles(load_of(each, load, F_X), COEFFICIENT) for each in WEARING[pair])
-    return numeric, closed, np.asarray(closed.cycles_to(SHARES))
+    return numeric, closed, closed.cycles_to(SHARES)
 
 
 # The most that fields, and all the rest, are apart, relative to the largest value.
@@ -159,9 +159,9 @@ def runs(pair, load):
 )
 def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     numeric, closed, cycles = runs(pair, load)
-    r = np.linspace(0.0, float(closed.steady.worn_radius), 101)[:, None]
+    r = np.linspace(0.0, closed.steady.worn_radius, 101)[:, None]
     for name in ("volume", "rate", "contact_radius", "stick_radius", "force_amplitude", "deepest_wear"):
-        found, expected = (np.asarray(getattr(each, name)(cycles)) for each in (numeric, closed))
+        found, expected = (getattr(each, name)(cycles) for each in (numeric, closed))
         # Where the displacement is held, the stick radius moves by whole cells.
         bound = max(most, 2e-4) if name == "stick_radius" else most
         assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
@@ -185,7 +185,7 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
     one = CONTACTS[kind]
     steady, run = one.steady(F_X), one.over_cycles(load_of(one, load, F_X), COEFFICIENT)
     first = steady.energy_per_cycle * COEFFICIENT / FRICTION
-    begin, early, later, end = np.asarray(run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape)))[:4]
+    begin, early, later, end = run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape))[:4]
     assert begin == 0.0
     assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5 if load == "force" else 1e-2)
     assert_allclose(run.force_amplitude(0.0), F_X, rtol=1e-14 if load == "force" else 1e-2)
@@ -223,7 +223,7 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
         steady = contact.steady(forces)
         return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.slip_amplitude(r), steady.pressure(r)])
 
-    found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0])))
+    found = fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0]))
     assert_array_equal(np.isnan(found), [[False, True, False]] * 4)
     assert_allclose(found[:, 2], [0.0, 0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 

@@ -26,7 +26,7 @@ def under(contact, forces=FORCES):
 @parametrize("k", [compiled_case(-0.8), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
     contact = dome(k)
-    whole = np.asarray(under(contact).steady(Force(0.0, rig)).gross_slip_displacement)
+    whole = under(contact).steady(Force(0.0, rig)).gross_slip_displacement
     moves = np.sort((whole * SHARES).ravel())
     found = slip_regimes(contact, moves, FORCES, rig_stiffness=rig)
     assert_allclose(found.gross_slip_displacement, whole[:, 0], rtol=1e-14)
@@ -34,11 +34,11 @@ def test_a_map_is_made_of_single_contacts(k, rig):
     inside, beyond = moves < 0.9999 * whole, moves > 1.0001 * whole
     state = under(contact).steady(Force(np.where(inside, found.tangential_force, 0.5 * LIMIT), rig))
     for name in ("energy_ratio", "loop_aperture"):
-        assert_allclose(getattr(found, name)[inside], np.asarray(getattr(state, name))[inside], rtol=1e-12)
+        assert_allclose(getattr(found, name)[inside], getattr(state, name)[inside], rtol=1e-12)
     assert_allclose(state.displacement_amplitude[inside], (moves + 0.0 * whole)[inside], rtol=1e-12)
     assert_allclose(found.energy_per_cycle[inside], state.energy_per_cycle[inside], rtol=1e-11)
     # Beyond the onset friction works along the whole way besides.
-    onset = np.asarray(under(contact).steady(0.0).gross_slip_displacement)
+    onset = under(contact).steady(0.0).gross_slip_displacement
     sliding = 4.0 * LIMIT * ((1.0 + k) / (5.0 + k) * onset + moves - whole)
     assert_allclose(found.energy_per_cycle[beyond], sliding[beyond], rtol=1e-12)
     opened = (2.0 ** ((1.0 + k) / (3.0 + k)) - 1.0) * onset + moves - whole
@@ -47,7 +47,7 @@ def test_a_map_is_made_of_single_contacts(k, rig):
 
 @parametrize("rig", RIGS)
 def test_nothing_jumps_at_the_onset(rig):
-    onset = float(dome(0.9).steady(Force(0.0, rig)).gross_slip_displacement)
+    onset = dome(0.9).steady(Force(0.0, rig)).gross_slip_displacement
     moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
     found = slip_regimes(dome(0.9), moves, [FORCE], rig_stiffness=rig)
     for name in ("energy_ratio", "loop_aperture", "tangential_force"):
@@ -67,7 +67,7 @@ def test_no_displacement_needs_no_force(indenter):
 @parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
     closed, numeric = dome(k), dome(k, Elastic(1e20, 0.3))
-    onset = float(closed.steady(Force(0.0, rig)).gross_slip_displacement)
+    onset = closed.steady(Force(0.0, rig)).gross_slip_displacement
     moves = onset * np.geomspace(0.011, 10.0, 61)
     found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
     for field in dataclasses.fields(expected):
@@ -77,13 +77,13 @@ def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
 @parametrize("k", [compiled_case(-0.5), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
     contact = dome(k)
-    onset = float(contact.steady(0.0).gross_slip_displacement)
+    onset = contact.steady(0.0).gross_slip_displacement
     found = slip_regimes(contact, onset * np.linspace(0.01, 2.0, 400), [FORCE])
     for name, level in CRITERIA.items():
         at = found.displacement_where(name, level)
         again = slip_regimes(contact, at, [FORCE])
         assert_allclose(getattr(again, name)[0, 0], level, rtol=1e-4)
-    shift = float(found.displacement_where("energy_ratio", 0.2)[0]) / onset
+    shift = found.displacement_where("energy_ratio", 0.2)[0] / onset
     assert_allclose(shift, {-0.5: 10.0 / 9.0, 0.0: 1.0, 0.5: 0.868}[k], rtol=1e-3)
     assert np.isnan(found.displacement_where("energy_ratio", 1e-9)[0])
 

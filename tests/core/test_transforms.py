@@ -25,7 +25,7 @@ from plgwear_jax import FrettingContact, GrossSlipContact, fretting, gross_slip,
 from plgwear_jax._core.catalogue import laws_of, read
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 
-EPS = float(np.finfo(np.float64).eps)
+EPS = np.finfo(np.float64).eps
 EPS32 = float(np.finfo(np.float32).eps)
 
 each_function = parametrize("name", FUNCTIONS)
@@ -70,7 +70,7 @@ def test_scalars_give_zero_dimensional_arrays(name):
     for values in (at, [np.asarray(x) for x in at], [jnp.asarray(x) for x in at]):
         result = FUNCTIONS[name](*values)
         assert isinstance(result, jax.Array) and result.shape == () and result.dtype == jnp.float64
-    assert float(FUNCTIONS[name](**dict(zip(arguments(name), at, strict=True)))) == float(result)
+    assert FUNCTIONS[name](**dict(zip(arguments(name), at, strict=True))) == result
 
 
 @of_each_kind
@@ -190,7 +190,7 @@ def special_points(name):
     if names[0] in ("r", "distance") and "phi" in names:
         k, phi = (x.ravel() for x in np.meshgrid(K, PHI))
         for radius in (functions.fretting.stick_radius, functions.fretting.worn_radius):
-            edge = np.asarray(radius(k, phi))
+            edge = radius(k, phi)
             beside = [edge, np.nextafter(edge, 0.0), np.nextafter(edge, 9e9)]
             at = [np.append(x, y) for x, y in zip(at, (beside, np.tile(k, 3), np.tile(phi, 3)), strict=True)]
     return at
@@ -382,7 +382,7 @@ def test_digits_are_accepted_and_the_wrong_ones_refused(name):
 
 def test_digits_are_static_under_jit():
     coarse = jax.jit(fretting.worn_radius, static_argnames="digits")(0.3, 0.4, digits=3)
-    assert float(coarse) == float(fretting.worn_radius(0.3, 0.4, digits=3)) != float(fretting.worn_radius(0.3, 0.4))
+    assert coarse == fretting.worn_radius(0.3, 0.4, digits=3) != fretting.worn_radius(0.3, 0.4)
     with pytest.raises((TypeError, ValueError), match="digits"):  # a traced number is no number of digits
         jax.jit(fretting.worn_radius)(0.3, 0.4, digits=3)
 
@@ -457,7 +457,7 @@ def designs(phi):
 def test_the_optimum_is_differentiable():
     (value, of_k, of_volume), h = map(np.asarray, designs(PHI)), 1e-4 * (np.arange(9) < 6)
     assert np.all(np.isnan([*value, *of_k[:1], *of_volume[:1]])[:, 6:])
-    by_k, by_volume = (np.asarray(designs(PHI + h)[0]) - designs(PHI - h)[0])[:, :6] / 2e-4
+    by_k, by_volume = (designs(PHI + h)[0] - designs(PHI - h)[0])[:, :6] / 2e-4
     # h^2 times third derivatives of some tens, and k to 1e-9 over h: 1e-5 both.
     assert_allclose(of_k[0, 1:5], by_k[1:5], rtol=1e-4)
     assert_allclose(of_volume[0, :6], by_volume, rtol=1e-4)

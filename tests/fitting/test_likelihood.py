@@ -26,16 +26,14 @@ def by_both(x, data):
     return log_likelihood(dataclasses.replace(ONE, friction=ONE.friction * jnp.exp(x[1])), jnp.exp(x[0]), data)
 
 
-CLOSED = Measurements(
-    FORCE, CYCLES, np.asarray(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)) * NOISE, 0.05, relative=True
-)
+CLOSED = Measurements(FORCE, CYCLES, ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES) * NOISE, 0.05, relative=True)
 AT = jnp.array([np.log(COEFFICIENT), 0.0])
 
 
 def test_the_likelihood_is_that_of_normal_errors():
     from scipy import stats
 
-    volume, sigma = np.asarray(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)), 0.05 * CLOSED.measured
+    volume, sigma = ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), 0.05 * CLOSED.measured
     exact = stats.norm.logpdf(CLOSED.measured, volume, sigma).sum()
     absolute = dataclasses.replace(CLOSED, deviation=sigma, relative=False)
     for law, data in ((COEFFICIENT, CLOSED), (Archard(COEFFICIENT), CLOSED), (COEFFICIENT, absolute)):
@@ -54,7 +52,7 @@ def test_the_likelihood_is_that_of_normal_errors():
 )
 def test_of_other_loads_laws_and_measurements(load, law, what, r):
     """Where what was measured is what the run gives it is largest, as with normal errors."""
-    value = np.asarray(getattr(ONE.over_cycles(load, law), what)(*r, CYCLES))
+    value = getattr(ONE.over_cycles(load, law), what)(*r, CYCLES)
     data = Measurements(load, CYCLES, value, 0.05, *r, what=what, relative=True)
     most = -np.sum(np.log(0.05 * value)) - 0.5 * CYCLES.size * np.log(2.0 * np.pi)
     assert_allclose(log_likelihood(ONE, law, data), most, rtol=1e-9)
@@ -69,9 +67,9 @@ def test_derivatives_are_differences():
 
     assert_allclose(slope(AT, CLOSED), difference(value), rtol=1e-3)
     curvature = jax.jit(jax.hessian(by_both))(AT, CLOSED)
-    assert_allclose(curvature, difference(slope), rtol=1e-2, atol=1e-2 * float(abs(curvature).max()))
+    assert_allclose(curvature, difference(slope), rtol=1e-2, atol=1e-2 * abs(curvature).max())
     by_deviation = jax.grad(lambda s: by_both(AT, dataclasses.replace(CLOSED, deviation=s)))(0.05)
-    z = np.asarray(CLOSED.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)))
+    z = CLOSED.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
     assert_allclose(by_deviation, np.sum(z * z - 1.0) / 0.05, rtol=1e-9)
     some = jax.vmap(by_both, (0, None))(jnp.stack([AT, AT + 0.1]), CLOSED)
     assert_allclose(some, [value(AT, CLOSED), value(AT + 0.1, CLOSED)], rtol=1e-9)

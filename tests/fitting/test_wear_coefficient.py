@@ -49,7 +49,7 @@ def law_with(exponent):
 )
 def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
     K, law = law_with(exponent)
-    volume = np.asarray(one.over_cycles(load, law).volume(CYCLES))
+    volume = one.over_cycles(load, law).volume(CYCLES)
     found = fit_wear_coefficient(one, load, CYCLES, volume, exponent=exponent)
     assert found.doubt is None
     assert_allclose(found.wear_coefficient, K, rtol=1e-3)
@@ -66,7 +66,7 @@ def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
 @compiled
 def test_tests_at_several_normal_forces_tell_the_exponent():
     K, law = law_with(1.5)
-    volume, lacks = np.asarray(ONE.over_cycles(CHANGING, law).volume(CYCLES)), []
+    volume, lacks = ONE.over_cycles(CHANGING, law).volume(CYCLES), []
     for exponent in (1.0, 1.5):
         found = fit_wear_coefficient(ONE, CHANGING, CYCLES, volume, SCATTER * volume, exponent=exponent)
         lacks.append(np.sum((found.fitted / volume - 1.0) ** 2))
@@ -80,7 +80,7 @@ LATE = [3.0 * HALF, 6.0 * HALF, 20.0 * HALF]
 
 @parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
 def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycles, share):
-    volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(np.array(cycles)))
+    volume = ONE.over_cycles(2.0, COEFFICIENT).volume(np.array(cycles))
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
     assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
     assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
@@ -104,13 +104,13 @@ def test_the_most_likely_of_several_minima_is_found():
             given = volume, deviation * volume
             found = fit_wear_coefficient(ONE, 2.0, cycles, *given)
             K = np.geomspace(1e-3, 1e3, 4001) * COEFFICIENT
-            modelled = np.asarray(run.volume(cycles * K[:, None] / COEFFICIENT))
+            modelled = run.volume(cycles * K[:, None] / COEFFICIENT)
             misfit = np.sum(((modelled - volume) / given[1]) ** 2, -1)
             assert_allclose(found.wear_coefficient, K[np.argmin(misfit)], rtol=4e-3)
 
 
 def test_a_relative_deviation_stands_for_a_deviation_of_each():
-    volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(CYCLES)) * NOISE[0]
+    volume = ONE.over_cycles(2.0, COEFFICIENT).volume(CYCLES) * NOISE[0]
     of_each = fit_wear_coefficient(ONE, 2.0, CYCLES, volume, SCATTER * volume)
     begun = np.append(0.0, CYCLES), np.append(0.0, volume)  # before the first cycle nothing is worn
     share = fit_wear_coefficient(ONE, 2.0, *begun, SCATTER, relative=True)

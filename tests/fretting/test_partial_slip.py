@@ -27,7 +27,7 @@ def test_theta_is_that_of_the_equations_of_plane_strain(k, nu):
 def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
     phi = np.array([0.3, 0.5, 0.9])
     steady = dome().steady(LIMIT * phi)
-    a_0, shear = float(steady.contact_radius), 110e9 / 2.6
+    a_0, shear = steady.contact_radius, 110e9 / 2.6
     lost = 9 * LIMIT**2 * 1.7 / (10 * a_0 * shear)
     lost = lost * (1 - (1 - phi) ** (5 / 3) - 5 * phi / 6 * (1 + (1 - phi) ** (2 / 3)))
     assert_allclose(steady.energy_per_cycle, lost, rtol=1e-11)
@@ -61,7 +61,7 @@ def test_the_displacement_of_the_worn_contact_is_larger(k):
     """In the steady state by c^2 Lambda/2 over (1 - c^2)/(1+k); Mindlin's relation before any wear."""
     alone, rig = (dome(k).steady(Force(0.5 * LIMIT, stiffness)) for stiffness in (None, 1e6))
     u, at_actuator = (np.array([x.displacement_amplitude, x.worn_displacement_amplitude]) for x in (alone, rig))
-    c, s = float(fretting.stick_radius(k, 0.5)), 0.5 * (1.0 + k)
+    c, s = fretting.stick_radius(k, 0.5), 0.5 * (1.0 + k)
     assert_allclose(u[1] / u[0], c**2 * 0.5 / (0.5 * (1.0 + s)) / (1.0 - c**2), rtol=1e-12)
     assert_allclose(at_actuator - u, 0.5 * LIMIT / 1e6, rtol=1e-9)
 
@@ -73,8 +73,8 @@ def loop(contact, force, rig, points=4001):
     """(Energy, displacement at no force on the way back) of the loop that Masing's rule makes of the first loading."""
     # Forces are dense at both ends, where the curve may be steep.
     forces = -force * np.cos(np.pi * np.linspace(0.0, 1.0, points))
-    alone = np.asarray(contact.steady(0.5 * (force - forces)).displacement_amplitude)
-    back = float(contact.steady(force).displacement_amplitude) + rig * force - 2.0 * alone - rig * (force - forces)
+    alone = contact.steady(0.5 * (force - forces)).displacement_amplitude
+    back = contact.steady(force).displacement_amplitude + rig * force - 2.0 * alone - rig * (force - forces)
     return np.trapezoid(back + back[::-1], forces), np.interp(0.0, forces, back)
 
 
@@ -83,7 +83,7 @@ def test_energy_ratio_and_aperture_are_those_of_the_loop(k):
     contact, force = dome(k), 0.7 * LIMIT
     energy, opened = loop(contact, force, 1e-7)
     found = contact.steady(Force(force, 1e7))
-    most = float(found.displacement_amplitude)
+    most = found.displacement_amplitude
     expected = energy, energy / (4.0 * force * most), opened / most  # a rig loses nothing
     assert_allclose([found.energy_per_cycle, found.energy_ratio, found.loop_aperture], expected, rtol=1e-5)
 
@@ -92,7 +92,7 @@ def test_at_the_onset_of_gross_slip():
     ratio, aperture = (1.0 + EXPONENTS) / (5.0 + EXPONENTS), 2.0 ** ((1.0 + EXPONENTS) / (3.0 + EXPONENTS)) - 1.0
     two = dataclasses.replace(dome(), material=Elastic(110e9, 0.3), indenter=Elastic(210e9, 0.3))
     alone, rig = (dome(EXPONENTS).steady(Force(0.0, stiffness)) for stiffness in (None, 1e7))
-    share = np.asarray(alone.gross_slip_displacement / rig.gross_slip_displacement)
+    share = alone.gross_slip_displacement / rig.gross_slip_displacement
     near, same = 1.0 - 1e-15, {"rtol": 1e-14}
     assert_allclose(partial_slip.energy_ratio(EXPONENTS, near), ratio, rtol=1e-6)
     assert_allclose(partial_slip.loop_aperture(EXPONENTS, near), aperture, rtol=1e-6)
@@ -108,7 +108,7 @@ def test_both_vanish_with_the_force(name, part):
         assert_allclose(function(EXPONENTS, phi), slope * phi, rtol=1e-8)
     assert_allclose([jax.grad(function, 1)(k, 0.0) for k in EXPONENTS], slope, rtol=1e-14)
     at_rest = jax.grad(lambda force: getattr(dome(0.3).steady(Force(force, 1e7)), name))(0.0)
-    moved = float(dome(0.3).steady(1e-9).displacement_amplitude)
+    moved = dome(0.3).steady(1e-9).displacement_amplitude
     assert_allclose(at_rest, slope[3] / LIMIT * moved / (moved + 1e-9 / 1e7), rtol=1e-9)
 
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import PowerLawGraded
 
-EPS = float(np.finfo(float).eps)
+EPS = np.finfo(float).eps
 POINTS = 8
 
 exponent = st.one_of(
@@ -48,7 +48,7 @@ GRID_K, GRID_PHI = (
 
 def edges(k, phi):
     """(Stick radius, worn radius)."""
-    return np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+    return fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
 
 
 # --- radii ----------------------------------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ def test_radii_on_a_grid():
 
 @given(EXPONENTS, AMPLITUDES)
 def test_volume_of_wear_is_positive_and_at_rest_zero(k, phi):
-    volume = np.asarray(fretting.wear_volume(k, phi))
+    volume = fretting.wear_volume(k, phi)
     assert np.all(volume >= 0.0) and np.all(np.isfinite(volume))
     assert np.all(volume[phi > 1e-100] > 0.0)  # below, V of the order phi^(2+q) underflows
     assert_array_equal(fretting.wear_volume(k, np.zeros_like(phi)), 0.0)
@@ -99,7 +99,7 @@ def test_wear_and_worn_radius_grow_with_the_amplitude_and_the_stick_radius_shrin
     told_apart = more - phi > 1e-9 * np.minimum(phi, 1.0 - phi)
     for wear in (fretting.wear_volume, fretting.deepest_wear):
         assert np.all(wear(k, more) >= wear(k, phi))
-        grown = np.asarray(wear(k, more) > wear(k, phi))
+        grown = wear(k, more) > wear(k, phi)
         # 1 - phi must be resolved, the wear must not underflow, and the relative step in it must exceed 64 eps.
         assert np.all(grown | ~told_apart | (more < 1e-95) | (1.0 - more < 1e-9))
     assert np.all(fretting.stick_radius(k, more) <= fretting.stick_radius(k, phi))
@@ -113,12 +113,12 @@ def test_wear_and_worn_radius_grow_with_the_amplitude_and_the_stick_radius_shrin
 def test_wear_depth_is_positive_in_the_ring_and_at_most_the_deepest(k, phi, part):
     c, a = edges(k, phi)
     r = np.clip(c + part * (a - c), c, a)
-    depth = np.asarray(fretting.wear_depth(r, k, phi))
+    depth = fretting.wear_depth(r, k, phi)
     assert np.all(depth >= 0.0)
     # Strictly inside, by 64 ulp of the radii, it must not vanish (unless it underflows).
     inner = (r > c * (1.0 + 64 * EPS)) & (r < a * (1.0 - 64 * EPS)) & (phi > 1e-100)
     assert np.all(depth[inner] > 0.0)
-    deepest = np.asarray(fretting.deepest_wear(k, phi))
+    deepest = fretting.deepest_wear(k, phi)
     # rounding of r moves the depth by its slope, and a narrow ring is only some ulp wide
     assert np.all(depth <= deepest * (1.0 + 64 * EPS * (1.0 + a / np.maximum(a - c, EPS * a))))
     assert_allclose(fretting.profile(r, k, phi), 0.5 * r * r + depth, rtol=4 * EPS)  # a product and a sum
@@ -191,7 +191,6 @@ def test_displacement_beyond_the_contact_is_positive_and_falls(module):
     k, slip = GRID_K, [GRID_PHI] if module is fretting else []
     edge = fretting.stick_radius(k, GRID_PHI) if slip else 1.0
     for w in (module.initial_displacement(RADII, k), module.steady_displacement(edge * RADII, k, *slip)):
-        w = np.asarray(w)
         assert np.all(w > 0.0)
         # Rounding may undo a step that is smaller than it.
         assert np.all(np.diff(w, axis=0) <= 16 * EPS * w[1:])
@@ -201,7 +200,7 @@ def test_displacement_beyond_the_contact_is_positive_and_falls(module):
 @given(exponent, st.floats(1e-9, 1e3), st.floats(1e3, 1e15))
 def test_modulus_at_the_characteristic_depth(k, z0, E0):
     graded = PowerLawGraded(E0=E0, z0=z0, k=k, nu=0.3)
-    assert float(graded.modulus(z0)) == E0
-    assert float(graded.modulus(0.0)) == (0.0 if k > 0.0 else math.inf if k < 0.0 else E0)
+    assert graded.modulus(z0) == E0
+    assert graded.modulus(0.0) == (0.0 if k > 0.0 else math.inf if k < 0.0 else E0)
     # 2^k by an exponential of the logarithm
     assert_allclose(graded.modulus(2.0 * z0), E0 * 2.0**k, rtol=8 * EPS)

@@ -21,8 +21,8 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     contact = given.build_contact()
     assert isinstance(contact, FrettingContact)
     force = given.load.largest
-    radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
-    a_0 = float(contact.steady(0.0).contact_radius)
+    radius, normal_force = contact.radius, contact.normal_force
+    a_0 = contact.steady(0.0).contact_radius
     assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * radius  # a shallow dome, as the paper's parabola is
     assert 50e6 < normal_force / (np.pi * a_0**2) < 1e9  # Pa
     assert 0.02 < contact.steady(force).amplitude < 0.9  # partial slip, and not by a hair
@@ -35,7 +35,7 @@ def test_scenes_can_be_made(name):
     """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space
     window = design.variables.get("modulus") or (design.allowed or {})["modulus"]
-    a_0 = float(SCENES[name].build_contact().steady(0.0).contact_radius)
+    a_0 = SCENES[name].build_contact().steady(0.0).contact_radius
     shallow, deep = (z / a_0 for z in dict(window)["at"])
     assert 0.008 < shallow < 0.011 and 2.9 < deep < 3.3
     assert all(10e9 <= modulus <= 500e9 for name in ("lower", "upper") for modulus in dict(window)[name])

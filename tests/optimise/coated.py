@@ -20,15 +20,15 @@ def on(contact, **fields):
 
 def held(k):
     """Contacts with these exponents and the contact radius of `RIGID`."""
-    ratio = np.asarray(on(RIGID, k=k).steady(0.0).contact_radius) / float(RIGID.steady(0.0).contact_radius)
+    ratio = on(RIGID, k=k).steady(0.0).contact_radius / RIGID.steady(0.0).contact_radius
     return on(RIGID, k=k, E0=110e9 * ratio ** (3.0 + k))
 
 
 def is_least(found, worn, within, *, run=False):
     """The design is no worse than the best of a scan that keeps the limits, and hardly better; of runs to 6 digits."""
     assert found.converged and found.keeps_limits and (run or found.certified)
-    least = float(np.nanmin(worn))
-    assert least * (1.0 - within) < float(found.value) < least * (1.0 + (1e-6 if run else 1e-9))
+    least = np.nanmin(worn)
+    assert least * (1.0 - within) < found.value < least * (1.0 + (1e-6 if run else 1e-9))
 
 
 def over(amounts, weight, level):

@@ -29,13 +29,13 @@ AT = np.linspace(0.0, 1.0, 9)
 @example(ends=(-0.999999, 0.999999), phi=0.25, reduced=1e-6)
 def test_wear_between_the_runs_is_that_of_a_run(ends, phi, reduced):
     """Over the domain in which runs are accurate, far below their own error of 1e-4 of the final volume."""
-    force, cycles = phi * 4.0, reduced * MANY * float(coefficient_of(CONTACT)) / 1e-14
+    force, cycles = phi * 4.0, reduced * MANY * coefficient_of(CONTACT) / 1e-14
     question = question_of(CONTACT, force, {"k": ends}, cycles=cycles, law=1e-14)
     assert read_from_runs(question)
     k = np.clip(ends[0] + (ends[1] - ends[0]) * AT, *ends)
     found = evaluate(question, {"k": k})
-    direct = np.asarray(dome(k).over_cycles(force, 1e-14).volume(cycles))
-    final = np.asarray(dome(k).steady(force).wear_volume)
+    direct = dome(k).over_cycles(force, 1e-14).volume(cycles)
+    final = dome(k).steady(force).wear_volume
     assert_allclose(found.objective / final, direct / final, atol=3e-5)
 
 

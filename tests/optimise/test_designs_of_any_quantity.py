@@ -38,9 +38,9 @@ def test_every_quantity_can_be_limited_while_any_number_varies(names):
     side = np.array([-1.0 if one.lowest else 1.0 for one in question.limits])
     found = evaluate(question, points)
     for i in range(2):
-        contact = with_variables(CONTACT, {name: float(x[i]) for name, x in points.items()})
+        contact = with_variables(CONTACT, {name: x[i] for name, x in points.items()})
         assert_allclose(found.objective[i], contact.steady(1.0).deepest_wear, rtol=1e-12)
-        values = [float(read(contact, one.quantity, 1.0, one.places)) / one.value for one in question.limits]
+        values = [read(contact, one.quantity, 1.0, one.places) / one.value for one in question.limits]
         assert_allclose(np.exp(side * found.values[i, 1:]), values, rtol=1e-12)
     step = 1e-4
     for column, name in enumerate(bounds):

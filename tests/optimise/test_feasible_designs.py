@@ -43,7 +43,7 @@ class Asked:
     def on_grid(self, name):
         steady = self.grid.steady(self.force)
         value = getattr(steady, name)
-        return np.asarray(value(self.distance) if name == "edge_pressure" else value)
+        return value(self.distance) if name == "edge_pressure" else value
 
     def place(self, name):
         return {"distance": self.distance} if name == "edge_pressure" else {}
@@ -77,7 +77,7 @@ def asked(draw, variables, points):
     grid = with_variables(contact, at)
     force = phi * friction * normal_force
     if hold:  # Eq. (12): a_0^(3+k) is inversely proportional to E0
-        ratio = np.asarray(grid.steady(0.0).contact_radius / contact.steady(0.0).contact_radius)
+        ratio = grid.steady(0.0).contact_radius / contact.steady(0.0).contact_radius
         grid = on(grid, E0=E0 * ratio ** (3.0 + at["k"]))
     distance = log_float(-3.0, -0.5) * float(np.min(grid.steady(force).stick_radius))
     return Asked(contact, force, vary, hold, grid, distance)
@@ -89,7 +89,7 @@ def limited(question, name, above, log_share, most):
     if not np.all(np.isfinite(value)) or np.ptp(np.log(value)) < 1e-3:
         return None
     share = max(1e-3, 1.0 - 10.0**log_share if most else 10.0**log_share)
-    allowed = float(np.quantile(value, 1.0 - share if above else share))
+    allowed = np.quantile(value, 1.0 - share if above else share)
     kept = value >= allowed if above else value <= allowed
     return {"above" if above else "below": allowed, **question.place(name)}, kept
 
@@ -102,7 +102,7 @@ def compared(question, objective, limits, kept, rounding=1e-8):
     )
     assert found.keeps_limits
     best = np.min(np.where(kept, question.on_grid(objective), np.inf))
-    assert float(found.value) <= best * (1.0 + rounding)
+    assert found.value <= best * (1.0 + rounding)
 
 
 def asks_at_random(variables, points):
@@ -157,10 +157,10 @@ def test_limits_that_few_contacts_keep_are_found_by_a_descent():
     """Between two points of the scan: the peak of a quantity along k, of which one part in 1e5 is allowed."""
     k = np.linspace(0.05, 0.7, 20001)
     grid = on(BENT, k=k)
-    radius = np.asarray(grid.steady(14.3).worn_radius)
+    radius = grid.steady(14.3).worn_radius
     least = int(np.argmin(radius))
     assert 100 < least < 19900
-    limits = {"worn_radius": {"below": float(radius[least]) * (1.0 + 2e-6)}}
+    limits = {"worn_radius": {"below": radius[least] * (1.0 + 2e-6)}}
     found = optimise.design(BENT, 14.3, {"k": (0.05, 0.7)}, limits=limits)
     assert found.keeps_limits
     assert_allclose(found.variables["k"], k[least], atol=5e-3)

@@ -40,10 +40,10 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
 
     def both(contacts):
         wear = weight @ np.stack([contacts.steady(one).wear_volume for one in force])
-        return np.asarray(contacts.steady(1.0).edge_pressure(1e-6)), wear
+        return contacts.steady(1.0).edge_pressure(1e-6), wear
 
     grid = held(np.linspace(-0.9, 0.9, 401))
-    kept = np.asarray(grid.steady(1.0).penetration) <= 8.5e-7
+    kept = grid.steady(1.0).penetration <= 8.5e-7
     assert not np.all(kept)
     is_the_envelope(curve, *(values[kept] for values in both(grid)), within=0.01)
     assert_allclose([curve.x, curve.y], both(held(curve.variables["k"])), rtol=1e-9)
@@ -66,7 +66,7 @@ def test_no_contact_of_a_grid_is_better(x, y, larger):
     for asked in (x, y):
         ((name, places),) = ({asked: {}} if isinstance(asked, str) else asked).items()
         read = catalogue.read(contacts, name, FORCE, places)
-        both.append(np.broadcast_to(np.asarray(read), (K.size, FRICTION.size)).ravel())
+        both.append(np.broadcast_to(read, (K.size, FRICTION.size)).ravel())
     is_the_envelope(curve, *both, within=0.02)
     assert curve.x_name in catalogue.FRETTING and curve.larger == larger
 
@@ -78,7 +78,7 @@ def test_wear_after_a_life(x, rounding):
     curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, x, points=5, hold=HOLD, **LIFE)
     run = held(K).over_cycles(FORCE, LIFE["law"])
     against = run.steady.wear_volume if x == "wear_volume" else run.contact_radius(LIFE["cycles"])
-    both = np.asarray(against), np.asarray(run.volume(LIFE["cycles"]))
+    both = against, run.volume(LIFE["cycles"])
     is_the_envelope(curve, *both, within=0.01, rounding=rounding)
 
 
@@ -87,9 +87,7 @@ def test_a_punch_trades_its_force_for_its_wear():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
     curve = optimise.front(punch, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
     punches = on(punch, k=K)
-    is_the_envelope(
-        curve, np.asarray(punches.steady().steady_force), np.asarray(punches.steady().volume_change), within=0.01
-    )
+    is_the_envelope(curve, punches.steady().steady_force, punches.steady().volume_change, within=0.01)
     assert curve.best == ("largest steady force", "least effective volume worn off")
 
 

@@ -27,7 +27,7 @@ RANGE = {"k": (-0.6, 0.6)}
 
 def worn(contact, load=FORCE, law=COEFFICIENT):
     """The volume after the life."""
-    return np.asarray(contact.over_cycles(load, law).volume(CYCLES))
+    return contact.over_cycles(load, law).volume(CYCLES)
 
 
 # --- every contact ----------------------------------------------------------------------------------------------------
@@ -36,12 +36,12 @@ def worn(contact, load=FORCE, law=COEFFICIENT):
 @compiled
 def test_two_variables_under_an_elastic_indenter_with_a_limit():
     """The best k and E0 beside a scan of both."""
-    radius = float(np.asarray(STEEL.steady(0.0).contact_radius))
+    radius = float(STEEL.steady(0.0).contact_radius)
     bounds = {"k": (-0.4, 0.4), "E0": (60e9, 240e9)}
     found = optimise.design(STEEL, FORCE, bounds, limits={"contact_radius": {"above": radius}}, **LIFE)
     k, modulus = np.linspace(-0.4, 0.4, 9)[:, None], np.geomspace(60e9, 240e9, 9)
     scanned = on(STEEL, k=k, E0=modulus)
-    kept = np.asarray(scanned.steady(0.0).contact_radius) >= radius
+    kept = scanned.steady(0.0).contact_radius >= radius
     is_least(found, np.where(kept, worn(scanned), np.nan), within=0.1, run=True)
     assert found.limits["contact_radius_lowest"].active
     assert_allclose(found.value, worn(found.contact), rtol=1e-9)
@@ -73,7 +73,7 @@ def test_loads_other_than_the_force(name):
     if name == "gross slip":
         loaded = loads.Displacement(np.array([3.0 * ONSET]))
         many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
-        assert_allclose(many.value, [float(found.value)], rtol=1e-9)
+        assert_allclose(many.value, [found.value], rtol=1e-9)
         harder = optimise.under_other_load(found, 1.1)
         assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
 
@@ -95,7 +95,7 @@ def test_the_depth_at_a_radius():
     assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).depth(6.6e-5, CYCLES), rtol=1e-6)
     for k in (-0.6, 0.0, 0.6):
         again = optimise.along(found, "k", [k])
-        assert float(again.value[0]) >= float(found.value) * (1.0 - 1e-9)
+        assert again.value[0] >= found.value * (1.0 - 1e-9)
 
 
 # --- every question ---------------------------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ def test_designs_within_a_program(contact, life):
     bounds = {"material.modulus[0]": (40e9, 200e9)} if contact is LAYERS else RANGE
     single = optimise.design(contact, FORCE, bounds, **life)
     found = jax.jit(lambda force: optimise.designs(contact, force, bounds, **life))(np.array([FORCE]))
-    assert_allclose(found.value, [float(single.value)], rtol=1e-6)
+    assert_allclose(found.value, [single.value], rtol=1e-6)
     for name, value in single.variables.items():
         assert_allclose(found.variables[name], [value], rtol=1e-4, atol=1e-5)
 
@@ -138,7 +138,7 @@ def test_a_free_gradient_for_a_life():
     found = optimise.free_design(RIGID, FORCE, profile, starts=3, **LIFE)
     corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
     scanned = contact_of(DepthGraded(at, corners, 0.3))
-    least = float(np.nanmin(worn(scanned)))  # a run on a stiff depth between compliant ones has no answer
+    least = np.nanmin(worn(scanned))  # a run on a stiff depth between compliant ones has no answer
     assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
     assert_allclose(found.value, worn(found.contact), rtol=1e-6)
 
@@ -154,10 +154,10 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
     ever = optimise.in_steady_state(short)
     steady = optimise.design(RIGID, force, bounds, hold=HOLD)
     assert ever.best.variables == steady.variables
-    assert ever.volume > ever.reference_volume > float(steady.value) and ever.best_by_then > 2.0 * float(short.value)
+    assert ever.volume > ever.reference_volume > steady.value and ever.best_by_then > 2.0 * short.value
     # After so many lives both have worn the same.
     runs = (x.over_cycles(force, COEFFICIENT) for x in (short.contact, steady.contact))
-    one, other = (float(run.volume(ever.flips_at * 5e5)) for run in runs)
+    one, other = (run.volume(ever.flips_at * 5e5) for run in runs)
     assert_allclose(one, other, rtol=2e-3)
     assert long.variables == steady.variables
     assert_allclose(long.value, steady.value, rtol=1e-3)
@@ -179,10 +179,10 @@ def test_the_best_exponent_for_a_life():
     assert found.k[1, 2] == 0.8 and np.all(found.at_bound[:, :2])
     # No exponent of a scan wears less.
     k = np.linspace(-0.8, 0.8, 33)[:, None, None]
-    theta = np.asarray(material.tangential_ratio(k, 0.3))
+    theta = material.tangential_ratio(k, 0.3)
     scan = Reduced(k, phi, digits=2).volume(x * theta)
     assert_allclose(np.min(scan, axis=0), found.wear_volume, rtol=1e-2)
-    assert np.all(np.min(scan, axis=0) > 0.995 * np.asarray(found.wear_volume))
+    assert np.all(np.min(scan, axis=0) > 0.995 * found.wear_volume)
 
 
 def test_a_saving_ends_where_it_last_changes_its_sign():

@@ -66,12 +66,12 @@ def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
     k = np.linspace(-0.5, 0.6, 56)
     free = dome(k, shape=Cone(0.01))
     # By its force, a cone has a contact radius to the power 2 + k.
-    radius = np.asarray(dome(shape=Cone(0.01)).steady(0.0).contact_radius)
-    modulus = 110e9 * (np.asarray(free.steady(0.0).contact_radius) / radius) ** (2.0 + k)
+    radius = dome(shape=Cone(0.01)).steady(0.0).contact_radius
+    modulus = 110e9 * (free.steady(0.0).contact_radius / radius) ** (2.0 + k)
     volumes = on(free, E0=modulus).steady(0.4).wear_volume
     least = int(np.argmin(volumes))
-    assert float(volumes[least]) * (1.0 - 1e-4) <= float(found.value) <= float(volumes[least]) * (1.0 + 1e-9)
-    assert abs(float(found.variables["k"]) - k[least]) < 0.02 and found.certified
+    assert volumes[least] * (1.0 - 1e-4) <= found.value <= volumes[least] * (1.0 + 1e-9)
+    assert abs(found.variables["k"] - k[least]) < 0.02 and found.certified
     slopes, step = optimise.sensitivities(found), 1e-3
     lower, upper = ([one.variables["k"], one.saving] for one in map(designed, 0.4 * np.exp([-step, step])))
     told = slopes.variables["tangential_force"]["k"], slopes.saving["tangential_force"]
@@ -92,7 +92,7 @@ def test_fronts_and_designs_of_many_are_designs_one_by_one():
 
     forces = np.array([FORCES, 0.0 * FORCES])
     many = optimise.designs(PAIR, forces, RANGE, weight=np.ones(2), limits=one)
-    assert_allclose(many.value, [float(best.value), np.nan], rtol=1e-9)
+    assert_allclose(many.value, [best.value, np.nan], rtol=1e-9)
     assert_allclose(many.variables["k"], [best.variables["k"], np.nan], atol=1e-9)
     assert many.certified.tolist() == [True, False]
 
@@ -101,7 +101,7 @@ def test_between_sixteen_amplitudes_polynomials_are_exact():
     """Of the logarithm of phi/(1-phi), up to the power 15."""
     phi = np.linspace(0.9, 0.01, 24)
     at, shares = solved_at(phi)
-    x = [np.log(amplitudes / (1.0 - amplitudes)) for amplitudes in (phi, np.asarray(at))]
+    x = [np.log(amplitudes / (1.0 - amplitudes)) for amplitudes in (phi, at)]
     assert at.shape == (16,)
     mine, there = (np.polynomial.chebyshev.chebvander((places + 1.2) / 3.6, 15) for places in x)
     assert_allclose(shares @ there, mine, rtol=0.0, atol=1e-10)

@@ -42,11 +42,11 @@ K = np.linspace(-0.6, 0.6, 601)
 @parametrize("level", [*(compiled_case(x) for x in (0.0, 0.7)), 1.0])
 def test_the_best_over_uncertain_friction_and_force(level):
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, level=level, scenarios=SCENARIOS)
-    volumes = np.asarray(scenarios_with(K, E0=held(K).material.E0).steady(FORCE).wear_volume)
+    volumes = scenarios_with(K, E0=held(K).material.E0).steady(FORCE).wear_volume
     is_least(found, over(volumes, WEIGHT, level), within=1e-4)
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
-    assert_allclose(found.value, over(np.asarray(there.steady(FORCE).wear_volume), WEIGHT, level), rtol=1e-9)
-    before = over(np.asarray(UNCERTAIN.steady(FORCE).wear_volume), WEIGHT, level)
+    assert_allclose(found.value, over(there.steady(FORCE).wear_volume, WEIGHT, level), rtol=1e-9)
+    before = over(UNCERTAIN.steady(FORCE).wear_volume, WEIGHT, level)
     assert_allclose(found.reference_value, before, rtol=1e-9)
 
 
@@ -57,12 +57,10 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     stiff = np.array([1.0, 6e-4])
     scenarios = on(RIGID, friction=friction, E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
-    volumes = np.asarray(
-        on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
-    )
+    volumes = on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
     is_least(found, volumes.max(0), within=0.01)
     there = on(scenarios, k=found.variables["k"])
-    assert_allclose(there.steady(FORCE).wear_volume, float(found.value), rtol=1e-8)
+    assert_allclose(there.steady(FORCE).wear_volume, found.value, rtol=1e-8)
     assert found.at_bound["k"] is None and not found.scan_found_nothing_better
 
 
@@ -74,8 +72,8 @@ def test_limits_hold_in_every_scenario():
     found = optimise.design(RIGID, FORCE, **asked, limits=limits)
     k, modulus = np.meshgrid(np.linspace(-0.6, 0.6, 121), np.geomspace(60e9, 240e9, 121), indexing="ij")
     steady = scenarios_with(k, E0=modulus).steady(FORCE)
-    pressure, depth = np.asarray(steady.edge_pressure(1e-6)).max(0), np.asarray(steady.penetration).max(0)
-    worn = over(np.asarray(steady.wear_volume), WEIGHT, 0.7)
+    pressure, depth = steady.edge_pressure(1e-6).max(0), steady.penetration.max(0)
+    worn = over(steady.wear_volume, WEIGHT, 0.7)
     is_least(found, np.where((pressure <= 7e8) & (depth <= 1.6e-6), worn, np.nan), within=0.02)
     assert any(state.active for state in found.limits.values())
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material).steady(FORCE)
@@ -86,7 +84,7 @@ def test_limits_hold_in_every_scenario():
     step, values = 1e-4, []
     for factor in np.exp([-step, step]):
         looser = limits | {name: limits[name] | {"below": factor * limits[name]["below"]}}
-        values.append(np.log(float(optimise.design(RIGID, FORCE, **asked, limits=looser).value)))
+        values.append(np.log(optimise.design(RIGID, FORCE, **asked, limits=looser).value))
     assert_allclose(state.multiplier, (values[0] - values[1]) / (2.0 * step), rtol=1e-3)
 
 
@@ -113,7 +111,7 @@ def test_scenarios_and_amplitudes_count_together():
     force, share = np.array([0.5, 1.0]), np.array([0.7, 0.3])
     asked = {"vary": {"k": (-0.6, 0.6)}, "weight": share, "level": 0.8, "scenarios": SCENARIOS}
     found = optimise.design(RIGID, force, **asked)
-    volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
+    volumes = np.concatenate([scenarios_with(K).steady(one).wear_volume for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
     is_least(found, over(volumes, weight, 0.8), within=1e-4)
     harder = optimise.under_other_load(found, 1.05)
@@ -139,7 +137,7 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
     found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, level=0.5, scenarios=scenarios, **LIFE)
     k = np.linspace(-0.5, 0.5, 41)
     grid = on(RIGID, friction=uncertain.friction[:, None], k=k)
-    volumes = np.asarray(grid.over_cycles(FORCE, coefficient[:, None]).volume(4e5))
+    volumes = grid.over_cycles(FORCE, coefficient[:, None]).volume(4e5)
     is_least(found, over(volumes, np.array([1.0, 2.0, 1.0]), 0.5), within=0.01)
 
 
@@ -151,7 +149,7 @@ def test_uncertain_punches():
     found = optimise.design(punch, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
     k = np.linspace(-0.5, 0.5, 201)
     grid = on(punch, depth=depth[:, None], k=k)
-    is_least(found, np.asarray(grid.steady().volume_change).max(0), within=1e-3)
+    is_least(found, grid.steady().volume_change.max(0), within=1e-3)
 
 
 @parametrize(
@@ -278,6 +276,6 @@ def test_scenarios_wear_what_the_scene_of_each_wears(tmp_path, friction, displac
     worn = []
     for each in FRICTION:
         one = moved(tmp_path, each, displacement, cycles)
-        worn.append(float(one.over_cycles().volume(1e6)) if cycles else one.solve()["wear_volume"].value)
+        worn.append(one.over_cycles().volume(1e6) if cycles else one.solve()["wear_volume"].value)
     given = moved(tmp_path, friction, displacement, cycles)
     assert_allclose(given.design().reference_value, np.mean(worn), rtol=1e-9)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from inputs import scene_of
 from marks import compiled, parametrize
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import Layered, scene
@@ -53,14 +53,6 @@ def test_the_contact_is_that_of_the_scene():
 @parametrize("indenter", ["", 'indenter = "rigid"'])
 def test_a_rigid_indenter_is_none(indenter):
     assert loaded(indenter=indenter).build_contact().indenter is None
-
-
-@compiled
-def test_a_table_of_one_modulus_is_a_half_space_of_it():
-    Path("E.csv").write_text("depth,modulus\n1e-6,110e9\n1e-4,110e9\n")
-    asked = '[output]\nquantities = ["contact_radius", "worn_radius", "wear_volume"]\n'
-    found, closed = loaded(asked, material=TABLE).solve(digits=2), loaded(asked).solve()
-    assert_allclose([x.value for x in found.values()], [x.value for x in closed.values()], rtol=2e-2)
 
 
 @compiled

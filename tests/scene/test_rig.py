@@ -66,7 +66,7 @@ def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
     """And it goes on from the last cycle of partial slip without a jump."""
     contact = read(MOVED).build_contact()
     alone, rig = (float(contact.steady(Force(0.0, x)).gross_slip_displacement) for x in (None, 1e7))
-    energy = float(contact.steady(4.0 * (1.0 - 1e-12)).energy_per_cycle)
+    energy = contact.steady(4.0 * (1.0 - 1e-12)).energy_per_cycle
     for load, begins, where in (
         (f"displacement = {alone}", alone, "626.8 nm"),
         (f"displacement = {rig}, rig_stiffness = 1e7", rig, "1.027 µm at the actuator"),
@@ -91,7 +91,7 @@ def test_the_wear_of_the_first_cycle_of_gross_slip_is_that_of_its_run():
     told = 1e-18 * float(line.split(" µm³ a cycle at first; ")[0].split()[-1])
     run = given.over_cycles()
     assert_allclose(told, run.rate(0.0), rtol=5e-3)
-    assert "in 100000 cycles" not in line and abs(1e5 * told / float(run.volume(1e5)) - 1.0) > 0.01
+    assert "in 100000 cycles" not in line and abs(1e5 * told / run.volume(1e5) - 1.0) > 0.01
 
 
 WANTED = '["wear_volume", "peak_tension", "contact_radius", "initial_pressure"]'
@@ -104,7 +104,7 @@ def test_in_gross_slip_what_needs_no_amplitude_is_computed():
     found, alone = given.solve(), given.build_contact().steady(0.0)
     assert [*found] == ["peak_tension", "contact_radius", "initial_pressure"]
     assert "slips as a whole" in str(given.load.slides)
-    radius, pressure = float(alone.contact_radius), float(alone.peak_initial_pressure)
+    radius, pressure = alone.contact_radius, alone.peak_initial_pressure
     assert found["contact_radius"].value == radius
     radii = found["initial_pressure"].radii
     assert_allclose(radii[-1], 1.25 * radius, rtol=1e-14)

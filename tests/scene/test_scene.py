@@ -351,7 +351,7 @@ def test_every_quantity_is_that_of_the_contact(text, names):
             assert isinstance(quantity.value, float)
             assert quantity.edge_distance == (1e-6 if name == "edge_pressure" else None)
         else:
-            assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
+            assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * edge, rtol=1e-14)
         # A peak is searched for, and rounding decides where it is found.
         rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
         assert_allclose(quantity.value, said_by(steady, name, quantity.radii), rtol=rtol, atol=1e-30)
@@ -493,7 +493,7 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
     assert_allclose([swept[name] for name in names], [onset, ratio], rtol=1e-14)
     steady = contact.steady(load)
     limits = {name: {"below": 1.0} for name in ("gross_slip_displacement", "displacement_amplitude", "energy_ratio")}
-    asked = loads.Force(float(steady.tangential_force), 1e7)
+    asked = loads.Force(steady.tangential_force, 1e7)
     question = question_of(contact, asked, {"k": (0.1, 0.3)}, limits=limits)
     found = evaluate(question, {"k": np.array([0.2])}).values[0, 1:]
     assert_allclose(np.exp(found), [getattr(steady, one.quantity) for one in question.limits], rtol=1e-7)

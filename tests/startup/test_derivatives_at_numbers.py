@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from plgwear_jax import Layered, fretting
 from plgwear_jax._core.startup import programs
 
-EPS = float(np.finfo(np.float64).eps)
+EPS = np.finfo(np.float64).eps
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def test_shapes_and_dtypes_are_those_of_the_arguments(ran):
         assert ran == [True]
         assert [(x.shape, x.dtype) for x in slopes] == [(jnp.shape(x), jnp.asarray(x).dtype) for x in (k, phi)]
         compiled = jax.jit(jax.grad(ask, (0, 1)))(k, phi)
-        precise = float(jnp.finfo(ask(k, phi).dtype).eps)  # of what is computed, whatever the dtype of a slope
+        precise = jnp.finfo(ask(k, phi).dtype).eps  # of what is computed, whatever the dtype of a slope
         for slope, other in zip(slopes, compiled, strict=True):
             assert_allclose(slope, other, rtol=8 * precise)
 

@@ -107,7 +107,7 @@ def solved_for(x, y):
     return products, solved
 
 
-EPS = float(np.finfo(float).eps)
+EPS = np.finfo(float).eps
 CASES = {name: (function, ODD, EPS, 0.0) for name, function in EXACT.items()}
 CASES |= {each.__name__: (each, PLAIN, 9 * EPS, 1e-15) for each in (looped, indexed, accumulated, special, solved_for)}
 CASES["powers"] = powers, np.geomspace(1e-3, 30.0, 40), 4 * EPS, 0.0
@@ -127,7 +127,7 @@ def test_every_operation_is_that_of_xla(function, at, relative, absolute):
     for one, other in zip(jax.tree.leaves(mine), jax.tree.leaves(theirs), strict=True):
         assert isinstance(one, jax.Array) and (one.dtype, one.shape) == (other.dtype, other.shape)
         floats = np.issubdtype(one.dtype, np.floating)
-        error = max(relative, float(np.finfo(one.dtype).eps)) if floats else 0.0
+        error = max(relative, np.finfo(one.dtype).eps) if floats else 0.0
         assert_allclose(one, other, rtol=error, atol=absolute * floats)
 
 

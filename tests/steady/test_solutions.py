@@ -139,7 +139,7 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
     half = contact_of(Elastic(50e9, 0.3))
     for name in ("contact_radius", "gross_slip_displacement"):
         assert_allclose(*(getattr(each.steady(0.0), name) for each in (one, half)), rtol=1e-14)
-    a_0 = float(half.steady(0.0).contact_radius)
+    a_0 = half.steady(0.0).contact_radius
     theta = (2.0 - 0.3) / (2.0 * (1.0 - 0.3))
     assert_allclose(half.steady(0.0).gross_slip_displacement, FRICTION * theta * a_0**2 / 5e-3, rtol=1e-14)
 

@@ -83,7 +83,7 @@ def test_derivatives_by_what_is_not_swept():
     ds = sweep.sweep(names, contact=CONTACT, tangential_force=force)
     # c = a_0 (1 - phi)^(1/(k+3)), and a_0^(k+3) goes with F_N/E0
     phi = np.array(force) / 4.0
-    c = np.asarray(CONTACT.steady(np.array(force)).stick_radius) / (CONTACT.material.k + 3.0)
+    c = CONTACT.steady(np.array(force)).stick_radius / (CONTACT.material.k + 3.0)
     expected = [-c / 110e9, c / (1.0 - phi) / 10.0, -c / (1.0 - phi) / 4.0]
     assert_allclose([*ds.values()], expected, rtol=1e-12)
     assert [variable.attrs["units"] for variable in ds.values()] == ["m/Pa", "m/N", "m/N"]

@@ -86,7 +86,7 @@ def worn_in_scenes(folder, frictions, moved):
     found = []
     for friction in frictions:
         run = scene_of(SCENE.format(friction=friction, moved=moved), folder).over_cycles()
-        found.append(float(run.volume(LIFE["cycles"])))
+        found.append(run.volume(LIFE["cycles"]))
     return found
 
 

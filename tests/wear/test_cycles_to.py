@@ -34,26 +34,26 @@ def run_of(name, law=COEFFICIENT):
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])
-    volumes = shares * float(run.volume(end))
+    volumes = shares * run.volume(end)
     assert run.volume(0.0) == run.depth(0.0, 0.0) == run.pressure(1.0, 0.0) == 0.0
     assert_allclose(run.volume(run.cycles_to(volume=volumes)), volumes, rtol=1e-9)
     assert_allclose(run.cycles_to(volume=volumes), run.cycles_to(shares), rtol=1e-9)
-    r = np.linspace(0.0, float(run.contact_radius(end)), 8001)
-    depths = shares * float(np.max(run.depth(r, end)))
-    by_then = np.max(np.asarray(run.depth(r[:, None], run.cycles_to(depth=depths))), 0)
+    r = np.linspace(0.0, run.contact_radius(end), 8001)
+    depths = shares * np.max(run.depth(r, end))
+    by_then = np.max(run.depth(r[:, None], run.cycles_to(depth=depths)), 0)
     assert_allclose(by_then, depths, rtol=5e-4)
 
 
 def test_the_first_cycles_and_the_last_ones():
     """Before the contact changes, a cycle wears K p_0 times the path that slips; in the end it is the steady state."""
     run, steady = run_of("closed"), ONE.steady(FORCE)
-    r = np.linspace(float(steady.stick_radius), float(steady.contact_radius), 4001)
-    a_cycle = COEFFICIENT * np.max(np.asarray(steady.initial_pressure(r) * 4.0 * steady.slip_amplitude(r)))
+    r = np.linspace(steady.stick_radius, steady.contact_radius, 4001)
+    a_cycle = COEFFICIENT * np.max(steady.initial_pressure(r) * 4.0 * steady.slip_amplitude(r))
     assert_allclose(run.cycles_to(depth=10.0 * a_cycle), 10.0, rtol=5e-3)
-    worn = COEFFICIENT / 0.4 * float(steady.energy_per_cycle)
+    worn = COEFFICIENT / 0.4 * steady.energy_per_cycle
     assert_allclose(run.cycles_to(volume=10.0 * worn), 10.0, rtol=1e-3)
     for name, most in (("depth", steady.deepest_wear), ("volume", steady.wear_volume)):
-        found = np.asarray(run.cycles_to(**{name: float(most) * np.array([0.0, 1.0 - 1e-6, 1.0 + 1e-6])}))
+        found = run.cycles_to(**{name: most * np.array([0.0, 1.0 - 1e-6, 1.0 + 1e-6])})
         assert 0.0 <= found[0] < 1e-6 and 1e6 < found[1] < 1e8 and found[2] == np.inf
 
 
@@ -69,7 +69,7 @@ def test_what_is_never_worn_takes_for_ever():
 @compiled
 def test_blocks_end():
     run = run_of("blocks")
-    ends = np.asarray(run.volume(np.array([1e5, 3e5, 4e5])))
+    ends = run.volume(np.array([1e5, 3e5, 4e5]))
     assert run.cycles_to(volume=1.01 * ends[2]) == np.inf
     assert 3e5 < run.cycles_to(volume=0.5 * (ends[1] + ends[2])) < 4e5
     half = run_of("blocks", PressurePower(COEFFICIENT, 1.0)).cycles_to(volume=0.5 * ends[0])
@@ -105,13 +105,13 @@ def test_derivatives_are_those_of_the_implicit_function(name, goals, most):
 def test_slopes_by_the_volume_are_those_of_the_rate():
     run, volume = run_of("closed"), 2e-16
     slope = jax.grad(lambda volume: run.cycles_to(volume=volume))(volume)
-    assert_allclose(slope, 1.0 / float(run.rate(run.cycles_to(volume=volume))), rtol=1e-9)
+    assert_allclose(slope, 1.0 / run.rate(run.cycles_to(volume=volume)), rtol=1e-9)
 
 
 @compiled
 def test_batches_single_precision_and_values_outside_under_jit():
     depths = np.array([1e-9, 1e-8, 1e-6])
-    found = np.asarray(ONE.over_cycles([1.0, 2.0], COEFFICIENT).cycles_to(depth=depths[:, None]))
+    found = ONE.over_cycles([1.0, 2.0], COEFFICIENT).cycles_to(depth=depths[:, None])
     assert_allclose(found[:, 1], run_of("closed").cycles_to(depth=depths), rtol=1e-9)
     one, *single = jax.tree.map(jnp.float32, (ONE, FORCE, COEFFICIENT))
     run = one.over_cycles(*single)

@@ -32,7 +32,7 @@ ERROR = {digits: 10.0**-digits for digits in RESOLUTIONS}  # promised, of the fi
 def of(amplitudes):
     """(The runs, their final volumes, first rates and units of time)."""
     phi = {"some": PHI, "close": CLOSE}[amplitudes]
-    final, rate = np.asarray(fretting.wear_volume(K, phi)), np.asarray(first_rate(K, phi))
+    final, rate = fretting.wear_volume(K, phi), first_rate(K, phi)
     return Reduced(K, phi), final, rate, final / rate
 
 
@@ -46,7 +46,7 @@ def volumes(resolution, k, phi, n):
 def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
     run, final, first, unit = of(amplitudes)
     times = unit * np.concatenate([[0.0, early], np.geomspace(1e-4, 10.0, 13), [1e3]])
-    volume = np.asarray(run.volume(times))
+    volume = run.volume(times)
     assert_array_equal(volume[:, 0], 0.0)
     assert_allclose(volume[:, 1], (first * times)[:, 1], rtol=1e-5)
     assert_allclose(run.rate(times)[:, :1], first, rtol=1e-6)
@@ -57,8 +57,8 @@ def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
 def test_the_rate_is_the_slope_of_the_volume():
     run, _, _, unit = of("some")
     times = unit * np.linspace(0.05, 7.0, 16)
-    ahead, behind = (np.asarray(run.volume(times * (1.0 + sign * 1e-4))) for sign in (1.0, -1.0))
-    rate = np.asarray(run.rate(times))
+    ahead, behind = (run.volume(times * (1.0 + sign * 1e-4)) for sign in (1.0, -1.0))
+    rate = run.rate(times)
     assert_allclose((ahead - behind) / (2e-4 * times), rate, rtol=1e-4, atol=1e-5 * rate.max())
     assert np.all(rate >= 0.0)
 
@@ -93,8 +93,8 @@ EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
 )
 def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, parts, rings):
     at = np.array(parts) * float(unit_of(k, phi))
-    mine = np.asarray(Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16))))[0, :3]
-    share = mine / float(fretting.wear_volume(k, phi))
+    mine = Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16)))[0, :3]
+    share = mine / fretting.wear_volume(k, phi)
     assert_allclose(share, worn_shares(k, phi, at, rings, 40), atol=2.0 * ERROR[4])
     assert parts is LATER or 0.1 < share[0] < 0.5
 
@@ -108,8 +108,8 @@ def test_closer_than_rounding_tells_it_is_refused():
 def test_digits_are_kept_over_the_whole_domain():
     close = [1.0 - 1e-4, 1.0 - 1e-8]
     k, phi = (x.reshape(-1, 1) for x in np.meshgrid([-0.97, -0.5, 0.2, 0.7, 0.97], [0.005, 0.3, 0.9, 0.98, *close]))
-    final = np.asarray(fretting.wear_volume(k, phi))
-    at = np.asarray(unit_of(k, phi)) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
+    final = fretting.wear_volume(k, phi)
+    at = unit_of(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
     finest, most = (
         volumes(MarchResolution(12, 32, 7.0, (3, 4, 5, 6)), k, phi, at),
@@ -125,7 +125,7 @@ def test_nothing_is_below_what_it_begins_with():
     n = np.append(0.0, np.geomspace(1e-12, 1e3, 15))
     for k, phi in zip(*rows, strict=True):
         run = Reduced(k, phi)
-        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        c, a = fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
         assert np.all(run.n_to(np.append(0.0, np.geomspace(1e-300, 0.5, 4))) >= 0.0)
         assert np.all(run.radius(n) >= 1.0) and np.all(run.rate(n) >= 0.0)
         # To where the contact ends before any wear, and after it.
@@ -155,8 +155,8 @@ def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
     curves = curves_of(RESOLUTIONS[4], jnp.asarray(0.0), jnp.asarray(0.8))
-    last = float(curves.volume.time[-1] * curves.scales.unit) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
-    rate = np.asarray(Reduced(0.0, 0.8).rate(last))
+    last = curves.volume.time[-1] * curves.scales.unit * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
+    rate = Reduced(0.0, 0.8).rate(last)
     assert_allclose(rate, rate[0], rtol=1e-9)
 
 
@@ -200,7 +200,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 
     columns = [jnp.array([row[key] for row in rows]) for key in names]
     value, slopes = jax.vmap(jax.value_and_grad(read, tuple(range(len(names)))))(*columns)
-    value, slopes, inside = np.asarray(value), np.stack(slopes, -1), len(INSIDE)
+    slopes, inside = np.stack(slopes, -1), len(INSIDE)
     assert np.all(np.isnan(value[inside:])) and np.all(np.isnan(slopes[inside:]))
     finite = np.isfinite(value[:inside])
     # Nothing wears at phi = 0, so that no number of cycles wears a share of it.
@@ -211,7 +211,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
 @compiled
 def test_slopes_at_the_stick_radius_are_finite():
     run = Reduced(0.3, 0.4, 2).run
-    c = float(run.stick_radius(0.0))
+    c = run.stick_radius(0.0)
     for read in (run.pressure, run.depth):
         assert np.isfinite(jax.jvp(lambda r: read(r, MANY), (c,), (1.0,))[1])  # noqa: B023
     assert_allclose(run.pressure(c, MANY), run.pressure(np.nextafter(c, 1.0), MANY), rtol=1e-6)
@@ -234,10 +234,10 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
         return cells_at(effort, state, (from_c[0], from_1[0]))
 
     cells, count = ring(state), steps.inner * steps.refinements[0]
-    edges = np.asarray(edges_of(*widths(state), steps)[0])[0, : count // 2 + 1]
-    middle = float(state.c) * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
+    edges = edges_of(*widths(state), steps)[0][0, : count // 2 + 1]
+    middle = state.c * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
     pressure = one.steady(0.0).initial_pressure(middle)
-    assert_allclose(np.asarray(cells.first)[: count // 2] / pressure, 1.0, rtol=0.04)
+    assert_allclose(cells.first[: count // 2] / pressure, 1.0, rtol=0.04)
 
 
 @compiled
