@@ -81,7 +81,7 @@ def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivative
         # The last one's is a quotient of small differences between narrow bounds.
         tolerance = [1e-9, 1e-9, 1e-9 + 1e-13 / float(upper - lower)]
         for found, exact in ((by_lower[:, i], exact_by_lower), (by_upper[:, i], exact_by_upper)):
-            assert np.all(np.abs(found - exact) <= tolerance), (lower, upper)
+            assert np.all(np.abs(np.subtract(found, exact)) <= tolerance), (lower, upper)
 
 
 @compiled
