@@ -438,7 +438,7 @@ def wear_volumes(page: FigureBase) -> list[Claim]:
         axes.set_ylabel(r"wear volume $\Delta V/\Delta V(k=0)$")
     n = numbers()
     low.axvline(n["turn"], **GUIDE)
-    low.text(n["turn"], 1.8, f" {n['turn']:.3f}: $\\pm k$ cross,\n as $k \\to 0$")
+    low.text(n["turn"], 1.7, f" {n['turn']:.3f}:\n $\\pm k$ cross\n as $k \\to 0$")
     whole.set(ylim=(0.0, 1.2), ylabel=r"wear volume $\Delta V\, R/a_0^4$", **_OVER_PHI)
     low.set(ylim=(0.0, 2.0), xlabel=_OVER_PHI["xlabel"])
     high.set(xscale="log", yscale="log", ylim=(0.05, 20.0), xlabel=r"$1 - F_x/(\mu F_N)$")
