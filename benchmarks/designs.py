@@ -130,7 +130,7 @@ def problems(report: Report, quick: bool) -> None:
         )
         if met:
             rows.append((method, *map(str, counts), _median(found.seconds for _, found in met)))
-    columns = ("method", "problems", "wrong optimum", "unnoticed", "worse by > 1 %", "limit missed", "gave up", "ms")
+    columns = "method", "problems", "wrong optimum", "unnoticed", "worse by > 1 %", "limit missed", "gave up", "ms"
     report.table("What SciPy finds alone, from the middle of the box", columns, rows)
     report.print(
         f"worst excess: of plgwear's value over SciPy's best, relative. SciPy's best worse: by more than {WORSE:.0e}.\n"
@@ -174,7 +174,7 @@ def amplitudes(report: Report, quick: bool) -> None:
         wrong = str(np.count_nonzero(excess > ANOTHER))
         worst = f"{excess.max():.1e}"
         rows.append((name, f"{excess.size:,}", short(each * 1e6), worst, wrong, short(each * DESIGNS / seconds)))
-    columns = ("the best exponent", "designs", "us a design", "worst excess", "wrong optimum", "x plgwear")
+    columns = "the best exponent", "designs", "us a design", "worst excess", "wrong optimum", "x plgwear"
     report.table(f"k from {BOUNDS[0]} to {BOUNDS[1]}, {DESIGNS:,} amplitudes from 0.001 to 0.9999", columns, rows)
     told = [
         f"{int(np.sum(getattr(best, name))):,} {name}"

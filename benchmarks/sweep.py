@@ -112,7 +112,7 @@ def sweeps(report: Report, quick: bool) -> None:
     for name, text in PROGRAMS.items():
         wall, processor = np.median(found[name], axis=0)
         rows.append([text, *map(short, (1e-6 / wall, wall * 1e9, processor * 1e9, processor / wall))])
-    columns = ("", "10^6 points/s", "ns a point", "processor, ns a point", "cores busy")
+    columns = "", "10^6 points/s", "ns a point", "processor, ns a point", "cores busy"
     report.table(f"wear_volume, float64, {points:,} points, {len(cores.AVAILABLE)} cores", columns, rows)
     report.print(f"The store holds {found['files']} files, {found['bytes'] / points:.2f} bytes a point.")
     used = [(n, *in_new_process(memory, n)) for n in sorted({points, min(points, 10**7)})]

@@ -42,7 +42,7 @@ HISTORIES = {
     "from gross to partial slip": (
         [
             Given(0.4, displacement=2.0),
-            Given(0.6, displacement=0.6, friction=1.3),
+            Given(0.6, displacement=1.0, friction=1.3, rig=0.5),
             Given(0.3, displacement=2.5, normal_force=0.7),
         ],
         2.4,

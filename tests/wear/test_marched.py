@@ -107,8 +107,9 @@ def test_it_wears_as_rings_do(k, history):
     a_0, onset = float(one.steady(0.0).contact_radius), float(one.steady(0.0).gross_slip_displacement)
 
     def load(given):
-        by_force = given.displacement is None
-        return given.force * FRICTION * FORCE if by_force else Displacement(given.displacement * onset)
+        if given.displacement is None:
+            return given.force * FRICTION * FORCE
+        return Displacement(given.displacement * onset, FRICTION * FORCE / (given.rig * onset) if given.rig else None)
 
     # Several blocks are always four, so that they share their program.
     more = [blocks[-1]._replace(n=0.0)] * (0 if len(blocks) == 1 else 4 - len(blocks))
