@@ -85,9 +85,11 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
     # On a power law alone the force is known to all digits.
     enough = 1e-14 if isinstance(compliance, OnePower) else 1e-13
     log_c = root_of(excess, jnp.log(compliance.radius), 3.0, enough=enough)
-    # Next to the edge of a flat face the force falls within some roundings to none.
+    # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
+    # digits, and the volume fewer, which in single precision counts more.
     face = jnp.asarray(outline.shape.face, log_c.dtype)
-    log_c = jnp.maximum(log_c, jnp.log(face) + 32.0 * jnp.finfo(face.dtype).eps)
+    roundings = 32.0 if face.dtype == jnp.float64 else 8.0
+    log_c = jnp.maximum(log_c, jnp.log(face) + roundings * jnp.finfo(face.dtype).eps)
     return _carrying(punch_at(compliance, log_c, effort, outline), load)
 
 
