@@ -344,6 +344,7 @@ def test_close_to_gross_slip_a_worn_flat_face_wears_as_it_does_there(k, most):
     read = jax.jit(lambda lack: jnp.stack(jax.jvp(lambda share: log_volume(share, lack), (1.0,), (1.0,))))
     known, *others = (read(lack) for lack in (1e-5, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12))
     assert_allclose(others, np.broadcast_to(known, (5, 2)), rtol=most)
+    assert_allclose(contact.steady((1.0 - 1e-9) * FRICTION * FORCE).stick_radius, shape.flat_radius, rtol=1e-9)
 
 
 @parametrize("shape, k", [(Profile(RADII, HEIGHTS), 0.3), (TruncatedSphere(5e-5), -0.3)])
