@@ -48,7 +48,7 @@ STEEL = Elastic(210e9, 0.3)
 PHI = np.array([0.01, 0.1, 0.5, 0.9, 0.98])
 LIFE_PHI = np.array([0.02, 0.3, 0.9])[:, None]
 SHARES = np.array([0.001, 0.01, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999])
-FINEST = Effort(5, 64, 0.15, 1e-5, 3e4, 64)
+FINEST = Effort(5, 64, 0.15, 64)
 
 
 def contact(coating: Any, indenter: Elastic | None) -> FrettingContact:

@@ -188,9 +188,9 @@ class OnTheLaw(NamedTuple):
 
     flat: Array  # y_0 of a flat punch pressed by 1
     own: Array  # y of the indenter, as far as they resolve it
-    # T of the radii of the flat punches that it consists of, 1 - T, and by how much each is pressed; None where `own`
-    # says all.
-    punches: tuple[Array, Array, Array] | None
+    # T of the radii of the flat punches that it consists of, 1 - T, by how much each is pressed, and how much faster
+    # the last of them are pressed on the bodies; None where `own` says all.
+    punches: tuple[Array, Array, Array, Array] | None
 
 
 def _of_surface(effort: Effort, dtype: Any) -> Array:
@@ -274,15 +274,16 @@ class Graded(NamedTuple):
         table = jnp.asarray(constants.beside, c.dtype)
         found, own = jnp.tensordot(table, both, 1), table @ law.own
         h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
+        unit = 0.5 * math.sqrt(0.5 * math.pi) * law.flat
         if law.punches is not None:
-            T, left, pressed = law.punches
+            T, left, pressed, _ = law.punches
 
             def waves(distance: Array) -> Array:
                 x = h[:, None] * distance
                 return jnp.exp(-x) * jnp.stack([jnp.cos(x), -jnp.sin(x)])
 
             inner = left / (1.0 + jnp.sqrt(T))
-            exact = (waves(inner) - waves(2.0 - inner)) @ (0.5 * math.sqrt(0.5 * math.pi) * law.flat * pressed)
+            exact = (waves(inner) - waves(2.0 - inner)) @ (unit * pressed)
             found, own = found.at[:, :, 1].add(exact - own), exact
         alone = jnp.stack([jnp.stack([jnp.ones_like(h), jnp.zeros_like(h)]), own], -1)
         edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(jnp.maximum(excess, -0.999))
@@ -290,9 +291,11 @@ class Graded(NamedTuple):
         last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * effort.modes**2))
         real, imaginary = (jnp.exp(-edge[0]) * jnp.stack([jnp.cos(edge[1]), -jnp.sin(edge[1])]))[:, :, None]
         near = jnp.stack([real * alone[0] - imaginary * alone[1], real * alone[1] + imaginary * alone[0]])
-        squares = jnp.sum(near[:, last] ** 2, 0)
-        some = squares > 0.0  # none where the contact ends at the edge of a flat face, to all digits
-        size = jnp.where(some, jnp.sqrt(jnp.sum(found[:, last] ** 2, 0) / jnp.where(some, squares, 1.0)), 0.0)
+        resolved = 2 if law.punches is None else 1  # of these pressures
+        squares = [jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near)]
+        size = jnp.sqrt(squares[0] / squares[1])
+        if law.punches is not None:
+            size = size * jnp.append(1.0, law.punches[3] / unit)
         return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
 
 

@@ -17,12 +17,16 @@ from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
+# Wavenumbers in units of one over the radius, below which the compliance is constant and above which it is that of the
+# surface: a narrow ring feels layers of 1e-7 radii.
+_LEAST, _MOST = 1e-3, 1e7
 _LARGER = 5.0  # than its estimate the radius of the contact may be by such a factor
 _FELT = 1e-15  # of the largest square of a combination of values that the contact feels
 _BELOW, _ABOVE = 4.0, 5.0  # the grid goes on by these factors beyond where the compliance is constant
 
 
-def _steps(least: float, most: float, spacing: float) -> np.ndarray:
+def _steps(spacing: float, further: float = 1.0) -> np.ndarray:
+    least, most = _LEAST / (_BELOW * further), _ABOVE * further * _MOST
     return least * np.exp(spacing * np.arange(int(np.log(most / least) / spacing) + 2))
 
 
@@ -51,9 +55,8 @@ def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray, Terms]:
 
     Towards both ends they get that of the last one that counts, without a kink, which would not be a sum of such terms.
     """
-    least, most = effort.least, effort.most
-    q = _steps(least / _BELOW, _ABOVE * most, effort.spacing)
-    seen = ((q**4 + least**4) / (1.0 + (q / most) ** 4)) ** 0.25
+    q = _steps(effort.spacing)
+    seen = ((q**4 + _LEAST**4) / (1.0 + (q / _MOST) ** 4)) ** 0.25
     return q, seen, _terms(q)
 
 
@@ -74,7 +77,7 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Foundation matrices for this accuracy, in x = q c."""
-    x = _steps(effort.least / (_BELOW * _LARGER), _LARGER * _ABOVE * effort.most, effort.spacing)
+    x = _steps(effort.spacing, _LARGER)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
     pole = (x * np.exp(0.25j * np.pi))[:, None]

@@ -173,7 +173,15 @@ def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Ou
     if resolved(image):
         return OnTheLaw(flat, own, None)
     parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * effort.nodes)
-    return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s)))
+    faster = grown(compliance, punch, effort, outline, image)
+    return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s), faster))
+
+
+def grown(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline, image: Image) -> Array:
+    """How much faster than G the depth rises next to c: the indenter is flat punches of radii up to c."""
+    log_c, one = punch.log_c, jnp.ones_like(punch.log_c)
+    _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
+    return (punch.depth + 0.5 * rise) / image.rate(one[None], inwards(outline.kinks, jnp.exp(log_c))[None])[0]
 
 
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:

@@ -16,13 +16,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes.shape import Image, Outline, inwards
+from plgwear_jax.shapes.shape import Image, Outline
 from plgwear_jax.special.elementary import crest, top_of
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
-from plgwear_jax.surfaces.punch import Punch, on_the_law, punch_at, punch_under, resolved
+from plgwear_jax.surfaces.punch import Punch, grown, on_the_law, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
@@ -127,11 +127,8 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     size = flat[0] / edge[count]
     near = own[0] / mean[-1] * mean
     if not resolved(image):
-        # The indenter is flat punches of radii up to c: how fast its depth rises with c is its size at c.
-        log_c, one, further = punch.log_c, jnp.ones_like(c), 2.0 * (_nodes()[begin] - _nodes()[begin:])
-        _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
-        rate = image.rate(one[None], inwards(outline.kinks, c)[None])
-        near = size * (depth + 0.5 * rise) / rate * mean
+        further = 2.0 * (_nodes()[begin] - _nodes()[begin:])
+        near = size * grown(compliance, punch, effort, outline, image) * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
     return Beside(a, 1.0 - flat, own - fallen, image)
