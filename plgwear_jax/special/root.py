@@ -10,6 +10,7 @@ from jax import Array
 from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where
 
 _MOST = 120  # evaluations; six or seven are enough, but where the function jumps
+_SECANTS = 30  # of them, after which intervals are halved
 
 
 def root_of(
@@ -37,10 +38,12 @@ def root_of(
             step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
             step = jnp.clip(step, -farthest, farthest)
             outside = (x + step <= low) | (x + step >= high)
-            # Where the function jumps the bounds meet, and no step from there is short.
-            done = (jnp.minimum(abs(step), high - low) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
-            moved = jnp.where(outside & ~done & jnp.isfinite(low + high), 0.5 * (low + high), x + step)
-            return moved, low, high, x, value, count + 1, done
+            # Where the function jumps, or all that is left is rounding, the bounds meet, and steps from there may be long.
+            near = enough * (1.0 + abs(x))
+            met, arrived = high - low < near, (abs(step) < near) | ~jnp.isfinite(value)
+            halves = met | ((outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(low + high))
+            moved = jnp.where(halves, 0.5 * (low + high), x + step)
+            return moved, low, high, x, value, count + 1, met | arrived
 
         bound = jnp.full_like(start, jnp.inf)
         begin = (start, -bound, bound, start, bound, jnp.int32(0), jnp.bool_(False))

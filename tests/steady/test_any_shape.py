@@ -259,6 +259,18 @@ def test_narrow_rings_beside_a_tip_keep_their_digits_on_a_thin_layer():
     assert_allclose(contact.steady(1e-3 * FRICTION * FORCE).wear_volume, 5.75526e-23, rtol=1e-3)
 
 
+@pytest.mark.parametrize("shape", [None, Cone(0.01), RoundedFlat(6.1e-5), TruncatedSphere(3.4e-5)], ids=type)
+def test_a_ring_within_a_thin_layer_knows_the_energy_at_the_edge_from_what_is_below(shape):
+    """By which the intensity of the pressure there goes as E^(1/2), and the volume as E^(-1/2)."""
+    volumes = [
+        contact_of(Layered([6.8e-10], [modulus, 1.1e11], 0.3), None, shape)
+        .steady(1e-9 * FRICTION * FORCE, digits=3)
+        .wear_volume
+        for modulus in (4.4e11, 1.1e11)
+    ]
+    assert_allclose(volumes[0] / volumes[1], 0.5, rtol=1e-3)
+
+
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = contact_of(LAYERS)
     amplitudes = np.array([1e-9, 1e-12, 1e-20, 0.0])  # the last ones are below the roundings of 1
