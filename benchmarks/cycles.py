@@ -8,10 +8,12 @@ final volume: over a grid of exponents and amplitudes against a run with more ce
 
 rigs: the march of any other test. Errors of volumes are in percent of the last volume of a test; 1 % is promised, see
 `docs/explanation/accuracy.md`. They are compared with rings of constant pressure that know the Green's function
-alone (`tests/reference/march_oracle.py`), and with the runs of a constant force. What first answers take is told by
-`waits.py`, and energies and the ends of tests are compared in `tests/contact/test_contract.py`.
+alone (`tests/reference/march_oracle.py`), on power laws, layers and tables, and with the runs of a constant force. What
+first answers take is told by `waits.py`, and energies and the ends of tests are compared in
+`tests/contact/test_contract.py`.
 """
 
+import functools
 import importlib
 from contextlib import AbstractContextManager
 from typing import Any
@@ -28,6 +30,8 @@ from plgwear_jax.wear_laws import PressurePower
 
 reduced: Any = importlib.import_module("reduced")  # which harness makes known, as the next ones
 march_oracle: Any = importlib.import_module("march_oracle")
+surface_oracle: Any = importlib.import_module("surface_oracle")
+ring_contacts: Any = importlib.import_module("ring_contacts")
 
 RADIUS, FORCE, FRICTION = reduced.RADIUS, reduced.FORCE, reduced.FRICTION
 
@@ -110,71 +114,76 @@ def percent(error: Any) -> str:
     return f"{100.0 * float(np.max(np.abs(error))):.2f}"
 
 
-def beside_rings(k: float, blocks: Any, outer: float, count: int) -> float:
+def beside_rings(one: FrettingContact, rings: Any, blocks: Any, outer: float, count: int) -> float:
     """The largest error of the volume over the last one, beside twice as many rings."""
-    one = dome(k)
-    most, limit = float(one.steady(0.0).gross_slip_displacement), FRICTION * FORCE
+    start = one.steady(0.0)
+    limit = one.friction * one.normal_force
+    a, most, depth = (float(getattr(start, x)) for x in ("contact_radius", "gross_slip_displacement", "penetration"))
     given = [
         Block(
             Displacement(x.displacement * most, limit / (x.rig * most) if x.rig else None)
             if x.displacement
             else x.force * limit,
             x.n * reduced.MANY,
-            FORCE * x.normal_force,
-            FRICTION * x.friction,
+            one.normal_force * x.normal_force,
+            one.friction * x.friction,
         )
         for x in blocks
     ]
-    run = one.over_cycles(given, reduced.coefficient_of(one))
+    mean = one.normal_force / (np.pi * a * a)
+    run = one.over_cycles(given, depth / (4.0 * most * mean * reduced.MANY))  # theta is most/(mu depth)
     rough, fine, steps = (
-        march_oracle.on_power_law(k, march_oracle.edges_to(outer, n, n)).march(blocks, m)
+        rings(march_oracle.edges_to(outer, n, n)).march(blocks, m)
         for n, m in ((count // 2, count), (count, count), (count // 2, 2 * count))
     )
     # Euler's steps are of first order: to steps of no length.
     volume = fine[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
     found = run.volume(np.minimum(rough[0] * reduced.MANY, float(run.lasting_cycles)))
-    return float(np.max(abs(found * (RADIUS / one.steady(0.0).contact_radius ** 4) - volume)) / volume[-1])
+    return float(np.max(abs(found * (one.radius / a**4) - volume)) / volume[-1])
 
 
-def drawn(rng: np.random.Generator) -> tuple[float, list[Any]]:
-    """An exponent, and one to three blocks with a force, a displacement, or one at the actuator of a rig."""
-    blocks = []
-    for way in rng.integers(3, size=rng.integers(1, 4)):
-        N, mu = rng.uniform((0.7, 0.8), (1.4, 1.25))
-        rig = (way == 2) * 10.0 ** rng.uniform(-1.0, 1.0)
-        asked = (None, rng.uniform(0.1, 2.8) + 0.6 * rig) if way else (rng.uniform(0.05, 0.97) * N * mu, None)
-        blocks.append(march_oracle.Given(rng.uniform(0.1, 0.8), *asked, N, mu, rig))
-    return rng.uniform(-0.7, 0.8), blocks
+def on_power_law(rng: np.random.Generator) -> tuple[FrettingContact, Any]:
+    """A rigid ball on a random power law, and its rings."""
+    k = rng.uniform(-0.7, 0.8)
+    return dome(k), functools.partial(march_oracle.on_power_law, k)
+
+
+def on_layers(rng: np.random.Generator) -> tuple[FrettingContact, Any]:
+    """A ball on random layers or a random table, and its rings."""
+    kind = ring_contacts.drawn(rng)
+    whole = surface_oracle.contact_of(kind.both, ring_contacts.A)
+    return kind.contact(whole.force), functools.partial(kind.rings, kind.both, whole)
 
 
 def against_rings(report: Report, quick: bool) -> None:
     """Volumes of random tests beside rings."""
-    rng, found = np.random.default_rng(1), []
-    for _ in range(3 if quick else 1000):
-        test, error = drawn(rng), np.inf
-        for outer, count in ((3.3, 60), (3.3, 240), (1.5, 240)):  # finer ones where coarse rings may be what errs
-            error = min(error, beside_rings(*test, outer, count))
-            if error < 5e-3:
-                break
-        found.append((error, test))
-    row = [str(len(found)), *map(percent, np.quantile([error for error, _ in found], (0.5, 0.95, 1.0)))]
+    rows, last = [], []
+    # Several tests of each body of layers, whose compliance takes long.
+    for name, draw, most, tests in (("power laws", on_power_law, 1000, 1), ("layers and tables", on_layers, 200, 10)):
+        rng, found = np.random.default_rng(1), []
+        for number in range(3 if quick else most):
+            if number % tests == 0:
+                one, rings = draw(rng)
+            blocks, error = march_oracle.drawn(rng), np.inf
+            for outer, count in ((3.3, 60), (3.3, 240), (1.5, 240)):  # finer ones where coarse rings may be what errs
+                error = min(error, beside_rings(one, rings, blocks, outer, count))
+                if error < 5e-3:
+                    break
+            found.append((error, f"{one}, {blocks}"))
+        errors, _ = zip(*found, strict=True)
+        rows.append([name, str(len(found)), *map(percent, np.quantile(errors, (0.5, 0.95, 1.0)))])
+        last.append(max(found)[1])
     title = "Volumes of random tests beside rings and the Green's function, % of the last one"
-    report.table(title, ("tests", "half", "95 of 100", "worst"), [row])
-    report.print(f"The worst: {max(found)[1]}")
+    report.table(title, ("on", "tests", "half", "95 of 100", "worst"), rows)
+    report.print("\n".join(["The worst:", *last]))
 
 
 def of_one_force(report: Report, quick: bool) -> None:
     """Runs by the march of any test beside rings."""
     contacts = {f"k = {k:g}": dome(k) for k in ((0.0,) if quick else (-0.8, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8))}
-    contacts |= (
-        {}
-        if quick
-        else {
-            "layers under steel": FrettingContact(
-                Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), RADIUS, FORCE, FRICTION, Elastic(210e9, 0.3)
-            )
-        }
-    )
+    if not quick:
+        layers = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+        contacts["layers under steel"] = FrettingContact(layers, RADIUS, FORCE, FRICTION, Elastic(210e9, 0.3))
     rows = []
     for name, one in contacts.items():
         for phi in (0.5,) if quick else (0.02, 0.3, 0.5, 0.8, 0.95):

@@ -46,9 +46,7 @@ def edge_intensity(both: Any, c: float, F_N: float, n: float, count: int = 480) 
 
 def computed(kind: Any, count: int = 240) -> dict[str, Any]:
     """What the rings give, in SI units."""
-    parts, n, c = kind.parts, kind.exponent, STICK * A
-    one, other = parts
-    both = surface_oracle.Compliance([*one.terms, *other.terms], one.q, one.weighted)
+    parts, both, n, c = kind.parts, kind.both, kind.exponent, STICK * A
     end = surface_oracle.steady(both, A, c, count, n)
     F_N, mu = float(end.force), FRICTION
     F_x = mu * F_N * end.phi
@@ -91,9 +89,7 @@ def computed(kind: Any, count: int = 240) -> dict[str, Any]:
     per_cycle = 4.0 * COEFFICIENT * mu * theta * F_N / (np.pi * A**2)
 
     def wearing(count: int) -> Any:
-        edges = march_oracle.edges_beside(c / A, end.worn_radius / A, count)
-        unit = F_N / (np.pi * A ** (2.0 + n))
-        return march_oracle.rings_of(edges, lambda b, r: unit * both.of_discs(A * b, A * r), whole.depth / A**n, n)
+        return kind.rings(both, whole, march_oracle.edges_beside(c / A, end.worn_radius / A, count))
 
     fewer, rings = wearing(80), wearing(160)
     coarse, fine = (each.volumes_at(TIMES, 40, force=end.phi) for each in (fewer, rings))

@@ -38,7 +38,7 @@ def root_of(
             step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
             step = jnp.clip(step, -farthest, farthest)
             outside = (x + step <= low) | (x + step >= high)
-            # Where the function jumps, or rounding is all that is left, the bounds meet, and no step from there is short.
+            # Where the function jumps, or only rounding is left, the bounds meet, and no step from there is short.
             near = enough * (1.0 + abs(x))
             met, arrived = high - low < near, (abs(step) < near) | ~jnp.isfinite(value)
             halves = met | ((outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(low + high))

@@ -50,6 +50,17 @@ HISTORIES = {
 }
 
 
+def drawn(rng):
+    """One to three blocks with a force, a displacement, or one at the actuator of a rig."""
+    blocks = []
+    for way in rng.integers(3, size=rng.integers(1, 4)):
+        N, mu = rng.uniform((0.7, 0.8), (1.4, 1.25))
+        rig = (way == 2) * 10.0 ** rng.uniform(-1.0, 1.0)
+        asked = (None, rng.uniform(0.1, 2.8) + 0.6 * rig) if way else (rng.uniform(0.05, 0.97) * N * mu, None)
+        blocks.append(Given(rng.uniform(0.1, 0.8), *asked, N, mu, rig))
+    return blocks
+
+
 class Rings(NamedTuple):
     """Rings of any half-space under a shape."""
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import march_oracle
 import numpy as np
 import surface_oracle
 from kinds import STEEL
@@ -45,6 +46,21 @@ class Kind(NamedTuple):
         return self.own(), surface_oracle.Compliance([(2.0 * (1.0 - body.nu**2) / body.E, 0.0)])
 
     @property
+    def both(self):
+        """The compliance of both bodies."""
+        own, other = self.parts
+        return surface_oracle.Compliance([*own.terms, *other.terms], own.q, own.weighted)
+
+    def rings(self, both, whole, edges):
+        """Rings with these edges over A, from both bodies and the contact of the radius A before any wear."""
+        unit = whole.force / (np.pi * A ** (2.0 + self.exponent))
+
+        def of_discs(b, r):
+            return unit * both.of_discs(A * b, A * r)
+
+        return march_oracle.rings_of(edges, of_discs, whole.depth / A**self.exponent, self.exponent)
+
+    @property
     def ratios(self):
         """Of tangential to normal compliance, for both."""
         k, nu = getattr(self.half_space, "k", None), self.half_space.nu
@@ -77,12 +93,15 @@ def power_law(k):
     return Kind(PowerLawGraded(110e9, 1e-4, k, 0.3), STEEL, 2.0, own)
 
 
-_DEPTH, _MODULUS = np.array([0.3, 0.3, 1.0, 1.0]) * A, np.array([50e9, 300e9, 300e9, 100e9])
+def layers(ends, modulus, indenter=STEEL, exponent=2.0):
+    """Layers that end at some depths, and what is below, in A and GPa."""
+    places, values = np.array(ends) * A, np.array(modulus) * 1e9
+    half_space = DepthGraded(np.repeat(places, 2), np.repeat(values, 2)[1:-1], 0.2)
 
+    def own():
+        return graded_compliance(lambda z: values[np.searchsorted(places, z, "right")], 0.2, places[-1], list(places))
 
-def _layers():
-    moduli = np.array([50e9, 300e9, 100e9])
-    return graded_compliance(lambda z: moduli[np.searchsorted(_DEPTH[1:3], z, "right")], 0.2, A, list(_DEPTH[1:3]))
+    return Kind(half_space, indenter, exponent, own)
 
 
 def table(depth, modulus):
@@ -97,14 +116,19 @@ def table(depth, modulus):
     return Kind(DepthGraded(places, values, 0.25), None, 2.0, own)
 
 
-_LAYERS = DepthGraded(_DEPTH, _MODULUS, 0.2)
+def drawn(rng):
+    """Random layers under steel, or a random table under a rigid indenter."""
+    steps, modulus = 10.0 ** rng.uniform(-1.2, 0.3, 4), 110.0 * 20.0 ** rng.uniform(-0.5, 0.5, 4)
+    return layers(np.cumsum(steps[:2]), modulus[:3]) if rng.random() < 0.5 else table(np.cumsum(steps), modulus)
+
+
 KINDS = {
-    "layers under steel": Kind(_LAYERS, STEEL, 2.0, _layers),
+    "layers under steel": layers([0.3, 1.0], [50.0, 300.0, 100.0]),
     "a table": table([0.15, 0.4, 1.0, 2.5], [400.0, 150.0, 300.0, 210.0]),
     "a stiff depth between compliant ones": table([0.015, 0.3, 3.0, 4.0], [60.0, 200.0, 60.0, 60.0]),
     "a power law under steel": power_law(0.3),
     "a power law stiff at its surface under steel": power_law(-0.3),
-    "a shape": Kind(_LAYERS, STEEL, 4.0, _layers),
+    "a shape": layers([0.3, 1.0], [50.0, 300.0, 100.0], exponent=4.0),
 }
 
 
