@@ -2,6 +2,7 @@
 
 import dataclasses
 from typing import Any
+from unittest import mock
 
 import jax
 import jax.numpy as jnp
@@ -29,6 +30,7 @@ from plgwear_jax import (
     scene,
 )
 from plgwear_jax.special.quadrature import logistic
+from plgwear_jax.surfaces.effort import EFFORTS, Effort
 
 SLOW = ("table", "rounded flat", "own rounded flat")  # to compile
 LAW = PowerLawGraded(110e9, 1e-4, 0.4, 0.3)
@@ -278,6 +280,22 @@ def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     wide, narrow, *none = state.wear_volume
     assert_allclose(narrow, wide * 1e-3**2.5, rtol=1e-4)
     assert none == [0.0, 0.0] and np.all(state.worn_radius[2:] == state.contact_radius[2:])
+
+
+@compiled
+@pytest.mark.parametrize("shape", [TruncatedSphere, RoundedFlat, Cone])
+def test_narrow_rings_beside_kinks_on_thin_layers_keep_their_promise(shape):
+    """Of random layers, indenters and amplitudes, beside 160 pressures."""
+    rng = np.random.default_rng(5)
+    thickness, modulus, phi = 10.0 ** rng.uniform([-8.5], [-5.5], (60, 1)), 20.0 ** rng.random(60), rng.random(60)
+    layers = Layered(thickness, np.stack([5e10 * modulus, 0.0 * modulus + 2e11], -1), 0.3)
+    size = 1e-2 * 10.0 ** rng.uniform(-0.7, 0.7, 60) if shape is Cone else rng.uniform(2e-6, 1.2e-4, 60)
+    contact = contact_of(layers, Elastic(np.where(rng.random(60) < 0.5, 2.1e11, 1e30), 0.3), shape(size))
+    force = 10.0 ** (-6.0 + 4.0 * phi) * FRICTION * FORCE
+    with mock.patch.dict(EFFORTS, {5: Effort(5, 160, 0.12, 80)}):
+        fine = contact.steady(force, digits=5).wear_volume
+    error = abs(contact.steady(force).wear_volume / fine - 1.0)
+    assert np.max(error) < 1e-1 and np.quantile(error, 0.95) < 1e-2
 
 
 @compiled
