@@ -19,7 +19,7 @@ from plgwear_jax._core.ranges import FINITE, POSITIVE
 from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
-from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
+from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import NAMES, OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
@@ -180,9 +180,9 @@ class Scene:
         given = given if distance is None else f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
-        law, limits = laws_of(self.contact).get(its[0]), each_limit(self.asked().allowed)
+        law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed
         needed = [place for place in PLACES if place in getattr(law, "arguments", ())] or ["r"]
-        limit = next((one for own, one in limits if own in its and {*needed} <= {*one}), {})
+        limit = next((one for own in its for one in limits.get(own, ()) if {*needed} <= {*one}), {})
         places = {place: limit[place] for place in needed if limit}
         if at:
             try:

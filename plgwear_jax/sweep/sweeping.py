@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
-import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
@@ -128,9 +128,7 @@ def sweep(
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
-    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-    dtypes = {row.dtype for row in rows.values()}
-    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
+    dtype = jnp.result_type(np.float32 if rows else float, *rows.values())
     # Checked once more: rounded to float32 a value may have left its range.
     rows = {name: check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
     if len(loads) > 1:
@@ -159,8 +157,6 @@ def sweep(
     _refuse(plan)
     try:
         used = {axis for variable in plan.variables.values() for axis in variable.dims}
-    except (QuantityError, AxisError):
-        raise
     except (ValueError, TypeError) as error:  # of the library itself
         raise SweepError(str(error)) from None
     numbers = rows
