@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from plgwear_jax._core.catalogue import STRESSES, laws_of
 from plgwear_jax._core.ranges import FINITE, POSITIVE
-from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, placed_quantity
+from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limited_quantity, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
@@ -258,7 +258,19 @@ class Scene:
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        return designing.trade_off(given, self.traded("x", x, distance), larger, points)
+        asked, kind, limits = self.traded("x", x, distance), self.contact.kind, {}
+        ((name, places),) = asked.items()
+        arguments = designing.arguments_of(given, places)
+        if "scenarios" in arguments:
+            raise SceneError("[design] scenarios: only plgwear design takes them")
+        # A limit of x is replaced by its values; of several limits of one quantity those at other places stay.
+        for one, several in designing.listed_limits(given.asked()).items():
+            limits[one] = [
+                at
+                for at in several
+                if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
+            ]
+        return designing.answer("front", **arguments | {"limits": limits}, x=asked, larger=larger, points=points)
 
     def free_design(self) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
@@ -269,9 +281,16 @@ class Scene:
         Raises:
             SceneError: See `design`; or [design] asks for a power law.
         """
+        space = self.asked()
+        if not space.free:
+            text = "asks for a power law; a free gradient takes modulus at three depths or more"
+            raise SceneError(f"[design] vary: {text}")
+        from plgwear_jax.optimise import ModulusProfile
         from plgwear_jax.scene import designing
 
-        return designing.best_gradient(self)
+        at, between, *steepness = space.vary["modulus"].values()
+        profile = ModulusProfile(at, *zip(*between, strict=True), *steepness)
+        return designing.answer("free_design", modulus=profile, **designing.keywords_of(self))
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.

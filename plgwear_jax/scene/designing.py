@@ -7,7 +7,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax._core.rules import WrongKeyError, exponents_within, limited_quantity
+from plgwear_jax._core.rules import WrongKeyError, exponents_within
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
@@ -30,7 +30,7 @@ def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = Non
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     if places is None:
         key, places = "[design] limits.edge_pressure.distance", {"distance": edge_distance(space)}
-    asked, distance = _question(given), places.get("distance")
+    asked, distance = keywords_of(given), places.get("distance")
     if distance is not None:
         widest = float(asked["contact"].steady(given.load.largest).stick_radius)  # pyright: ignore
         if distance >= widest:
@@ -38,35 +38,7 @@ def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = Non
     return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
-def best_gradient(given: "Scene") -> optimise.FreeDesign:
-    """See `Scene.free_design`."""
-    space = given.asked()
-    if not space.free:
-        raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    at, between, *steepness = space.vary["modulus"].values()
-    profile = optimise.ModulusProfile(np.array(at), *np.transpose(between), *steepness)
-    return answer("free_design", modulus=profile, **_question(given))
-
-
-def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
-    """See `Scene.front`."""
-    ((name, places),) = x.items()
-    arguments = arguments_of(given, places)
-    if "scenarios" in arguments:
-        raise SceneError("[design] scenarios: only plgwear design takes them")
-
-    kind, limits = given.contact.kind, {}
-    # The front replaces a limit of x by its own values; of several limits of one quantity those at other places stay.
-    for one, several in _limits_of(given.asked()).items():
-        limits[one] = [
-            at
-            for at in several
-            if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
-        ]
-    return answer("front", **arguments | {"limits": limits}, x=x, larger=larger, points=points)
-
-
-def _question(given: "Scene") -> dict[str, Any]:
+def keywords_of(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load, wear = given.asked(), given.load, given.wear
     # The blocks of a history, or a displacement over a life; else forces in N, with the rig of their displacements.
@@ -84,7 +56,7 @@ def _question(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": {name: several if several[1:] else several[0] for name, several in _limits_of(space).items()},
+        "limits": {name: several if several[1:] else several[0] for name, several in listed_limits(space).items()},
         **lasting,
     }
 
@@ -128,7 +100,7 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     return np.broadcast_to(np.asarray(found.force), space.scatter.row.shape)
 
 
-def _limits_of(space: DesignSpace) -> dict[str, Any]:
+def listed_limits(space: DesignSpace) -> dict[str, Any]:
     """The limits of each quantity: a window, also one within which the modulus varies, is one at two depths."""
     limits = space.allowed
     windows = limits.pop("modulus", [])

@@ -318,7 +318,7 @@ class WearSection(SimpleNamespace):
 
     @property
     def archard(self) -> float:
-        """Archard's wear coefficient in 1/Pa; a SceneError says if there is another wear law, or the half-space wears."""
+        """Archard's coefficient in 1/Pa; a SceneError says if there is another wear law, or the half-space wears."""
         for name in self.others:
             raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
         return self.indenter
