@@ -81,7 +81,7 @@ def sweep(
     from plgwear_jax._core.doubts import of_contact
     from plgwear_jax.sweep.axes import read_axis
 
-    texts, axes = {name: text for name, text in given.items() if text is not None}, dict[str, Any]()
+    texts, axes = {name: text for name, text in given.items() if text is not None}, {}
     for text in axis or ():
         name, values = _name_and_text("--axis =", text, "NAME=VALUES, such as shape.exponent=2:4:9")
         if name in texts:
@@ -94,7 +94,7 @@ def sweep(
             values = read_axis(name, text)
             axes[name] = values.astype("float32") if single and values.ndim else values
     subject = _subject(scene_file, load, axes, names)
-    began, told, before = time.perf_counter(), one_line(", ".join(names)), list[int]()
+    began, told, before = time.perf_counter(), one_line(", ".join(names)), []
     bar = Progress(console=Console(stderr=True))
     bar.add_task(told, total=None)
     (task,) = bar.tasks

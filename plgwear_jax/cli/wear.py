@@ -228,7 +228,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     """
     import numpy as np
 
-    shares, printed = dict[float, float](), [life] if life else []
+    shares, printed = {}, [life] if life else []
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
@@ -249,7 +249,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
 
 
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
-    ends, last, share = dict[str, float](), "", list[Column]()
+    ends, last, share = {}, "", []
     if steady:
         still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
         ends, last = steady | still | {"contact_radius": steady["worn_radius"]}, "steady state"

@@ -289,7 +289,8 @@ class Scene:
         from plgwear_jax.scene import designing
 
         at, between, *steepness = space.vary["modulus"].values()
-        profile = ModulusProfile(at, *zip(*between, strict=True), *steepness)
+        lower, upper = zip(*between, strict=True)
+        profile = ModulusProfile(at, lower, upper, *steepness)
         return designing.answer("free_design", modulus=profile, **designing.keywords_of(self))
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
@@ -350,7 +351,7 @@ class Scene:
             parts = [(still, 0.0), (peaks, load.hardest)]
         if self.wear is not None and any("cycles" in laws[name].arguments for some, _ in parts for name in some):
             places |= {"cycles": self.wear.cycles, "wear_coefficient": self.wear.archard}
-        values: dict[str, Any] = {}
+        values = {}
         for some, force in parts:
             acting, weights = load and Force(force, load.rig_stiffness), load and load.weights
             if some:

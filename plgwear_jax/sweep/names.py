@@ -67,8 +67,8 @@ class AxisNames:
     def __init__(self, contact: Any, load: Any = None) -> None:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
-        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self.held = dict[str, Any](), None if getattr(load, "lasts", True) else load
+        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
+        self.own, self.held = {}, None if getattr(load, "lasts", True) else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -245,7 +245,7 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
 
 def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
     """The dimensionless functions, by name and by that with their room."""
-    found: dict[str, SweepQuantity] = {}
+    found = {}
     for module, laws in (
         (fretting, FRETTING),
         (partial_slip, TANGENTIAL),

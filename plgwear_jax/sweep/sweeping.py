@@ -177,7 +177,7 @@ def sweep(
             from plgwear_jax.sweep import cluster
 
             steps = cluster.run_on_cluster(plan, store, missing, scheduler)
-        _followed(steps, plan.points - plan.size(missing), plan.points, progress)
+        _followed(plan, steps, missing, progress)
         store.finish()
     return open_sweep(out)
 
@@ -194,12 +194,12 @@ def _run(
         yield plan.size([number])
 
 
-def _followed(steps: Generator[int], done: int, points: int, progress: Progress | None) -> None:
-    """Tell the progress, from the number of points of each step."""
+def _followed(plan: SweepPlan, steps: Generator[int], missing: Sequence[int], progress: Progress | None) -> None:
+    """Compute the chunks that are missing, and tell the progress from the number of points of each step."""
     with contextlib.closing(steps):
-        for now in itertools.accumulate(steps, initial=done):
+        for now in itertools.accumulate(steps, initial=plan.points - plan.size(missing)):
             if progress is not None:
-                progress(now, points)
+                progress(now, plan.points)
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
@@ -209,8 +209,8 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
         size = sum(variable.nbytes for variable in plan.variables.values())
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
     found = labelled(plan).assign(empty)
-    steps = _run(plan, range(len(plan.places)), functools.partial(write_chunk, found, plan))
-    _followed(steps, 0, plan.points, progress)
+    every = range(len(plan.places))
+    _followed(plan, _run(plan, every, functools.partial(write_chunk, found, plan)), every, progress)
     return found
 
 
@@ -233,14 +233,14 @@ def _sorted_out(
     axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The axes, and the inputs with a single value, including the fields of the contact."""
-    fixed: dict[str, Any] = {}
+    fixed = {}
     for name, value in known.own.items():
         if not np.ndim(value):
             fixed[name] = value
         elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
     paths = {known.paths[name]: name for name in fixed}
-    rows: dict[str, np.ndarray] = {}
+    rows = {}
     for name, values in axes.items():
         path, of_block = known.paths.get(name), name.startswith("load[") and name in known.of_load
         if path is None and name not in known.allowed and not of_block:
