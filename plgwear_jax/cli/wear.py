@@ -126,7 +126,7 @@ _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "con
 
 def _course(given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load, both = given.tested(), None
+    load = given.tested()
     blocks = load.cycles is not None
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not (given.is_closed or blocks)):
@@ -145,8 +145,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         at_end = cycles.searchsorted(life or cycles[-1])
         end = {name: values[at_end] for name, values in columns.items()}
         worn = steady or end
-        if share:
-            both = _share_out(given, share, end if life else worn)
+        both = _share_out(given, share, end if life else worn) if share else None
     refuse_extremes(np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     report.write_table(columns)
     law = vars(wear.law)
@@ -237,7 +236,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
         printed = printed or [last]
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
-        shares |= zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True)
+        shares = dict(zip(_SHARES, run.cycles_to(np.array(_SHARES)).tolist(), strict=True))
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
     refuse_extremes(0.0 < first <= last < math.inf)

@@ -57,8 +57,45 @@ class DesignSpace(SimpleNamespace):
 
     def checked(self) -> Self:
         """The same, or a SceneError if it does not go together, or with the other sections."""
-        with self.reading.telling("design"):
-            self._refuse()
+        reading, variables, allowed = self.reading, self.variables, self.allowed
+        with reading.telling("design"):
+            material, kind, load = reading.material, reading.contact.kind, reading.load
+            if "modulus" in variables:
+                _refuse_window("vary.modulus", variables["modulus"])
+                if not self.free:
+                    exponents_within(**variables["modulus"])
+            lasts = reading.wear is not None and self.objective in BY_THEN
+            if load is not None and load.pressed and not (lasts and load.cycles is not None):
+                text = "a design cannot be combined with a history that changes the normal force or the friction"
+                raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
+            places = {} if isinstance(self.minimise, str) else self.minimise[self.objective]
+            try:
+                objective = placed_quantity("minimise", self.objective, places, kind)
+            except WrongKeyError as error:  # these places have no keys of their own
+                raise WrongKeyError("minimise", error.text) from None
+            for name, several in allowed.items():
+                for one in several:
+                    if name != "modulus":
+                        limited_quantity(name, one, kind)
+                    else:
+                        _refuse_window("limits.modulus", one)
+                        if len(one["at"]) > 2:
+                            text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
+                            raise WrongKeyError("limits.modulus.at", text)
+            if not self.free:
+                flat = getattr(material, "k", None) == 0.0
+                refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
+            else:
+                refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
+                if self.scenarios is not None:
+                    raise WrongKeyError(
+                        "scenarios", "cannot be combined with a free gradient; only a power law takes it"
+                    )
+            self._refuse_other_materials(material)
+            self._refuse_to_vary(material, reading.contact, load)
+            if self.scatter is None and self.over is not None and (load is None or load.table is None):
+                text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+                raise WrongKeyError("over", text)
         return self
 
     @cached_property
@@ -108,45 +145,6 @@ class DesignSpace(SimpleNamespace):
     def objective(self) -> str:
         """The quantity that is minimised."""
         return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise))
-
-    def _refuse(self) -> None:
-        """Refuse what a design cannot have, for this contact under this load."""
-        reading, variables, allowed = self.reading, self.variables, self.allowed
-        material, kind, load = reading.material, reading.contact.kind, reading.load
-        if "modulus" in variables:
-            _refuse_window("vary.modulus", variables["modulus"])
-            if not self.free:
-                exponents_within(**variables["modulus"])
-        lasts = reading.wear is not None and self.objective in BY_THEN
-        if load is not None and load.pressed and not (lasts and load.cycles is not None):
-            text = "a design cannot be combined with a history that changes the normal force or the friction"
-            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-        places = {} if isinstance(self.minimise, str) else self.minimise[self.objective]
-        try:
-            objective = placed_quantity("minimise", self.objective, places, kind)
-        except WrongKeyError as error:  # these places have no keys of their own
-            raise WrongKeyError("minimise", error.text) from None
-        for name, several in allowed.items():
-            for one in several:
-                if name != "modulus":
-                    limited_quantity(name, one, kind)
-                else:
-                    _refuse_window("limits.modulus", one)
-                    if len(one["at"]) > 2:
-                        text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
-                        raise WrongKeyError("limits.modulus.at", text)
-        if not self.free:
-            flat = getattr(material, "k", None) == 0.0
-            refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
-        else:
-            refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
-            if self.scenarios is not None:
-                raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-        self._refuse_other_materials(material)
-        self._refuse_to_vary(material, reading.contact, load)
-        if self.scatter is None and self.over is not None and (load is None or load.table is None):
-            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
-            raise WrongKeyError("over", text)
 
     def _refuse_other_materials(self, material: Body) -> None:
         """Refuse all that needs a power law at once, and say what to write for this material."""
@@ -200,9 +198,9 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
         if "distance" in laws[name].arguments and edge_distance(reading.design, output) is None:
             text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
-        places = {place: getattr(output, place) for place in WITHIN if place in laws[name].arguments}
-        given = {place: value for place, value in places.items() if value is not None}
-        if places:
+        needed = [place for place in WITHIN if place in laws[name].arguments]
+        if needed:
+            given = {place: x for place in needed if (x := getattr(output, place)) is not None}
             placed_quantity("", name, given, contact.kind)
     return output
 
