@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import Design, FreeDesign, Front
     from plgwear_jax.wear import Run
 
-_MOST_DIGITS = 5  # of a numeric contact
-
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
 
@@ -338,8 +336,6 @@ class Scene:
         from plgwear_jax.scene import solving
 
         contact = solving.homogeneous(self.build_contact())
-        if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
-            raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         # The quantities with the amplitudes in N that give them: a contact that slips as a whole has few.
         if load is None or load.slides is None:
             parts: list[tuple[Any, Any]] = [(names, load and load.force)]
