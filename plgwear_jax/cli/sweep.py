@@ -114,7 +114,7 @@ def sweep(
     finally:
         if bar.live.is_started:
             bar.stop()
-    first = min(before, default=0)
+    first, *_ = before
     computed, there = int(task.completed) - first, f", {first:,} were computed already" if first else ""
     said = f"{computed:,} computed in {time.perf_counter() - began:.3g} s, compiling included{there}"
     said = said if computed else "all were computed already"
@@ -122,7 +122,7 @@ def sweep(
     for line in of_contact(subject["contact"]) if "contact" in subject else ():
         warn(f"{scene_file}: {line}")
     for values in found.values():
-        undefined = 0 if found.attrs["unfinished"] else int(values.isnull().sum())
+        undefined = int(values.isnull().sum())
         if undefined and "gross_slip" not in found:
             typer.echo(f"{values.attrs['quantity']} is undefined at {undefined:,} of {values.size:,} points")
     slips = found.get("gross_slip")
