@@ -126,10 +126,11 @@ _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "con
 
 def _course(given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load = given.tested()
+    load, contact = given.tested(), given.contact
     blocks = load.cycles is not None
+    closed = given.material.kind == "power law" and contact.indenter is None and contact.shape is None
     # The closed forms are many small programs, which JAX's cache keeps.
-    with computing("wearing it", one_question=not (given.is_closed or blocks)):
+    with computing("wearing it", one_question=not (closed or blocks)):
         import numpy as np
 
         from plgwear_jax._core.doubts import of_wear

@@ -92,12 +92,6 @@ class Scene:
         """The contact of the scene, with the reference material."""
         return self.contact.record(material=self.material.record())
 
-    @property
-    def is_closed(self) -> bool:
-        """Whether this is a power law under a rigid parabola."""
-        bodies = self.contact.fields.get("indenter"), self.contact.fields.get("shape")
-        return bodies == (None, None) and self.material.kind == "power law"
-
     def asked(self) -> DesignSpace:
         """The section [design] of a scene for which a design can be looked for.
 
