@@ -126,7 +126,7 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {form.first_row or 'of its columns'}")
     separator = max(",;\t", key=lines[0].count)
-    factors, allowed, values, row = dict[str, float | None](), dict[str, Domain](), list[list[float]](), 0
+    factors, allowed, values, row = {}, {}, [], 0
     try:
         for row, line in zip(rows, lines, strict=True):  # noqa: B007 - messages name it
             (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
@@ -140,7 +140,7 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     except (csv.Error, ValueError) as error:
         said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
         raise TableError(f"{name}: row {row}: {said}") from None
-    columns = dict[str, np.ndarray]()
+    columns = {}
     found = Table(name, columns, _frozen(rows[1:]))
     for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
         if factor is None:
@@ -286,7 +286,7 @@ def numbered_lines(text: str) -> tuple[list[int], list[str]]:
 
 def _header(cells: list[str], form: Form) -> dict[str, float | None]:
     """The columns in the order of the file, with their units in SI, None without; a ValueError says what is wrong."""
-    found: dict[str, float | None] = {}
+    found = {}
     if all(number_in(cell) is not None for cell in cells):
         raise ValueError(f"holds numbers; the first row must name the columns, {form.first_row}")
     for cell in cells:
@@ -324,7 +324,7 @@ def _numbers(cells: list[str], allowed: Mapping[str, Domain], separator: str) ->
     if len(cells) > len(allowed):
         point = "; decimals are set off by a point" if separator == "," else ""
         raise ValueError(f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}")
-    found = list[float]()
+    found = []
     for (column, domain), cell in zip(allowed.items(), cells + [""] * len(allowed), strict=False):
         value = number_in(cell)
         if value is None or not domain.contains(value):

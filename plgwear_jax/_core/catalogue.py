@@ -370,7 +370,7 @@ def leaf(path: str) -> AxisKind:
 
 def derivative(name: str) -> tuple[str, list[str]]:
     """The quantity that a name differentiates, and by what: of `wear_volume.dk.dindenter.E` k and indenter.E."""
-    stem, slopes = list[str](), list[str]()
+    stem, slopes = [], []
     for word in name.split("."):
         first = word[1:].partition("[")[0]
         if slopes and (slopes[-1] in BODIES or word[:1] != "d"):

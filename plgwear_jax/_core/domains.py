@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array, typing
 from jax.core import Tracer
 
-from plgwear_jax._core.ranges import (
+from plgwear_jax._core.ranges import (  # noqa: F401 - those who check ask here for what is allowed
     AMPLITUDE,
     CYCLES,
     DISTANCE,
@@ -23,33 +23,6 @@ from plgwear_jax._core.ranges import (
     Domain,
 )
 from plgwear_jax._core.words import GivenError
-
-__all__ = [
-    "AMPLITUDE",
-    "CYCLES",
-    "DISTANCE",
-    "EXPONENT",
-    "POISSON_RATIO",
-    "POSITIVE",
-    "RADIUS",
-    "SHARE",
-    "ArrayLike",
-    "Domain",
-    "Numbers",
-    "RefusedError",
-    "as_argument",
-    "as_array",
-    "check",
-    "check_all",
-    "check_bounds",
-    "check_digits",
-    "check_real",
-    "guarded",
-    "one_or_nan",
-    "real_dtype",
-    "whole",
-]
-
 
 ArrayLike = typing.ArrayLike | Sequence[typing.ArrayLike] | Sequence[Sequence[typing.ArrayLike]]
 """Arguments: what JAX takes for an array, and lists and tuples of that."""

@@ -216,19 +216,20 @@ def refuse_free_question(
         raise WrongKeyError("limits.contact_radius", 'cannot be limited while hold = "contact_radius" fixes it')
 
 
-def exponents_between(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> tuple[float, float]:
-    """The lowest and the highest k = log(E2/E1)/log(z2/z1) between moduli at two depths, Eq. (1)."""
+def exponents_within(at: Any, between: Any) -> tuple[float, float]:
+    """The lowest and the highest k = log(E2/E1)/log(z2/z1) of moduli that vary at two depths, Eq. (1).
+
+    Args:
+        at: Both depths in m.
+        between: The lowest and the highest modulus at each; refused are those that reach what is no power law.
+    """
     span = max(math.log(at[1]) - math.log(at[0]), sys.float_info.min)  # neighbouring numbers can have one logarithm
-    lowest, highest = math.log(lower[1]) - math.log(upper[0]), math.log(upper[1]) - math.log(lower[0])
-    return lowest / span, highest / span
-
-
-def refuse_window(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> None:
-    """Refuse a window within which both moduli vary and reach what is no power law."""
-    lowest, highest = exponents_between(at, lower, upper)
+    (low, high), (low_below, high_below) = (map(math.log, ends) for ends in between)
+    lowest, highest = (low_below - high) / span, (high_below - low) / span
     if not -1.0 < lowest <= highest < 1.0:
         reached = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
         raise WrongKeyError("vary.modulus.between", f"{reached}; only -1 < k < 1 is possible")
+    return lowest, highest
 
 
 def one_of(names: tuple[str, ...]) -> str:

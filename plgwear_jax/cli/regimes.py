@@ -62,14 +62,16 @@ def regimes(
     given = read_scene(scene_file)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    within, form = (0.0, math.inf), " in {}, 0 < LOWEST < HIGHEST"
-    moves = interval("--displacement", displacement, within, form.format(entry("displacement_amplitude").unit))
-    forces = interval("--normal-force", normal_force, within, form.format(entry("normal_force").unit))
+    within, form = (0.0, math.inf), "0 < LOWEST < HIGHEST"
+    moves = interval("--displacement", displacement, within, f" in m, {form}")
+    forces = interval("--normal-force", normal_force, within, f" in N, {form}")
     positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness or given.load.rig_stiffness
     report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)
     with computing("computing the loops"):
         import numpy as np
+
+        from plgwear_jax.contact import CRITERIA
 
         found, cut, own = _computed(given, moves, forces, rig)
     report.draw("regimes_picture", found, cut, own, rig)
@@ -77,8 +79,39 @@ def regimes(
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
     columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
     report.write_table({name: np.ravel(values) for name, values in columns.items()})
-    report.doubt(given, onset=cut.gross_slip_displacement[0])
-    _tell(report, found, cut, own, rig)
+    force, onset = cut.normal_force[0], cut.gross_slip_displacement[0]
+    report.doubt(given, onset=onset)
+    at_onset = dict(zip(CRITERIA, (cut.gross_slip_energy_ratio[0], cut.gross_slip_aperture[0]), strict=True))
+    where = {name: cut.displacement_where(name, level)[0] for name, level in CRITERIA.items()}
+    report.put(
+        rig_stiffness=rig,
+        load={"normal_force": force, "displacement_amplitude": own},
+        onset={"normal_force": force, "displacement_amplitude": onset, **at_onset},
+        criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
+        **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
+    )
+    shown = np.unique(np.append(onset * np.array(_SHARES), own))
+    at = np.argmin(abs(cut.displacement_amplitude - shown[:, None]), axis=1)
+    slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
+    heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
+    report.table(
+        each_with_unit("displacement_amplitude", cut.displacement_amplitude[at], heading),
+        Column("slip\n", slips, left=True),
+        each_with_unit("tangential_force", cut.tangential_force[0, at], "tangential\nforce"),
+        *(
+            Column(entry(name).name.replace(" ", "\n"), [f"{x:.3f}" for x in getattr(cut, name)[0, at]])
+            for name in where
+        ),
+        title=f"{report.scene} at the normal force {measured('normal_force', force)}",
+    )
+    energy, sliding = map(rounded, at_onset.values())
+    begins = f"gross slip begins at {measured('displacement_amplitude', onset)}"
+    report.say(f"{begins}, where the energy ratio is {energy} and the sliding ratio {sliding}")
+    for name, level in CRITERIA.items():
+        by = where[name] / onset - 1.0
+        shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
+        at = measured("displacement_amplitude", where[name])
+        report.say(f"the {entry(name).name} is {level:g} at {at}, {shift} the transition")
     report.end()
 
 
@@ -118,48 +151,3 @@ def _computed(
     found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
     refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
     return found, slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig), own
-
-
-def _tell(
-    report: Report,
-    found: "SlipRegimes",
-    cut: "SlipRegimes",
-    own: "np.ndarray",
-    rig: float | None,
-) -> None:
-    import numpy as np
-
-    from plgwear_jax.contact import CRITERIA
-
-    force, onset = cut.normal_force[0], cut.gross_slip_displacement[0]
-    at_onset = dict(zip(CRITERIA, (cut.gross_slip_energy_ratio[0], cut.gross_slip_aperture[0]), strict=True))
-    where = {name: cut.displacement_where(name, level)[0] for name, level in CRITERIA.items()}
-    report.put(
-        rig_stiffness=rig,
-        load={"normal_force": force, "displacement_amplitude": own},
-        onset={"normal_force": force, "displacement_amplitude": onset, **at_onset},
-        criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
-        **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
-    )
-    shown = np.unique(np.append(onset * np.array(_SHARES), own))
-    at = np.argmin(abs(cut.displacement_amplitude - shown[:, None]), axis=1)
-    slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
-    heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
-    report.table(
-        each_with_unit("displacement_amplitude", cut.displacement_amplitude[at], heading),
-        Column("slip\n", slips, left=True),
-        each_with_unit("tangential_force", cut.tangential_force[0, at], "tangential\nforce"),
-        *(
-            Column(entry(name).name.replace(" ", "\n"), [f"{x:.3f}" for x in getattr(cut, name)[0, at]])
-            for name in where
-        ),
-        title=f"{report.scene} at the normal force {measured('normal_force', force)}",
-    )
-    energy, sliding = map(rounded, at_onset.values())
-    begins = f"gross slip begins at {measured('displacement_amplitude', onset)}"
-    report.say(f"{begins}, where the energy ratio is {energy} and the sliding ratio {sliding}")
-    for name, level in CRITERIA.items():
-        by = where[name] / onset - 1.0
-        shift = f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'}" if abs(by) >= 1e-3 else "at"
-        at = measured("displacement_amplitude", where[name])
-        report.say(f"the {entry(name).name} is {level:g} at {at}, {shift} the transition")

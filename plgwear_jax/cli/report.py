@@ -130,9 +130,9 @@ class Report:
 
     def __init__(self, scene_file: Path, as_json: bool, named: str = "", **targets: Path | None) -> None:
         self.scene = str(scene_file)
-        self._as_json, self._words = as_json, list[Any]()
+        self._as_json, self._words = as_json, []
         self._found: dict[str, Any] = {"scene": self.scene}
-        self._units: dict[str, str] = {}
+        self._units = {}
         if named:
             targets["picture"] = targets["picture"] or Path(f"{named}.png")
         self._files = {what: file for what, file in targets.items() if file}

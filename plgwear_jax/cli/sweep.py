@@ -81,7 +81,7 @@ def sweep(
     from plgwear_jax._core.doubts import of_contact
     from plgwear_jax.sweep.axes import read_axis
 
-    texts, axes = {name: text for name, text in given.items() if text is not None}, dict[str, Any]()
+    texts, axes = {name: text for name, text in given.items() if text is not None}, {}
     for text in axis or ():
         name, values = _name_and_text("--axis =", text, "NAME=VALUES, such as shape.exponent=2:4:9")
         if name in texts:
@@ -94,7 +94,7 @@ def sweep(
             values = read_axis(name, text)
             axes[name] = values.astype("float32") if single and values.ndim else values
     subject = _subject(scene_file, load, axes, names)
-    began, told, before = time.perf_counter(), one_line(", ".join(names)), list[int]()
+    began, told, before = time.perf_counter(), one_line(", ".join(names)), []
     bar = Progress(console=Console(stderr=True))
     bar.add_task(told, total=None)
     (task,) = bar.tasks
@@ -114,7 +114,7 @@ def sweep(
     finally:
         if bar.live.is_started:
             bar.stop()
-    first = min(before, default=0)
+    first, *_ = before
     computed, there = int(task.completed) - first, f", {first:,} were computed already" if first else ""
     said = f"{computed:,} computed in {time.perf_counter() - began:.3g} s, compiling included{there}"
     said = said if computed else "all were computed already"
@@ -122,7 +122,7 @@ def sweep(
     for line in of_contact(subject["contact"]) if "contact" in subject else ():
         warn(f"{scene_file}: {line}")
     for values in found.values():
-        undefined = 0 if found.attrs["unfinished"] else int(values.isnull().sum())
+        undefined = int(values.isnull().sum())
         if undefined and "gross_slip" not in found:
             typer.echo(f"{values.attrs['quantity']} is undefined at {undefined:,} of {values.size:,} points")
     slips = found.get("gross_slip")

@@ -54,7 +54,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, later, main = sys.unraisablehook, list[threading.Timer](), threading.main_thread().ident or 0
+    before, later, main = sys.unraisablehook, [], threading.main_thread().ident or 0
 
     def interrupt() -> None:
         if hasattr(signal, "pthread_kill"):  # which also ends a wait

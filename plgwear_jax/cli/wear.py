@@ -126,10 +126,11 @@ _BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "con
 
 def _course(given: "Scene", report: Report, until: float | None, digits: int | None) -> None:
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
-    load, both = given.tested(), None
+    load, contact = given.tested(), given.contact
     blocks = load.cycles is not None
+    closed = given.material.kind == "power law" and contact.indenter is None and contact.shape is None
     # The closed forms are many small programs, which JAX's cache keeps.
-    with computing("wearing it", one_question=not (given.is_closed or blocks)):
+    with computing("wearing it", one_question=not (closed or blocks)):
         import numpy as np
 
         from plgwear_jax._core.doubts import of_wear
@@ -145,8 +146,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         at_end = cycles.searchsorted(life or cycles[-1])
         end = {name: values[at_end] for name, values in columns.items()}
         worn = steady or end
-        if share:
-            both = _share_out(given, share, end if life else worn)
+        both = _share_out(given, share, end if life else worn) if share else None
     refuse_extremes(np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
     report.write_table(columns)
     law = vars(wear.law)
@@ -228,7 +228,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     """
     import numpy as np
 
-    shares, printed = dict[float, float](), [life] if life else []
+    shares, printed = {}, [life] if life else []
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
@@ -237,7 +237,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
         printed = printed or [last]
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
-        shares |= zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True)
+        shares = dict(zip(_SHARES, run.cycles_to(np.array(_SHARES)).tolist(), strict=True))
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
     refuse_extremes(0.0 < first <= last < math.inf)
@@ -249,7 +249,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
 
 
 def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
-    ends, last, share = dict[str, float](), "", list[Column]()
+    ends, last, share = {}, "", []
     if steady:
         still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
         ends, last = steady | still | {"contact_radius": steady["worn_radius"]}, "steady state"

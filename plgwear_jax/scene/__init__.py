@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from plgwear_jax._core.catalogue import STRESSES, laws_of
 from plgwear_jax._core.ranges import FINITE, POSITIVE
-from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, placed_quantity
+from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limited_quantity, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
-from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance, laws_of_scene, output_of
+from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.complaints import NAMES, OtherFileError, Reading, SceneError
 from plgwear_jax.scene.keys import json_schema
 from plgwear_jax.scene.sections import (
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.optimise import Design, FreeDesign, Front
     from plgwear_jax.wear import Run
-
-_MOST_DIGITS = 5  # of a numeric contact
 
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
@@ -93,12 +91,6 @@ class Scene:
     def build_contact(self) -> "FrettingContact | GrossSlipContact":
         """The contact of the scene, with the reference material."""
         return self.contact.record(material=self.material.record())
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether this is a power law under a rigid parabola."""
-        bodies = self.contact.fields.get("indenter"), self.contact.fields.get("shape")
-        return bodies == (None, None) and self.material.kind == "power law"
 
     def asked(self) -> DesignSpace:
         """The section [design] of a scene for which a design can be looked for.
@@ -180,9 +172,9 @@ class Scene:
         given = given if distance is None else f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
-        law, limits = laws_of(self.contact).get(its[0]), each_limit(self.asked().allowed)
+        law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed
         needed = [place for place in PLACES if place in getattr(law, "arguments", ())] or ["r"]
-        limit = next((one for own, one in limits if own in its and {*needed} <= {*one}), {})
+        limit = next((one for own in its for one in limits.get(own, ()) if {*needed} <= {*one}), {})
         places = {place: limit[place] for place in needed if limit}
         if at:
             try:
@@ -258,7 +250,19 @@ class Scene:
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        return designing.trade_off(given, self.traded("x", x, distance), larger, points)
+        asked, kind, limits = self.traded("x", x, distance), self.contact.kind, {}
+        ((name, places),) = asked.items()
+        arguments = designing.arguments_of(given, places)
+        if "scenarios" in arguments:
+            raise SceneError("[design] scenarios: only plgwear design takes them")
+        # A limit of x is replaced by its values; of several limits of one quantity those at other places stay.
+        for one, several in designing.listed_limits(given.asked()).items():
+            limits[one] = [
+                at
+                for at in several
+                if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
+            ]
+        return designing.answer("front", **arguments | {"limits": limits}, x=asked, larger=larger, points=points)
 
     def free_design(self) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
@@ -269,9 +273,17 @@ class Scene:
         Raises:
             SceneError: See `design`; or [design] asks for a power law.
         """
+        space = self.asked()
+        if not space.free:
+            text = "asks for a power law; a free gradient takes modulus at three depths or more"
+            raise SceneError(f"[design] vary: {text}")
+        from plgwear_jax.optimise import ModulusProfile
         from plgwear_jax.scene import designing
 
-        return designing.best_gradient(self)
+        at, between, *steepness = space.vary["modulus"].values()
+        lower, upper = zip(*between, strict=True)
+        profile = ModulusProfile(at, lower, upper, *steepness)
+        return designing.answer("free_design", modulus=profile, **designing.keywords_of(self))
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
@@ -318,8 +330,6 @@ class Scene:
         from plgwear_jax.scene import solving
 
         contact = solving.homogeneous(self.build_contact())
-        if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
-            raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         # The quantities with the amplitudes in N that give them: a contact that slips as a whole has few.
         if load is None or load.slides is None:
             parts: list[tuple[Any, Any]] = [(names, load and load.force)]
@@ -331,7 +341,7 @@ class Scene:
             parts = [(still, 0.0), (peaks, load.hardest)]
         if self.wear is not None and any("cycles" in laws[name].arguments for some, _ in parts for name in some):
             places |= {"cycles": self.wear.cycles, "wear_coefficient": self.wear.archard}
-        values: dict[str, Any] = {}
+        values = {}
         for some, force in parts:
             acting, weights = load and Force(force, load.rig_stiffness), load and load.weights
             if some:

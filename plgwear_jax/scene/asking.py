@@ -1,7 +1,7 @@
 """The sections of an input file that ask for something, [design] and [output], whose keys `keys` has checked."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
@@ -14,11 +14,11 @@ from plgwear_jax._core.rules import (
     WITHIN,
     WrongKeyError,
     domain_of,
+    exponents_within,
     limited_quantity,
     placed_quantity,
     refuse_free_question,
     refuse_question,
-    refuse_window,
 )
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.scene.complaints import Reading
@@ -30,23 +30,14 @@ if TYPE_CHECKING:
 # --- designs --------------------------------------------------------------------------------------------------------
 
 
-def _window_of(key: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The lowest and highest modulus that can be made, at two depths or more: at, lower, upper."""
-    at, between = values["at"], values["between"]
-    if len(at) != len(between):
-        text = f"must hold a pair [lower, upper] for each of the {len(at)} depths of at"
-        raise WrongKeyError(f"{key}.between", text)
-    if "steepness" in values and len(at) == 2:
+def _refuse_window(key: str, window: Mapping[str, Any]) -> None:
+    """Refuse what does not go together of the moduli that can be made, at two depths or more."""
+    depths = len(window["at"])
+    if depths != len(window["between"]):
+        raise WrongKeyError(f"{key}.between", f"must hold a pair [lower, upper] for each of the {depths} depths of at")
+    if "steepness" in window and depths == 2:
         text = "only for a free gradient, with three to eight depths; at two it is |k|"
         raise WrongKeyError(f"{key}.steepness", text)
-    return dict(zip(("at", "lower", "upper"), (at, *zip(*between, strict=True)), strict=True))
-
-
-def each_limit(allowed: Mapping[str, Any] | None) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """The limits with the names of what they limit; of one quantity there may be several."""
-    for name, given in (allowed or {}).items():
-        for one in given if isinstance(given, tuple) else (given,):
-            yield name, one
 
 
 class DesignSpace(SimpleNamespace):
@@ -66,37 +57,63 @@ class DesignSpace(SimpleNamespace):
 
     def checked(self) -> Self:
         """The same, or a SceneError if it does not go together, or with the other sections."""
-        with self.reading.telling("design"):
-            self._refuse()
+        reading, variables, allowed = self.reading, self.variables, self.allowed
+        with reading.telling("design"):
+            material, kind, load = reading.material, reading.contact.kind, reading.load
+            if "modulus" in variables:
+                _refuse_window("vary.modulus", variables["modulus"])
+                if not self.free:
+                    exponents_within(**variables["modulus"])
+            lasts = reading.wear is not None and self.objective in BY_THEN
+            if load is not None and load.pressed and not (lasts and load.cycles is not None):
+                text = "a design cannot be combined with a history that changes the normal force or the friction"
+                raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
+            places = {} if isinstance(self.minimise, str) else self.minimise[self.objective]
+            try:
+                objective = placed_quantity("minimise", self.objective, places, kind)
+            except WrongKeyError as error:  # these places have no keys of their own
+                raise WrongKeyError("minimise", error.text) from None
+            for name, several in allowed.items():
+                for one in several:
+                    if name != "modulus":
+                        limited_quantity(name, one, kind)
+                    else:
+                        _refuse_window("limits.modulus", one)
+                        if len(one["at"]) > 2:
+                            text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
+                            raise WrongKeyError("limits.modulus.at", text)
+            if not self.free:
+                flat = getattr(material, "k", None) == 0.0
+                refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
+            else:
+                refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
+                if self.scenarios is not None:
+                    raise WrongKeyError(
+                        "scenarios", "cannot be combined with a free gradient; only a power law takes it"
+                    )
+            self._refuse_other_materials(material)
+            self._refuse_to_vary(material, reading.contact, load)
+            if self.scatter is None and self.over is not None and (load is None or load.table is None):
+                text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+                raise WrongKeyError("over", text)
         return self
 
     @cached_property
     def variables(self) -> dict[str, Any]:
         """What may vary: bounds by name, such as k and indenter.E.
 
-        For "modulus" the depths at, and the lower and upper moduli there: at two depths of a power law, at three to
-        eight a free gradient.
+        For "modulus" the window: at two depths of a power law, at three to eight a free gradient.
         """
         found = {}
         for name, given in self.vary.items():
-            if name == "modulus":
-                found[name] = _window_of("vary.modulus", given)
-                if len(given["at"]) == 2:
-                    refuse_window(**found[name])
-            else:
-                found |= {f"{name}.{one}": x for one, x in given.items()} if isinstance(given, dict) else {name: given}
+            nested = isinstance(given, dict) and name != "modulus"
+            found |= {f"{name}.{one}": x for one, x in given.items()} if nested else {name: given}
         return found
 
-    @cached_property
+    @property
     def allowed(self) -> dict[str, Any]:
-        """The limits by name: above, below or between with the place, or the window."""
-        allowed = dict(self.limits or {})
-        if "modulus" in allowed:
-            allowed["modulus"] = _window_of("limits.modulus", allowed["modulus"])
-            if len(allowed["modulus"]["at"]) > 2:
-                text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
-                raise WrongKeyError("limits.modulus.at", text)
-        return allowed
+        """The limits by name, of each quantity one or more: above, below or between with the place, or the window."""
+        return {name: [given] if isinstance(given, dict) else given for name, given in (self.limits or {}).items()}
 
     @property
     def level(self) -> float:
@@ -127,39 +144,7 @@ class DesignSpace(SimpleNamespace):
     @property
     def objective(self) -> str:
         """The quantity that is minimised."""
-        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
-
-    def _refuse(self) -> None:
-        """Refuse what a design cannot have, for this contact under this load."""
-        reading, variables, allowed = self.reading, self.variables, self.allowed
-        material, kind, load = reading.material, reading.contact.kind, reading.load
-        lasts = reading.wear is not None and self.objective in BY_THEN
-        if load is not None and load.pressed and not (lasts and load.cycles is not None):
-            text = "a design cannot be combined with a history that changes the normal force or the friction"
-            raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-        places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
-        if not isinstance(self.minimise, str) and len(self.minimise) != 1:
-            raise WrongKeyError("minimise", "must name one quantity")
-
-        try:
-            objective = placed_quantity("minimise", self.objective, places, kind)
-        except WrongKeyError as error:  # these places have no keys of their own
-            raise WrongKeyError("minimise", error.text) from None
-        for name, given in each_limit(allowed):
-            if name != "modulus":
-                limited_quantity(name, given, kind)
-        if not self.free:
-            flat = getattr(material, "k", None) == 0.0
-            refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
-        else:
-            refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
-            if self.scenarios is not None:
-                raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-        self._refuse_other_materials(material)
-        self._refuse_to_vary(material, reading.contact, load)
-        if self.scatter is None and self.over is not None and (load is None or load.table is None):
-            text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
-            raise WrongKeyError("over", text)
+        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise))
 
     def _refuse_other_materials(self, material: Body) -> None:
         """Refuse all that needs a power law at once, and say what to write for this material."""
@@ -213,9 +198,9 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
         if "distance" in laws[name].arguments and edge_distance(reading.design, output) is None:
             text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
-        places = {place: getattr(output, place) for place in WITHIN if place in laws[name].arguments}
-        given = {place: value for place, value in places.items() if value is not None}
-        if places:
+        needed = [place for place in WITHIN if place in laws[name].arguments]
+        if needed:
+            given = {place: x for place in needed if (x := getattr(output, place)) is not None}
             placed_quantity("", name, given, contact.kind)
     return output
 
@@ -230,5 +215,6 @@ def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | N
 def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> float | None:
     """The distance from the edge at which a scene wants pressures, or limits them, in m; None if it gives none."""
     own = getattr(output, "distance", None)
-    limited = (one["distance"] for _, one in each_limit(design and design.limits) if "distance" in one)
+    limits = [] if design is None else design.allowed.values()
+    limited = (one["distance"] for several in limits for one in several if "distance" in one)
     return next(limited, None) if own is None else own

@@ -7,11 +7,11 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax._core.rules import WrongKeyError, exponents_between, limited_quantity
+from plgwear_jax._core.rules import WrongKeyError, exponents_within
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.asking import DesignSpace, each_limit, edge_distance
+from plgwear_jax.scene.asking import DesignSpace, edge_distance
 from plgwear_jax.scene.complaints import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
@@ -30,7 +30,7 @@ def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = Non
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     if places is None:
         key, places = "[design] limits.edge_pressure.distance", {"distance": edge_distance(space)}
-    asked, distance = _question(given), places.get("distance")
+    asked, distance = keywords_of(given), places.get("distance")
     if distance is not None:
         widest = float(asked["contact"].steady(given.load.largest).stick_radius)  # pyright: ignore
         if distance >= widest:
@@ -38,38 +38,7 @@ def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = Non
     return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
-def best_gradient(given: "Scene") -> optimise.FreeDesign:
-    """See `Scene.free_design`."""
-    space = given.asked()
-    if not space.free:
-        raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    steepness = space.vary["modulus"].get("steepness")
-    profile = optimise.ModulusProfile(*map(np.array, space.variables["modulus"].values()), steepness=steepness)
-    return answer("free_design", modulus=profile, **_question(given))
-
-
-def trade_off(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
-    """See `Scene.front`."""
-    ((name, places),) = x.items()
-    arguments = arguments_of(given, places)
-    if "scenarios" in arguments:
-        raise SceneError("[design] scenarios: only plgwear design takes them")
-
-    kind, limits = given.contact.kind, {}
-    # The front replaces a limit of x by its own values; of several limits of one quantity those at other places stay.
-    for one, limit in arguments.pop("limits").items():
-        several = limit if isinstance(limit, list | tuple) else [limit]
-        others = [
-            at
-            for at in several
-            if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
-        ]
-        if others:
-            limits[one] = others if several[1:] else limit
-    return answer("front", **arguments, limits=limits, x=x, larger=larger, points=points)
-
-
-def _question(given: "Scene") -> dict[str, Any]:
+def keywords_of(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load, wear = given.asked(), given.load, given.wear
     # The blocks of a history, or a displacement over a life; else forces in N, with the rig of their displacements.
@@ -87,7 +56,7 @@ def _question(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _limits_of(space),
+        "limits": {name: several if several[1:] else several[0] for name, several in listed_limits(space).items()},
         **lasting,
     }
 
@@ -131,16 +100,15 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     return np.broadcast_to(np.asarray(found.force), space.scatter.row.shape)
 
 
-def _limits_of(space: DesignSpace) -> dict[str, Any]:
-    """The limits as Python takes them: a window, also one within which the modulus varies, is one at two depths."""
-    limits = dict(space.allowed)
-    window = limits.pop("modulus", None)
-    if not space.free:
-        window = space.variables.get("modulus", window)
-    if window is not None:
-        own = [one for name, one in each_limit(limits) if name == "modulus_at"]
-        at_depths = [{"z": depth, "between": ends} for depth, *ends in zip(*window.values(), strict=True)]
-        limits["modulus_at"] = own + at_depths
+def listed_limits(space: DesignSpace) -> dict[str, Any]:
+    """The limits of each quantity: a window, also one within which the modulus varies, is one at two depths."""
+    limits = space.allowed
+    windows = limits.pop("modulus", [])
+    if "modulus" in space.vary and not space.free:
+        windows = [space.vary["modulus"]]
+    for window in windows:
+        at_depths = ({"z": z, "between": ends} for z, ends in zip(window["at"], window["between"], strict=True))
+        limits["modulus_at"] = [*limits.get("modulus_at", ()), *at_depths]
     return limits
 
 
@@ -150,10 +118,10 @@ def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
     window = others.pop("modulus", None)
     if window is None:
         return others
-    (first, second), *moduli = np.log([*window.values()])
-    part, moduli = (np.log(contact.material.z0) - first) / (second - first), np.array(moduli)
-    reached = np.exp((1.0 - part) * moduli[:, :1] + part * moduli[:, 1])  # at z0, from all bounds of both depths
-    return {"k": exponents_between(**window), "E0": (float(reached.min()), float(reached.max())), **others}
+    (first, second), (above, below) = np.log(window["at"]), np.log(window["between"])
+    part = (np.log(contact.material.z0) - first) / (second - first)
+    reached = np.exp((1.0 - part) * above[:, None] + part * below)  # at z0, from all bounds of both depths
+    return {"k": exponents_within(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
 def answer(question: str, **arguments: Any) -> Any:

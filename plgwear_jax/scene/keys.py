@@ -60,7 +60,7 @@ def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tupl
         refuse: Takes the path of a wrong key, and what it must be.
         path: The path of the section.
     """
-    schema, found = SECTIONS[section], dict[str, Any]()
+    schema, found = SECTIONS[section], {}
     keys = schema["properties"] | {
         name: key
         for pattern, key in schema.get("patternProperties", {}).items()

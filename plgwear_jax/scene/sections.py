@@ -112,7 +112,7 @@ class LoadSection(SimpleNamespace):
         history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
         rig_stiffness: Stiffness in N/m of the rig, if displacements are measured at its actuator.
         file: What the file has.
-        columns: Its columns; none without one.
+        columns: Its columns, or the one amplitude by its key.
         of_displacement: The amplitudes are those of the displacement.
         cycles: How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so.
         pressed: The normal forces in N and the coefficients of friction that a history has of its own, of shape (n,).
@@ -133,7 +133,7 @@ class LoadSection(SimpleNamespace):
             text = f"this is gross slip, F_x = {force:g} N is not below mu F_N = {limit:g} N"
             raise WrongKeyError(kind, f"{text}; lower it, or raise friction or normal_force")
         file = named and from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
-        columns: Mapping[str, Any] = file.columns if file else {}
+        columns: Mapping[str, Any] = file.columns if file else {kind: values[kind]}
         if file and "tangential_force" in columns:
             forces = columns["tangential_force"]
             limit = math.prod(columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * forces
@@ -143,7 +143,7 @@ class LoadSection(SimpleNamespace):
             **values,
             file=file,
             columns=columns,
-            of_displacement=kind == "displacement" or "displacement" in columns,
+            of_displacement="displacement" in columns,
             cycles=columns.get("cycles"),
             pressed={name: columns[name] for name in reversed(PRESSED) if name in columns},
             material=reading.material,
@@ -156,8 +156,7 @@ class LoadSection(SimpleNamespace):
         """The amplitudes as they were given, in N or m, shape (n,): the one, or all of a history or a table."""
         import numpy as np
 
-        name = "displacement" if self.of_displacement else "tangential_force"
-        return np.array([getattr(self, name)], float) if self.file is None else self.file[name]
+        return np.atleast_1d(self.columns["displacement" if self.of_displacement else "tangential_force"])
 
     @property
     def is_zero(self) -> bool:
@@ -292,7 +291,8 @@ class WearSection(SimpleNamespace):
             is then that of the indenter.
         cycles: Number of cycles of the life.
         kind: The key of its coefficient.
-        friction: The coefficient of friction of the contact.
+        indenter: The coefficient of the indenter in 1/Pa, or 1/Pa^exponent; from an energy coefficient it is that times
+            the coefficient of friction.
         others: The keys that only some commands take.
     """
 
@@ -306,7 +306,8 @@ class WearSection(SimpleNamespace):
                 raise WrongKeyError(name, f"cannot be combined with {kind}; give coefficient, in 1/Pa or 1/Pa^exponent")
         if contact.kind != "fretting":
             raise WrongKeyError("", 'only a contact with kind = "fretting" wears over cycles')
-        return cls(**values, kind=kind, friction=contact.friction, others=others)
+        friction, size = contact.friction if "energy" in kind else 1.0, 1.0 if kind == "coefficient" else 1e9
+        return cls(**values, kind=kind, indenter=friction * values[kind] / size, others=others)
 
     def refuse_frictions(self, names: Iterable[str]) -> None:
         """Refuse an energy coefficient where the friction is among what changes: Archard's K is friction times it."""
@@ -317,29 +318,20 @@ class WearSection(SimpleNamespace):
 
     @property
     def archard(self) -> float:
-        """Archard's wear coefficient in 1/Pa; a SceneError says if there is another wear law, or the half-space wears.
-
-        From an energy coefficient it is that times the coefficient of friction.
-        """
+        """Archard's coefficient in 1/Pa; a SceneError says if there is another wear law, or the half-space wears."""
         for name in self.others:
             raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
-        return self._indenter
-
-    @property
-    def _indenter(self) -> float:
-        if self.coefficient is not None:
-            return self.coefficient
-        return (self.coefficient_mm3_per_N_m or self.friction * self.energy_coefficient_mm3_per_J) / 1e9
+        return self.indenter
 
     @property
     def half_space_share(self) -> float:
         """The share of the half-space in all wear."""
         own = self.half_space_coefficient or 0.0
-        return own and own / (self._indenter + own)
+        return own and own / (self.indenter + own)
 
     @property
     def law(self) -> Any:
         """The wear law; its coefficient is the sum over both bodies."""
         from plgwear_jax.wear_laws import law_of
 
-        return law_of(self._indenter + (self.half_space_coefficient or 0.0), self.exponent)
+        return law_of(self.indenter + (self.half_space_coefficient or 0.0), self.exponent)

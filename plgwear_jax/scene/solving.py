@@ -38,13 +38,13 @@ def scene_values(
     The `places` are the distance, those in the half-space, and for quantities over cycles these and Archard's wear
     coefficient in 1/Pa.
     """
-    frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), dict[Any, Any]()
+    frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), {}
     given: dict[str, Any] = {**places}
 
     def value_of(name: str) -> Any:
         return read(contact, name, load, given, digits=digits, solved=solved)
 
-    found, beside, punch = dict[str, Array](), jnp.asarray(0.0), jnp.asarray(contact.radius)
+    found, beside, punch = {}, jnp.asarray(0.0), jnp.asarray(contact.radius)
     if any(laws[name].unbounded_at for name in names):
         found["edge radius"] = jnp.min(value_of("stick_radius")) if frets else punch
         relative = _RELATIVE * (value_of("contact_radius") if frets else punch)

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from plgwear_jax._core.domains import whole
 from plgwear_jax._core.startup.programs import along_each
 from plgwear_jax.special.quadrature import Rule, logistic
 
@@ -32,10 +33,8 @@ EFFORTS = {
 
 def effort_of(digits: int | None) -> Effort:
     """The effort for these digits; 4 by default."""
-    most = max(EFFORTS)
-    if digits is not None and digits > most:
-        raise ValueError(f"digits = {digits} is outside the allowed range 1 <= digits <= {most} of numeric contacts")
-    return EFFORTS[max(4 if digits is None else digits, min(EFFORTS))]
+    known = whole("digits", 4 if digits is None else digits, 1, max(EFFORTS), " of numeric contacts")
+    return EFFORTS[max(known, min(EFFORTS))]
 
 
 def rule_of(effort: Effort, alone: bool, bends: int) -> Rule:

@@ -32,7 +32,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
         raise AxisError(f"{name}: takes a number or a row of numbers, not an array of shape {array.shape}")
     if array.size == 0:
         raise AxisError(f"{name}: holds no values; there must be at least one")
-    if array.dtype.kind != "f":
+    if array.dtype != np.float32:
         array = array.astype(float)
     inside = domain.contains(array)
     if not np.all(inside):

@@ -67,8 +67,8 @@ class AxisNames:
     def __init__(self, contact: Any, load: Any = None) -> None:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
-        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else dict[str, str]()
-        self.own, self.held = dict[str, Any](), None if getattr(load, "lasts", True) else load
+        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
+        self.own, self.held = {}, None if getattr(load, "lasts", True) else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -245,7 +245,7 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
 
 def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
     """The dimensionless functions, by name and by that with their room."""
-    found: dict[str, SweepQuantity] = {}
+    found = {}
     for module, laws in (
         (fretting, FRETTING),
         (partial_slip, TANGENTIAL),
@@ -344,16 +344,15 @@ def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, 
     if subject.amplitudes is not None:
         forces, weights = (jnp.asarray(each, subject.dtype)[values["load_case"]] for each in subject.amplitudes)
         return Force(factor[..., None] * forces), weights
-    given = {name: values[name] for name in subject.inputs}
     load = subject.known.held
     if load is not None:
-        for name in given.keys() - {"factor"}:
-            load = with_leaf(load, f"of{name.removeprefix('load')}", given[name])
+        for name in {*subject.inputs} - {"factor"}:
+            load = with_leaf(load, f"of{name.removeprefix('load')}", values[name])
         return load.with_amplitude(lambda amplitude: factor * amplitude), None
-    rig = given.get("rig_stiffness")
-    if "displacement" in given:
-        return Displacement(given["displacement"], rig), None
-    force = given["phi"] * contact.friction * contact.normal_force if "phi" in given else given["tangential_force"]
+    rig = values.get("rig_stiffness")
+    if "displacement" in values:
+        return Displacement(values["displacement"], rig), None
+    force = values["phi"] * contact.friction * contact.normal_force if "phi" in values else values["tangential_force"]
     return Force(force, rig), None
 
 
@@ -362,7 +361,7 @@ SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 
 def _slopes_of(asked: SweepQuantity, subject: SweepTarget) -> list[str]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
-    numbers = [name for name, value in subject.known.own.items() if not isinstance(value, str) and not np.ndim(value)]
+    numbers = [name for name, value in subject.known.own.items() if not np.ndim(value)]
     left_out = {"load_case", "nu"} if subject.holl else {"load_case"}
     return [name for name in (*asked.needs, *numbers) if asked.smooth and name not in left_out]
 

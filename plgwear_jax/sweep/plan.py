@@ -140,7 +140,7 @@ class SweepPlan(SweepTarget):
             for name, value in self.fixed.items()
         }
         values |= zip(self.axes, jnp.meshgrid(*rows, indexing="ij", sparse=True), strict=True)
-        shared: dict[Any, Any] = {}
+        shared = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
         return tuple(jnp.array(x, ndmin=len(rows)) for x in found)
 

@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
-import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
@@ -128,9 +128,7 @@ def sweep(
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
     amplitudes = _side_by_side(loads) if loads else None
-    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-    dtypes = {row.dtype for row in rows.values()}
-    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
+    dtype = jnp.result_type(np.float32 if rows else float, *rows.values())
     # Checked once more: rounded to float32 a value may have left its range.
     rows = {name: check_axis(name, np.array(row, dtype)) for name, row in rows.items()}
     if len(loads) > 1:
@@ -159,8 +157,6 @@ def sweep(
     _refuse(plan)
     try:
         used = {axis for variable in plan.variables.values() for axis in variable.dims}
-    except (QuantityError, AxisError):
-        raise
     except (ValueError, TypeError) as error:  # of the library itself
         raise SweepError(str(error)) from None
     numbers = rows
@@ -181,7 +177,7 @@ def sweep(
             from plgwear_jax.sweep import cluster
 
             steps = cluster.run_on_cluster(plan, store, missing, scheduler)
-        _followed(steps, plan.points - plan.size(missing), plan.points, progress)
+        _followed(plan, steps, missing, progress)
         store.finish()
     return open_sweep(out)
 
@@ -198,12 +194,12 @@ def _run(
         yield plan.size([number])
 
 
-def _followed(steps: Generator[int], done: int, points: int, progress: Progress | None) -> None:
-    """Tell the progress, from the number of points of each step."""
+def _followed(plan: SweepPlan, steps: Generator[int], missing: Sequence[int], progress: Progress | None) -> None:
+    """Compute the chunks that are missing, and tell the progress from the number of points of each step."""
     with contextlib.closing(steps):
-        for now in itertools.accumulate(steps, initial=done):
+        for now in itertools.accumulate(steps, initial=plan.points - plan.size(missing)):
             if progress is not None:
-                progress(now, points)
+                progress(now, plan.points)
 
 
 def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
@@ -213,8 +209,8 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
         size = sum(variable.nbytes for variable in plan.variables.values())
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
     found = labelled(plan).assign(empty)
-    steps = _run(plan, range(len(plan.places)), functools.partial(write_chunk, found, plan))
-    _followed(steps, 0, plan.points, progress)
+    every = range(len(plan.places))
+    _followed(plan, _run(plan, every, functools.partial(write_chunk, found, plan)), every, progress)
     return found
 
 
@@ -237,14 +233,14 @@ def _sorted_out(
     axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The axes, and the inputs with a single value, including the fields of the contact."""
-    fixed: dict[str, Any] = {}
+    fixed = {}
     for name, value in known.own.items():
         if not np.ndim(value):
             fixed[name] = value
         elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
     paths = {known.paths[name]: name for name in fixed}
-    rows: dict[str, np.ndarray] = {}
+    rows = {}
     for name, values in axes.items():
         path, of_block = known.paths.get(name), name.startswith("load[") and name in known.of_load
         if path is None and name not in known.allowed and not of_block:

@@ -9,6 +9,7 @@ from numpy.testing import assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import Layered, scene
+from plgwear_jax._core.domains import RefusedError
 
 POWER_LAW = "E0 = 110e9\nz0 = 1e-4\nk = 0.0"
 LAYERS = "thickness = [2e-6, 3e-6]\nmodulus = [400e9, 200e9, 110e9]"
@@ -77,6 +78,12 @@ def test_a_punch_takes_a_power_law_alone():
     text = '[material]\ntable = "E.csv"\nnu = 0.3\n[contact]\nkind = "gross-slip"\nradius = 1e-3\ndepth = 1e-6\n'
     line = refusal(scene.SceneError, scene_of, text)
     assert line.endswith('kind = "gross-slip": needs a power law under [material], not a table')
+
+
+def test_a_scene_has_the_digits_of_its_contact():
+    given = loaded('[output]\nquantities = ["wear_volume"]\n', material=LAYERS)
+    line = refusal(RefusedError, given.solve, digits=6)
+    assert line == "digits = 6 is outside the allowed range 1 <= digits <= 5 of numeric contacts"
 
 
 def test_a_free_gradient_has_no_other_commands():

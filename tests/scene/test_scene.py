@@ -255,17 +255,22 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     pressure = {"edge_pressure": {"below": 5e8, "distance": 1e-6}}
     assert design == asked | {"limits": pressure | depth}
     assert [front.pop("reference_y"), *front.pop("y")] == [1.0, 1.0, 1.0]
-    assert front == asked | {"x": x, "larger": "", "points": 5, "limits": depth}
+    assert front == asked | {
+        "x": x,
+        "larger": "",
+        "points": 5,
+        "limits": {"edge_pressure": [], "penetration": [{"below": 2e-6}]},
+    }
     assert vars(given.front(distance=2e-6))["x"] == {"edge_pressure": {"distance": 2e-6}}
     other = vars(given.front(x="penetration", y="edge_pressure", larger="y"))
     assert (other["x"], other["minimise"], other["larger"]) == ({"penetration": {}}, x, "y")
-    assert other["limits"] == pressure
+    assert other["limits"] == {"edge_pressure": [*pressure.values()], "penetration": []}
     # A window is two limits of the modulus, beside those that stand there as such.
     window = "modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [70e9, 300e9]] }"
     text = changed(
         SINGLE_NUMBERS, (HOLD, f"{HOLD}limits = {{ modulus_at = {{ below = 3e11, z = 1e-4 }}, {window} }}\n")
     )
-    ends = [{"z": 1e-5, "between": [60e9, 400e9]}, {"z": 1e-3, "between": [70e9, 300e9]}]
+    ends = [{"z": 1e-5, "between": (60e9, 400e9)}, {"z": 1e-3, "between": (70e9, 300e9)}]
     assert read(text).arguments()["limits"] == {"modulus_at": [{"below": 3e11, "z": 1e-4}, *ends]}
     near, far = ({"below": 5e8, "distance": distance} for distance in (1e-6, 2e-6))
     both = ", ".join(f"{{ below = 5e8, distance = {at['distance']} }}" for at in (near, far))
