@@ -227,14 +227,12 @@ class Compared:
 
 def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
     """Time and error of all programs."""
-    found = {}
-    for name, program in programs.items():
-        found[name] = dict(zip(program.orders, errors(program(), program.exact, program.orders), strict=True))
+    found = {name: errors(program(), program.exact, program.orders) for name, program in programs.items()}
     seconds = interleave(programs, rounds, compiled=True)
     return {
         name: Compared(
             Timing(seconds[name] / program.count * 1e9),
-            {order: float(error.max()) for order, error in found[name].items()},
+            {order: float(error.max()) for order, error in zip(program.orders, found[name], strict=True)},
         )
         for name, program in programs.items()
     }
@@ -245,8 +243,6 @@ def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared
 
 def short(x: float) -> str:
     """Three significant digits, without an exponent where that is readable."""
-    if not np.isfinite(x):
-        return str(x)
     if x == 0.0 or 1e-3 <= abs(x) < 1e6:
         places = max(0, 2 - int(np.floor(np.log10(abs(x))))) if x else 0
         return f"{x:,.{places}f}"
