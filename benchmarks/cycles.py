@@ -171,7 +171,7 @@ def against_rings(report: Report, quick: bool) -> None:
                     break
             found.append((error, f"{one}, {blocks}"))
         ends = np.quantile([error for error, _ in found], (0.5, 0.95, 1.0))
-        rows.append([name, str(len(found)), *map(percent, ends)])
+        rows.append([name, f"{len(found)}", *map(percent, ends)])
         report.print(f"The worst on {name}: {max(found)[1]}")
     report.table(
         "Volumes of random tests beside rings and the Green's function, % of the last one",
