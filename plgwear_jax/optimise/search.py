@@ -265,15 +265,15 @@ def found_by(
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def values_and_jacobian(function: Callable[[Array], tuple[Array, Any]], u: Array) -> tuple[Array, Array, Any]:
-    """Values and Jacobian, and what the function tells besides its values."""
+def values_and_jacobian(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any, Any, Any]:
+    """Values, a tree of them, and their Jacobian, and what the function tells besides its values."""
 
     def twice(u: Array) -> Any:
         values, more = function(u)
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    return materialised(values), materialised(slopes), more
+    return *jax.tree.map(materialised, (values, slopes)), more
 
 
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
