@@ -251,7 +251,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
     at = evaluate(question, found.variables, known)
     given = {name: np.asarray(value).item() for name, value in {**found.variables, **at.held}.items()}
     contact = with_variables(question.contact, given)
-    return Design(
+    best = Design(
         contact=contact,
         value=valued(at.objective[0], question, contact),
         reference_value=at.scale,
@@ -259,6 +259,13 @@ def answered(question: Question, known: Known | None = None) -> Design:
         minimum=found,
         question=question,
     )
+    vars(best)["known"] = known
+    return best
+
+
+def known_of(found: Design) -> Known:
+    """What was evaluated on the way to a design, for what else is asked about it; of one that JAX rebuilt nothing."""
+    return vars(found).get("known", {})
 
 
 def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
@@ -316,7 +323,7 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    question, load, evaluator = found.question, found.question.load, Evaluator(found.question)
+    question, load, evaluator = found.question, found.question.load, Evaluator(found.question, known_of(found))
     pair = concrete(found.contact), concrete(question.contact)
     limited = (one.places["distance"] for one in question.limits if one.quantity == "edge_pressure")
     distance, each = concrete(next(limited, np.nan)), []

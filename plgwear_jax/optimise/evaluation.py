@@ -304,20 +304,18 @@ def _at_point(
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
-        told = (
-            candidate.steady._solution if tells_states(question) else (),
-            candidate.steady._pressed if left_out else (),
-        )
-        state, pressed = jax.tree.map(lambda x: x[0], told)
+        pressed = candidate.steady._pressed if left_out else ()
+        state = candidate.steady._solution if tells_states(question) else ()
+        pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
         return (rows, pressed), state
 
-    both, slopes, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
-    values, pressed = both
+    (values, pressed), by_steps, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
-        along = slopes[0][-1, :-1] / slopes[0][-1, -1]
-        slopes = jax.tree.map(lambda x: x[..., :-1] - x[..., -1:] * along, slopes)
-        values, slopes = values[:-1], (slopes[0][:-1], slopes[1])
-    return Told(values, slopes[0], held, state, (pressed, slopes[1]))
+        along = by_steps[0][-1, :-1] / by_steps[0][-1, -1]
+        by_steps = jax.tree.map(lambda x: x[..., :-1] - x[..., -1:] * along, by_steps)
+        values = values[:-1]
+    slopes, moved_pressed = by_steps
+    return Told(values, slopes[: len(values)], held, state, (pressed, moved_pressed))
 
 
 @program(static=2)
@@ -380,14 +378,12 @@ class Evaluator:
         left_out = _left_out(self.question)
         found = jax.device_get(program(self.names, left_out, self.question, shared, lanes))
         for i in left_out:
-            one, (value, slopes) = self.question.limits[i], jax.tree.map(lambda x: x[0], found.pressed)
-            pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x, np.moveaxis(by, -1, 0)), value, slopes)
             from plgwear_jax.steady.stressed import peak_of  # which few designs need
 
+            one = self.question.limits[i]
+            pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
             row = _excess_of(one, peak_of(self.question.contact.material, pressed, one.quantity))
-            values, slopes = (
-                np.insert(x, 1 + i, new, 1) for x, new in zip(found[:2], (row.value, row.slopes), strict=True)
-            )
+            values, slopes = np.insert(found.values, 1 + i, row.value, 1), np.insert(found.slopes, 1 + i, row.slopes, 1)
             found = found._replace(values=values, slopes=slopes)
         return jax.tree.map(lambda x: x[: len(points)], found)
 

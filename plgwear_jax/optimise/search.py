@@ -234,6 +234,12 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value))
 
 
+def scanned(interval: Interval) -> np.ndarray:
+    """The values at which the only variable of a search is scanned."""
+    plan = plan_of(1, 0)
+    return _decoded(plan.axis_points()[:, None], *_box_of({"": interval}, np, plan.dtype))[:, 0]
+
+
 def found_by(
     evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
     space: Mapping[str, Interval],

@@ -62,7 +62,7 @@ def _stress_program(fixed: tuple[Given, bool], pressed: Pressed, places: tuple[A
     return in_turn(one, pressed.shape, pressed, more=(x, z))
 
 
-@program(static=1, level=1)
+@program(static=1, level=2)
 def _searched(given: Given, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
