@@ -16,7 +16,7 @@ from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import BY_THEN, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.best import Design, LimitState, answered, known_of, limit_states
+from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
 from plgwear_jax.optimise.conditions import conditions, inclination, solved_by_elimination
 from plgwear_jax.optimise.evaluation import Known, evaluate
 from plgwear_jax.optimise.question import Question, keeps, moved
@@ -55,7 +55,7 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
     reached = np.append(values, found.bounds[name])  # they may lie beyond the bounds
     bounds = {**found.question.bounds, name: (reached.min(), reached.max())}
-    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points, known_of(found))
+    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points, vars(found).get("known"))
     return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
 
 

@@ -259,13 +259,8 @@ def answered(question: Question, known: Known | None = None) -> Design:
         minimum=found,
         question=question,
     )
-    vars(best)["known"] = known
+    vars(best)["known"] = known  # for its picture
     return best
-
-
-def known_of(found: Design) -> Known:
-    """What was evaluated on the way to a design, for what else is asked about it; of one that JAX rebuilt nothing."""
-    return vars(found).get("known", {})
 
 
 def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
@@ -323,7 +318,7 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    question, load, evaluator = found.question, found.question.load, Evaluator(found.question, known_of(found))
+    question, load, evaluator = found.question, found.question.load, Evaluator(found.question)
     pair = concrete(found.contact), concrete(question.contact)
     limited = (one.places["distance"] for one in question.limits if one.quantity == "edge_pressure")
     distance, each = concrete(next(limited, np.nan)), []

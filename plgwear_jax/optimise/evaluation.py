@@ -281,14 +281,11 @@ def tells_states(question: Question) -> bool:
 
 def _left_out(question: Question) -> tuple[int, ...]:
     """Which limits are of peaks that programs of their own search, as XLA compiles several programs sooner than one."""
-    apart = tells_states(question) and question.objective not in PEAKS
-    return tuple(i for i, one in enumerate(question.limits) if apart and one.quantity in PEAKS)
+    return tuple(i for i, one in enumerate(question.limits) if one.quantity in PEAKS and tells_states(question))
 
 
-def _at_point(
-    names: tuple[str, ...], left_out: tuple[int, ...], question: Question, shared: Shared, point: Array
-) -> Told:
-    here, held = by_name(names, point), {}
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
+    here, held, left_out = by_name(names, point), {}, _left_out(question)
     limits = tuple(one for i, one in enumerate(question.limits) if i not in left_out)
     question = dataclasses.replace(question, limits=limits)
     outside = question.hold and not is_closed(question.contact)
@@ -318,20 +315,18 @@ def _at_point(
     return Told(values, slopes[: len(values)], held, state, (pressed, moved_pressed))
 
 
-@program(static=2)
-def _at_once(names: tuple[str, ...], left_out: tuple[int, ...], *given: Any) -> Told:
-    *fixed, points = given
-    return jax.vmap(functools.partial(_at_point, names, left_out, *fixed))(points)
+@program(static=1)
+def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
+    return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
-def _at_one_point(names: tuple[str, ...], left_out: tuple[int, ...], *given: Any) -> Told:
+def _at_one_point(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
     """At a single point, of a contact that is solved numerically."""
-    *fixed, points = given
-    return jax.tree.map(lambda x: x[None], _at_point(names, left_out, *fixed, points[0]))
+    return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
 
 
-# A few hundred states take half as long again without optimisation, and compile in two thirds of the time.
-_at_state, _in_a_life = program(static=2)(_at_one_point), program(static=2, level=1)(_at_one_point)
+# A search along one variable ends sooner if it is not optimised: it needs some 150 states.
+_along_one, _in_turn = (program(static=1, level=level)(_at_one_point) for level in (0, 1))
 
 
 def concrete(tree: Any) -> Any:
@@ -377,17 +372,17 @@ class Evaluator:
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
         lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
-        program = _at_once if not self.in_turn else _at_state if tells_states(self.question) else _in_a_life
-        left_out = _left_out(self.question)
-        found = jax.device_get(program(self.names, left_out, self.question, shared, lanes))
-        for i in left_out:
-            from plgwear_jax.steady.stressed import peak_of  # which few designs need
+        few = tells_states(self.question) and len(self.names) == 1
+        program = _at_once if not self.in_turn else _along_one if few else _in_turn
+        found = jax.device_get(program(self.names, self.question, shared, lanes))
+        for i in _left_out(self.question):
+            from plgwear_jax.steady.stressed import peak_with_slopes  # which few designs need
 
             one = self.question.limits[i]
             pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
-            row = _excess_of(one, peak_of(self.question.contact.material, pressed, one.quantity))
-            values, slopes = np.insert(found.values, 1 + i, row.value, 1), np.insert(found.slopes, 1 + i, row.slopes, 1)
-            found = found._replace(values=values, slopes=slopes)
+            row = _excess_of(one, peak_with_slopes(self.question.contact.material, pressed, one.quantity))
+            both = zip(found[:2], (row.value, row.slopes), strict=True)
+            found = Told(*(np.insert(x, 1 + i, new, 1) for x, new in both), *found[2:])
         return jax.tree.map(lambda x: x[: len(points)], found)
 
     def told(self, variables: Mapping[str, ArrayLike]) -> Told:

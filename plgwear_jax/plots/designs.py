@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.optimise.best import known_of, less
+from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate, space
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.optimise.search import scanned
@@ -77,7 +77,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     words = r"worn off the face, $d - w_\infty$" if design.load is None else None
     _draw_depths(panels[2], comparison.radii, comparison.depth, (BEST, REFERENCE), end, words)
     saved = f"{best}: {less(design.saving)} {entry(design.objective).name} than the reference"
-    kept = keeps(evaluate(design.question, design.reference_variables, known_of(design)).values[0, 1:])
+    kept = keeps(evaluate(design.question, design.reference_variables).values[0, 1:])
     breaks = "" if kept else ", which breaks a limit"
     told = [
         f"{entry(one.quantity).name} {'at least' if one.lowest else 'at most'} {measured(one.quantity, one.allowed)}"

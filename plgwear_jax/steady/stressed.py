@@ -88,14 +88,17 @@ def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLi
     wanted = Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(given, _pressed_of(steady), wanted)[0]
-    still, few = jax.lax.stop_gradient, follows((steady.contact, steady.load, wanted))
-    pressed = _pressed_program(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
-    _, place = _searched(given, still(pressed), still(wanted))
-    return _read(functools.partial(_at_known_place, given), steady, (wanted, place.x, place.z))
+    return _read(functools.partial(_peak_there, given), steady, wanted)
 
 
-def peak_of(material: Any, pressed: Any, name: str) -> Any:
+def _peak_there(given: Given, pressed: Any, wanted: Any) -> Any:
+    """The peak by its search, and by a program for the derivatives at its place."""
+    known = jax.tree.map(lambda x: jax.lax.stop_gradient(value_of(x)), (pressed, wanted))
+    _, place = _searched(given, *known)
+    return _at_known_place(given, pressed, (wanted, place.x, place.z))
+
+
+def peak_with_slopes(material: Any, pressed: Any, name: str) -> Any:
     """The largest tension or von Mises stress of what is known with its slopes, to the digits that are the default."""
     given, wanted = _given_of(material, None), Wanted(*as_numbers((float(name == "peak_mises"), 0.0, np.inf)))
-    _, place = _searched(given, jax.tree.map(value_of, pressed), wanted)
-    return _at_known_place(given, pressed, (wanted, place.x, place.z)).value
+    return _peak_there(given, pressed, wanted).value
