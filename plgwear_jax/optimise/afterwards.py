@@ -55,7 +55,7 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
     reached = np.append(values, found.bounds[name])  # they may lie beyond the bounds
     bounds = {**found.question.bounds, name: (reached.min(), reached.max())}
-    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points)
+    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points, vars(found).get("known"))
     return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
 
 

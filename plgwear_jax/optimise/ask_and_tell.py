@@ -205,9 +205,10 @@ def _empty_memory(start: Array) -> tuple[Array, ...]:
 
 
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
-    """The points of steps of several lengths."""
-    steps = plan.lengths()[:, None, None] * at.length[:, None] * at.direction
-    return namespace(at.u).clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
+    """The points of steps of several lengths; a descent that is done asks for nothing new."""
+    xp = namespace(at.u)
+    steps = plan.lengths()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
+    return xp.clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
 def _merit(at: Descent, values: Any) -> Any:
@@ -321,14 +322,13 @@ def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> 
     )
     best = select((left < state.best.residual) & goes_on, point, state.best)
     state = state._replace(points=_stencil(plan, at.u), descent=at, best=best, count=state.count + goes_on)
-    done = all_done(plan, _finished(plan, state) | (np.arange(plan.starts) >= state.valleys))
-    return state._replace(phase=xp.where(done, DONE, POLISH))
+    return state._replace(phase=xp.where(all_done(plan, _finished(plan, state)), DONE, POLISH))
 
 
 def _finished(plan: SearchPlan, at: SearchState) -> Any:
-    left = at.best.residual
+    left, unused = at.best.residual, np.arange(plan.starts) >= at.valleys
     converging = (left < _NEAR) & (left >= plan.tolerance)
-    return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
+    return unused | (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
 
 
 # --- from the scan to the answer --------------------------------------------------------------------------------------

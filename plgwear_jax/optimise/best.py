@@ -251,7 +251,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
     at = evaluate(question, found.variables, known)
     given = {name: np.asarray(value).item() for name, value in {**found.variables, **at.held}.items()}
     contact = with_variables(question.contact, given)
-    return Design(
+    best = Design(
         contact=contact,
         value=valued(at.objective[0], question, contact),
         reference_value=at.scale,
@@ -259,6 +259,8 @@ def answered(question: Question, known: Known | None = None) -> Design:
         minimum=found,
         question=question,
     )
+    vars(best)["known"] = known  # for its picture
+    return best
 
 
 def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:

@@ -16,14 +16,15 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.catalogue import SEARCHED, read, read_from
+from plgwear_jax._core.catalogue import PEAKS, SEARCHED, read, read_from
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.rules import BY_THEN, is_after_cycles, is_linear
-from plgwear_jax._core.startup.programs import program
+from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.ask_and_tell import SearchPlan, plan_of
 from plgwear_jax.optimise.question import (
+    Limit,
     Question,
     keeps,
     moved,
@@ -149,9 +150,7 @@ class Candidate:
             return self._rows_of_scenarios(self.question.scenarios)
         rows = [self.objective()]
         for one in self.question.limits:
-            value = jnp.ravel(self._read(one.quantity, one.places, True))[0]
-            over = jnp.minimum(_log_or_least(value / one.value), 1e3)
-            rows.append(-over if one.lowest else over)
+            rows.append(_excess(one, jnp.ravel(self._read(one.quantity, one.places, True))[0]))
         return jnp.stack(rows)
 
     def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
@@ -176,6 +175,15 @@ class Candidate:
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
         return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
+
+
+def _excess(one: Limit, value: Any) -> Array:
+    """How far a value breaks a limit: positive where it does."""
+    over = jnp.minimum(_log_or_least(value / one.value), 1e3)
+    return -over if one.lowest else over
+
+
+_excess_of = program()(_excess)
 
 
 def _log_or_least(x: Any) -> Array:
@@ -258,6 +266,7 @@ class Told(NamedTuple):
     slopes: Any  # of them by the variables on the scale on which they are searched
     held: dict[str, Any]  # E0 that holds the contact radius, if it is held
     state: Any  # the solution at the largest amplitude, if it `tells_states`
+    pressed: Any = ()  # of this one and its slopes, if rows are left out
 
     @property
     def rows(self) -> np.ndarray:
@@ -270,28 +279,40 @@ def tells_states(question: Question) -> bool:
     return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
 
 
+def _left_out(question: Question) -> tuple[int, ...]:
+    """Which limits are of peaks that programs of their own search, as XLA compiles several programs sooner than one."""
+    return tuple(i for i, one in enumerate(question.limits) if one.quantity in PEAKS and tells_states(question))
+
+
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
-    here, held = by_name(names, point), {}
+    here, held, left_out = by_name(names, point), {}, _left_out(question)
+    limits = tuple(one for i, one in enumerate(question.limits) if i not in left_out)
+    question = dataclasses.replace(question, limits=limits)
     outside = question.hold and not is_closed(question.contact)
     if question.hold:
         held = {"E0": Candidate(question, here, shared).contact.material.E0}
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here, shared = here | held, shared._replace(radius=None)
 
-    def rows_at(steps: Array) -> tuple[Array, Any]:
+    def rows_at(steps: Array) -> tuple[Any, Any]:
         there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
         candidate = Candidate(question, there, shared)
         rows = candidate.rows()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
-        return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
+        pressed = candidate.steady._pressed if left_out else ()
+        state = candidate.steady._solution if tells_states(question) else ()
+        pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
+        return (rows, pressed), state
 
-    values, slopes, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
+    (values, pressed), by_steps, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
-        along = slopes[-1, :-1] / slopes[-1, -1]
-        values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
-    return Told(values, slopes, held, state)
+        along = by_steps[0][-1, :-1] / by_steps[0][-1, -1]
+        by_steps = jax.tree.map(lambda x: x[..., :-1] - x[..., -1:] * along, by_steps)
+        values = values[:-1]
+    slopes, moved_pressed = by_steps
+    return Told(values, slopes[: len(values)], held, state, (pressed, moved_pressed))
 
 
 @program(static=1)
@@ -299,10 +320,13 @@ def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points:
     return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
-@program(static=1, level=1)
 def _at_one_point(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
     """At a single point, of a contact that is solved numerically."""
     return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
+
+
+# A search along one variable ends sooner if it is not optimised: it needs some 150 states.
+_along_one, _in_turn = (program(static=1, level=level)(_at_one_point) for level in (0, 1))
 
 
 def concrete(tree: Any) -> Any:
@@ -348,8 +372,17 @@ class Evaluator:
     def _solved(self, points: np.ndarray, shared: Shared) -> Told:
         """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
         lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
-        program = _at_one_point if self.in_turn else _at_once
+        few = tells_states(self.question) and len(self.names) == 1
+        program = _at_once if not self.in_turn else _along_one if few else _in_turn
         found = jax.device_get(program(self.names, self.question, shared, lanes))
+        for i in _left_out(self.question):
+            from plgwear_jax.steady.stressed import peak_with_slopes  # which few designs need
+
+            one = self.question.limits[i]
+            pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
+            row = _excess_of(one, peak_with_slopes(self.question.contact.material, pressed, one.quantity))
+            both = zip(found[:2], (row.value, row.slopes), strict=True)
+            found = Told(*(np.insert(x, 1 + i, new, 1) for x, new in both), *found[2:])
         return jax.tree.map(lambda x: x[: len(points)], found)
 
     def told(self, variables: Mapping[str, ArrayLike]) -> Told:

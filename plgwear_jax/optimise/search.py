@@ -234,6 +234,12 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value))
 
 
+def scanned(interval: Interval) -> np.ndarray:
+    """The values at which the only variable of a search is scanned."""
+    plan = plan_of(1, 0)
+    return _decoded(plan.axis_points()[:, None], *_box_of({"": interval}, np, plan.dtype))[:, 0]
+
+
 def found_by(
     evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
     space: Mapping[str, Interval],
@@ -265,15 +271,15 @@ def found_by(
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def values_and_jacobian(function: Callable[[Array], tuple[Array, Any]], u: Array) -> tuple[Array, Array, Any]:
-    """Values and Jacobian, and what the function tells besides its values."""
+def values_and_jacobian(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any, Any, Any]:
+    """Values, a tree of them, and their Jacobian, and what the function tells besides its values."""
 
     def twice(u: Array) -> Any:
         values, more = function(u)
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    return materialised(values), materialised(slopes), more
+    return *jax.tree.map(materialised, (values, slopes)), more
 
 
 def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:

@@ -11,8 +11,9 @@ from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.optimise.best import less
-from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.evaluation import evaluate, space
 from plgwear_jax.optimise.question import keeps
+from plgwear_jax.optimise.search import scanned
 from plgwear_jax.plots.style import (
     BEST,
     BLUE,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import FreeDesign
 
 _FELT: Style = {"zorder": -1, "color": "0.9", "linewidth": 0.0}
-_POINTS = 61  # of a curve, which is one batch of contacts
 _SYMBOLS = "$a_0$: contact radius before wear"
 _RING = rf"{_SYMBOLS}; $c$, $a_\infty$: stick radius and outer radius of the worn ring, dotted"
 
@@ -162,8 +162,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     (low, high), here, there = bounds[name], design.variables[name], design.reference_variables[name]
-    between = (np.linspace if is_linear(name) else np.geomspace)(low, high, _POINTS)
-    values = np.unique([*between, here, np.clip(there, low, high)])
+    values = np.unique([*scanned(space(design.question)[name]), here, np.clip(there, low, high)])
     course = along(design, name, values)
     curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
     axes.set(xscale="linear" if is_linear(name) else "log", xmargin=0.05, ymargin=0.2)

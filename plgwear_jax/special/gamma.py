@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax.special.elementary import leading, polynomial
 
-_RECIPROCAL_GAMMA = (
+RECIPROCAL_GAMMA = (
     1.0880652521310172,
     -0.3365827219549337,
     -0.5974661969538092,
@@ -108,7 +108,7 @@ _EDGE_ODD = (
 @functools.partial(jax.jit, static_argnames="digits")
 def reciprocal_gamma(z: Array, digits: int | None = None) -> Array:
     """1/Gamma(1+z) for z in [-1/2, 2]."""
-    return polynomial(_RECIPROCAL_GAMMA, (z - 0.75) / 1.25, digits)
+    return polynomial(RECIPROCAL_GAMMA, (z - 0.75) / 1.25, digits)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -119,7 +119,7 @@ def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) ->
     """
     t = (z - 0.75) / 1.25
     square = square / 1.25**2
-    coefficients = leading(_RECIPROCAL_GAMMA, digits, t.dtype)
+    coefficients = leading(RECIPROCAL_GAMMA, digits, t.dtype)
     even = jnp.full_like(t * square, coefficients[-1])
     odd = jnp.zeros_like(even)
     for coefficient in reversed(coefficients[:-1]):

@@ -109,10 +109,11 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
 def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array, Array]:
     """`own`, `stuck`, `flat` and `s` of `Pressed`."""
     inside = samples(effort.digits, state.force.dtype)
-    own, stuck = (
-        state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
-        for punch in (state.unworn, state.punch)
-    )
+
+    def unworn(punch: Punch) -> Array:
+        return state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
+
+    own, stuck = jax.vmap(unworn)(jax.tree.map(lambda *both: jnp.stack(both), state.unworn, state.punch))
     further = state.height(state.punch) * state.further
     return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5), state.compliance.s
 

@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
+from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
 from plgwear_jax.steady.batch import as_numbers, in_turn
 from plgwear_jax.stresses.field import Given, Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
@@ -19,7 +19,7 @@ from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    read = functools.partial(_stress_program, (_given_of(steady), worn))
+    read = functools.partial(_stress_program, (_given_of(steady.contact.material, steady.digits), worn))
     return _read(read, steady, (jnp.asarray(x), jnp.asarray(z)))
 
 
@@ -43,11 +43,10 @@ def _pressed_of(steady: Any) -> Pressed:
     return steady._once("pressed", lambda: _pressed_program(as_numbers(steady)))
 
 
-def _given_of(steady: Any) -> Given:
-    material = steady.contact.material
+def _given_of(material: Any, digits: int | None) -> Given:
     if isinstance(material, AnyModulus):
-        return Given(type(material), steady.digits)
-    return Given("homogeneous" if isinstance(material, Elastic) else None, steady.digits)
+        return Given(type(material), digits)
+    return Given("homogeneous" if isinstance(material, Elastic) else None, digits)
 
 
 @program(static=1, level=1)
@@ -63,7 +62,7 @@ def _stress_program(fixed: tuple[Given, bool], pressed: Pressed, places: tuple[A
     return in_turn(one, pressed.shape, pressed, more=(x, z))
 
 
-@program(static=1, level=1)
+@program(static=1, level=2)
 def _searched(given: Given, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
@@ -85,10 +84,21 @@ def _at_known_place(given: Given, pressed: Pressed, known: tuple[Wanted, Array, 
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    given, wanted = _given_of(steady), Wanted(*as_numbers((float(name == "mises"), least, most)))
+    given = _given_of(steady.contact.material, steady.digits)
+    wanted = Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(given, _pressed_of(steady), wanted)[0]
-    still, few = jax.lax.stop_gradient, follows((steady.contact, steady.load, wanted))
-    pressed = _pressed_program(steady._solved(still(steady._given()))) if few else _pressed_of(steady)
-    _, place = _searched(given, still(pressed), still(wanted))
-    return _read(functools.partial(_at_known_place, given), steady, (wanted, place.x, place.z))
+    return _read(functools.partial(_peak_there, given), steady, wanted)
+
+
+def _peak_there(given: Given, pressed: Any, wanted: Any) -> Any:
+    """The peak by its search, and by a program for the derivatives at its place."""
+    known = jax.tree.map(lambda x: jax.lax.stop_gradient(value_of(x)), (pressed, wanted))
+    _, place = _searched(given, *known)
+    return _at_known_place(given, pressed, (wanted, place.x, place.z))
+
+
+def peak_with_slopes(material: Any, pressed: Any, name: str) -> Any:
+    """The largest tension or von Mises stress of what is known with its slopes, to the digits that are the default."""
+    given, wanted = _given_of(material, None), Wanted(*as_numbers((float(name == "peak_mises"), 0.0, np.inf)))
+    return _peak_there(given, pressed, wanted).value

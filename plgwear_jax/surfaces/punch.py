@@ -198,19 +198,19 @@ def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tu
 def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:
     """The pressure of the indenter that touches up to c and no further, over c^2/R, as `flat_pressure` gives it."""
     c, s = jnp.exp(punch.log_c), compliance.s
-    (alone, rest), image = apart(punch, s, outline), outline.image(c, s)
+    (alone, rest), image, power = apart(punch, s, outline), outline.image(c, s), s + half
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
         parts, rates = _risen(outline, image, c, z, 100)
-        power = s + half
         terms = parts.weight * rates * jnp.exp((power - 1.0) * jnp.log(parts.left))
         # Nearer to a tip than the places are its own power counts.
         least = jnp.where(1.0 - z < parts.left[-1], 1e-6, s)
-        return jnp.exp(power * jnp.log(z)) * jnp.sum(parts.ended(terms, least))
+        return jnp.sum(parts.ended(terms, least))
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
-    found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jax.lax.map(jax.checkpoint(at), z)
+    rise = image.fall / power if resolved(image) else jax.lax.map(jax.checkpoint(at), z)
+    found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jnp.exp(power * jnp.log(z)) * rise
     if rest is None or punch.flat is None:
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)

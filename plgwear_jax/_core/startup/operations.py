@@ -249,7 +249,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "not": np.invert,
     "or": np.bitwise_or,
     "pad": _with_padding,
-    "pow": np.power,
+    "pow": lambda x, y: np.power(x, y.astype(x.dtype)),  # y may be integers
     "real": lambda x: x.real,
     "reduce_and": lambda x, *, axes: np.all(x, axes),
     "reduce_max": lambda x, *, axes: np.max(x, axes),
