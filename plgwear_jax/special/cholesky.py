@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from plgwear_jax._core.sequential import sequential_vmap
@@ -69,8 +70,7 @@ def _solved_by_factor(factor: Array, right: Array, transposed: bool) -> Array:
 def _substitution(transposed: bool) -> Any:
     def plain(factor: Array, right: Array) -> Array:
         rows, columns = right.shape
-        wide = rows * columns > _FEW * _FEW
-        if rows > _ROWS or (wide and rows > _FEW):
+        if rows > _ROWS:
             upper, lower = slice(rows // 2), slice(rows // 2, rows)
             between = factor[lower, upper]
             if transposed:
@@ -80,8 +80,9 @@ def _substitution(transposed: bool) -> Any:
                 above = plain(factor[upper, upper], right[upper])
                 below = plain(factor[lower, lower], right[lower] - between @ above)
             return jnp.concatenate([above, below])
-        if wide:
-            return plain(factor, jnp.eye(rows, dtype=right.dtype)) @ right
+        if rows * columns > _FEW * _FEW:
+            inverse = _inverse(factor)
+            return (inverse.T if transposed else inverse) @ right
         return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transposed)
 
     single = jax.custom_batching.custom_vmap(plain)
@@ -100,16 +101,34 @@ _down, _up = _substitution(False), _substitution(True)
 
 
 def solve_symmetric(matrix: Array, right: Array) -> Array:
-    """The solution x of matrix x = right, for a symmetric positive matrix with badly scaled rows; right is (n, m)."""
-    scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
-    scaled = matrix * scale[:, None] * scale
-    factor = cholesky(jax.lax.stop_gradient(scaled))
-
+    """The solution x of matrix x = right, for a symmetric positive matrix; right is (n, m)."""
+    inverse = _inverse_factor(matrix)
     # The rule of `custom_linear_solve` solves for the derivatives with the same factor.
-    found = jax.lax.custom_linear_solve(
-        lambda x: scaled @ x,
-        scale[:, None] * right,
-        lambda _, right: _up(factor, _down(factor, right)),
-        symmetric=True,
+    return jax.lax.custom_linear_solve(
+        lambda x: matrix @ x, right, lambda _, right: inverse.T @ (inverse @ right), symmetric=True
     )
-    return scale[:, None] * found
+
+
+@jax.custom_jvp
+def _inverse_factor(matrix: Array) -> Array:
+    """L^-1, as a constant: products with it, unlike substitutions, need no loop in a batch."""
+    return _inverse_of(matrix)
+
+
+@_inverse_factor.defjvp
+def _inverse_factor_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
+    return _inverse_factor(*primals), jnp.zeros_like(tangents[0])
+
+
+def _inverse(factor: Array) -> Array:
+    size = factor.shape[0]
+    if size <= _FEW:
+        one = jnp.asarray(np.eye(size), factor.dtype)
+        return jax.lax.linalg.triangular_solve(factor, one, left_side=True, lower=True)
+    half = size // 2
+    first, last = _inverse(factor[:half, :half]), _inverse(factor[half:, half:])
+    below = -last @ factor[half:, :half] @ first
+    return jnp.block([[first, jnp.zeros_like(below.T)], [below, last]])
+
+
+_inverse_of = sequential_vmap(lambda matrix: _inverse(_plain_factor(matrix)))

@@ -53,6 +53,11 @@ def clamp_keep_slope(least: float | Array, value: Array) -> Array:
     return value + lax.stop_gradient(jnp.maximum(least - value, 0.0))
 
 
+def clamped(least: Any, value: Array, most: float = math.inf) -> Array:
+    """The value between two numbers, as `jnp.clip`, whose derivatives are a large program: they are half at a bound."""
+    return lax.clamp(value.dtype.type(least), value, value.dtype.type(most))
+
+
 def crest(values: Array) -> Array:
     """The largest of values at even distances along the first axis, by the parabola through it and its neighbours."""
     most = jnp.argmax(values, 0)

@@ -65,11 +65,11 @@ def pchip(x: Array, y: Array) -> Piecewise:
     one, two = 2.0 * after + before, after + 2.0 * before
     alike = left * right > 0.0
     mean = _ratio((one + two) * jnp.where(alike, left * right, 0.0), one * right + two * left)
-    # Ends of segments: of the interval to the right of a point and of the one to its left.
-    further, further_slope = jnp.concatenate([h[1:], none]), jnp.concatenate([chord[1:], none])
-    nearer, nearer_slope = jnp.concatenate([none, h[:-1]]), jnp.concatenate([none, chord[:-1]])
-    begin = jnp.where(before[:-1] > 0.0, mean[:-1], _end(h, further, chord, further_slope))
-    end = jnp.where(after[1:] > 0.0, mean[1:], _end(h, nearer, chord, nearer_slope))
+    # At both ends of each interval, by what lies beyond the other one where a segment ends there.
+    beyond = jnp.stack([after[1:], before[:-1]])
+    ends = _end(h, beyond, chord, jnp.stack([right[1:], left[:-1]]))
+    inner = jnp.stack([before[:-1], after[1:]]) > 0.0
+    begin, end = jnp.unstack(jnp.where(inner, jnp.stack([mean[:-1], mean[1:]]), ends))
     return _cubics_between(x, y, begin, end)
 
 
@@ -80,6 +80,7 @@ def hermite(x: Array, y: Array, slope: Array) -> Piecewise:
 
 def _cubics_between(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
     h, none = jnp.diff(x), jnp.zeros((1,), x.dtype)
-    chord = _ratio(jnp.diff(y), h)
-    bend, third = _ratio(3.0 * chord - 2.0 * begin - end, h), _ratio(begin + end - 2.0 * chord, h * h)
+    over = _ratio(jnp.ones_like(h), h)
+    chord = jnp.diff(y) * over
+    bend, third = (3.0 * chord - 2.0 * begin - end) * over, (begin + end - 2.0 * chord) * over * over
     return Piecewise(x, jnp.stack([y, *(jnp.append(slope, none) for slope in (begin, bend, third))]))

@@ -213,12 +213,14 @@ def _one(
         after = one_or_nan(after)
         found = found._replace(further=after * found.further, y=after * found.y, volume=after * found.volume)
         known.append(before)
+    if known:  # all that is read of a state depends on one of these
+        factor = materialised(one_or_nan(functools.reduce(jnp.logical_and, known)))
+        numbers = force, phi, found.unworn.log_c, found.punch.log_c, found.y
+        force, phi, unworn, punch, y = (factor * x for x in numbers)
+        unworn, punch = found.unworn._replace(log_c=unworn), found.punch._replace(log_c=punch)
+        found = found._replace(unworn=unworn, punch=punch, y=y)
     results = results_in(radius, found)
-    state = State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results, least)
-    if not known:
-        return state
-    factor = materialised(one_or_nan(functools.reduce(jnp.logical_and, known)))
-    return jax.tree.map(lambda x: x * factor, state)._replace(least=least)
+    return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results, least)
 
 
 @program(static=1, level=1)

@@ -21,6 +21,7 @@ from jax import Array, lax
 
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
+from plgwear_jax.special.elementary import clamped
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.special.quadrature import bent
@@ -227,16 +228,16 @@ class Graded(NamedTuple):
     def excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(m at x_k, its slope by log(c))."""
         q, *_ = wavenumbers(effort)
-        x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
         # Its fourth power, and what is divided by the square of that, have to be numbers of float32.
-        part = 1.0 / (1.0 + jnp.minimum(x[:, None] / jnp.asarray(q, c.dtype), 1e4) ** 4)
+        x = clamped(0.0, jnp.asarray(foundation(effort).x[:, None] / q, c.dtype) * (self.scale / c), 1e4)
+        part = 1.0 / (1.0 + x**4)
         return part @ self.coefficients, (4.0 * part * (1.0 - part)) @ self.coefficients
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
         constants = foundation(effort)
         both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c, effort), -1)
-        excess, slope = jnp.moveaxis(jnp.asarray(constants.matrix, c.dtype) @ both, -1, 0)
+        excess, slope = jnp.unstack(jnp.asarray(constants.matrix, c.dtype) @ both, axis=-1)
         return self.strength * (_of_surface(effort, c.dtype) + excess), self.strength * slope
 
     def of_indenter(self, effort: Effort) -> Array:
@@ -254,9 +255,8 @@ class Graded(NamedTuple):
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
         sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
         fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
-        change = (fallen * springs) @ factors[0] + (jnp.exp(-apart) * sine * springs) @ factors[1]
-        front = self.front * self.strength
-        return front * (springs @ factors[0]), front * change
+        real, imaginary = jnp.unstack(springs[:, None] * factors * (self.front * self.strength))
+        return jnp.sum(real, 0), fallen @ real + (jnp.exp(-apart) * sine) @ imaginary
 
     def beside_edge(
         self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int, effort: Effort
@@ -285,12 +285,12 @@ class Graded(NamedTuple):
             inner = left / (1.0 + jnp.sqrt(T))
             exact = (waves(inner) - waves(2.0 - inner)) @ (unit * pressed)
             found, own = found.at[:, :, 1].add(exact - own), exact
-        alone = jnp.stack([jnp.stack([jnp.ones_like(h), jnp.zeros_like(h)]), own], -1)
-        edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(jnp.maximum(excess, -0.999))
+        edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(clamped(-0.999, excess))
+        edge, own = (lax.complex(*jnp.unstack(both)) for both in (edge, own))
         # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
         last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * effort.modes**2))
-        real, imaginary = (jnp.exp(-edge[0]) * jnp.stack([jnp.cos(edge[1]), -jnp.sin(edge[1])]))[:, :, None]
-        near = jnp.stack([real * alone[0] - imaginary * alone[1], real * alone[1] + imaginary * alone[0]])
+        near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
+        near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
         squares = [jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near)]
         size = jnp.sqrt(squares[0] / squares[1])

@@ -21,14 +21,15 @@ from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
-from plgwear_jax.special.elementary import clamp_keep_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, clamped
 from plgwear_jax.special.jacobi import gamma
+from plgwear_jax.special.pchip import horner
 from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
 from plgwear_jax.surfaces.punch import Punch, pressure_inside
-from plgwear_jax.surfaces.ring import Beside, between
+from plgwear_jax.surfaces.ring import Beside, between, sine_of
 
 
 def cells_of(
@@ -61,9 +62,8 @@ def cells_of(
     at_held_depth, (t, share, weight) = (
         _graded(compliance, *at) if isinstance(compliance, Graded) else _powers(compliance, *at)
     )
-    # sin(pi a)/(pi (1-a)), which is regular at a = 1.
-    front = 1.0 / (gamma(a) * gamma(2.0 - a))
-    y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
+    front = sine_of(a) / (1.0 - a)
+    y = clamped(jnp.finfo(t.dtype).tiny, t)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c at this depth; where the modes end, that is not quite the depth of the contact.
     touching = -beside.lack(jnp.zeros_like(further)).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
@@ -191,23 +191,22 @@ class _Places(NamedTuple):
 def _places_of(u: Array) -> _Places:
     cubics = round((_MOST - _LEAST) / _TABLE) - 2
     # Materialised, or each direction of a derivative would compute it again.
-    at = materialised(jnp.clip((jnp.log(u) - _LEAST) / _TABLE - 1.0, 0.0, cubics - 1.0))
-    before = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
-    return _Places(before, at - before)
+    at = materialised(clamped(0.0, (jnp.log(u) - _LEAST) / _TABLE - 1.0, cubics - 1.0))
+    before = jnp.floor(jax.lax.stop_gradient(at))
+    return _Places(before.astype(int).astype(np.uint32), at - before)
 
 
 _CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from values at -1, 0, 1, 2
 
 
-def _lagrange_cubics(table: Array) -> tuple[Array, ...]:
+def _lagrange_cubics(table: Array) -> Array:
     """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
     around = jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
-    return tuple(jnp.asarray(_CUBIC, table.dtype) @ around)
+    return jnp.asarray(_CUBIC, table.dtype) @ around
 
 
-def _values_at(cubics: tuple[Array, ...], places: _Places) -> Array:
-    value, slope, bend, third = (x[places.before] for x in cubics)
-    return value + places.part * (slope + places.part * (bend + places.part * third))
+def _values_at(cubics: Array, places: _Places) -> Array:
+    return horner(jnp.unstack(cubics[:, places.before]), places.part)
 
 
 def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
@@ -216,7 +215,7 @@ def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
     opposite = x[:, None] + x
     # By the mean of a logarithm.
     apart = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, abs(t[:, None] - t) / opposite)
-    return jnp.maximum(apart, math.exp(_LEAST)), opposite
+    return clamped(math.exp(_LEAST), apart), opposite
 
 
 def _of_kernel(kernel: Array, whole: Array | float, share: Array, weight: Array) -> Array:
@@ -275,11 +274,11 @@ def directly(compliance: Graded, c: Array, first: Array, last: Array, images: Im
     """
     kernel, integral = springs_of(compliance, c, effort)
     # At the axis the root has no slope.
-    root, ends = jnp.sqrt(1.0 + images.t), jnp.maximum(1.0 + jnp.stack([first, last]), jnp.finfo(c.dtype).tiny)
-    begin, end = jnp.sqrt(ends)
+    root, ends = jnp.sqrt(1.0 + images.t), clamped(jnp.finfo(c.dtype).tiny, 1.0 + jnp.stack([first, last]))
+    begin, end = jnp.unstack(jnp.sqrt(ends))
     apart = (images.t - first) / (root + begin), (last - images.t) / (root + end), end + root, begin + root
-    apart = jnp.maximum(jnp.stack(apart), math.exp(_LEAST))
-    below, above, opposite, less = _values_at(_lagrange_cubics(integral), _places_of(apart))
+    apart = clamped(math.exp(_LEAST), jnp.stack(apart))
+    below, above, opposite, less = jnp.unstack(_values_at(_lagrange_cubics(integral), _places_of(apart)))
     # Weights of nodes are those of 2 dr.
     added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
     # g c/(2 Gamma(3/2)^2)
@@ -302,7 +301,7 @@ def _through_inside(compliance: Graded, c: Array, images: Images, effort: Effort
     Each of them has the force 2 pi e^2 c = 4 c.
     """
     modes = jnp.eye(effort.modes, dtype=c.dtype)
-    first, more = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
+    first, more = compliance.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes, effort)
     moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
     return moved, (c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
 
@@ -344,6 +343,5 @@ def inward(
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.append(0.0, jnp.sqrt(from_c[1:]))  # the root of 0 has no derivative
     modes = modes.at[0].add(-c * jnp.diff(root))
-    e = math.sqrt(2.0 / math.pi)
-    smooth = jax.vmap(lambda y: pressure_inside(y, half, places), 1, 1)((e / c) * modes)
+    smooth = pressure_inside(compliance, modes.T / c, places).T
     return places, smooth + (2.0 / math.pi) * jnp.diff(jnp.arctan(root / jnp.sqrt(places)[:, None]), axis=1)

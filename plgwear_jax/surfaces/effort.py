@@ -50,18 +50,15 @@ def rule_of(effort: Effort, alone: bool, bends: int) -> Rule:
 _FEW = 4
 
 
-def slopes(function: Callable[[Array], Any], numbers: Array) -> Any:
-    """The derivatives of its results by each of the numbers, shape (n,), along a first axis."""
-    return along_each(function, numbers, jnp.eye(numbers.size, dtype=numbers.dtype))[1]
-
-
 def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Array], Any]:
     """The function, differentiated in forward mode: reverse mode multiplies by tables, and compiles no more."""
     ruled = jax.custom_jvp(function, nondiff_argnums=(0,))
 
     def rule(effort: Effort, primals: Any, tangents: Any) -> tuple[Any, Any]:
-        found = slopes(functools.partial(function, effort), primals[0])
-        return ruled(effort, *primals), jax.tree.map(lambda by: jnp.tensordot(tangents[0], by, 1), found)
+        (numbers,), (step,) = primals, tangents
+        each = jnp.eye(numbers.size, dtype=numbers.dtype)
+        _, found = along_each(functools.partial(function, effort), numbers, each)
+        return ruled(effort, numbers), jax.tree.map(lambda by: jnp.tensordot(step, by, 1), found)
 
     ruled.defjvp(rule)
     return ruled

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.elementary import clamped
 from plgwear_jax.special.pchip import Piecewise, horner
 
 # --- the compliance ---------------------------------------------------------------------------------------------------
@@ -49,13 +50,13 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     first = jnp.floor(more * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
     first = jnp.concatenate([jnp.zeros_like(q)[None], first])
     edge = np.arange(more + count + 1)[:, None]
-    interval = jnp.minimum(jnp.sum(edge >= first[1:, None], 0), count - 1)
+    interval = jnp.minimum(jnp.sum(edge >= first[1:, None], 0), count - 1).astype(np.uint32)  # none from behind
     # Within an interval parts grow with the modulus and with the depth, by a ratio of linear functions.
     bend = jnp.exp(0.3 * change) * ((1.0 + depth[1:]) / (1.0 + depth[:-1])) ** 0.6
     several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
-    begin, length, start, parts, bend = jnp.stack(several)[:, interval, np.arange(q.size)]
+    begin, length, start, parts, bend = jnp.unstack(jnp.stack(several)[:, interval, np.arange(q.size)])
     share = (edge - start) / parts
-    return begin + length * share / (share + bend * (1.0 - share)), jnp.maximum(interval - 1, 0)
+    return begin + length * share / (share + bend * (1.0 - share)), jnp.maximum(interval, 1) - 1
 
 
 def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, Array]:
@@ -70,14 +71,15 @@ def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, A
     # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
     layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
     shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
-    begin, *powers = jnp.concatenate([modulus.start[None], modulus.coefficients])[:, interval]
+    each = jnp.concatenate([modulus.start[None], modulus.coefficients])[:, interval]
 
-    def at(x: Array, which: Any) -> Array:
-        return horner([power[which] for power in powers], jnp.maximum(x - begin[which], 0.0))
+    def at(x: Array, each: Array) -> Array:
+        begin, *powers = jnp.unstack(each)
+        return horner(powers, clamped(0.0, x - begin))
 
-    shape = (-1, 2, q.size)
-    moduli = at(layer + shares * thick, np.index_exp[:-1, None, None]).reshape(shape)
-    below = jnp.where(edges[-1] < modulus.start[-1], at(edges[-1], -1), modulus.coefficients[0, -1])
+    shape, last = (-1, 2, q.size), edges[-1]
+    moduli = at(layer + shares * thick, each[:, :-1, None, None]).reshape(shape)
+    below = jnp.where(last < modulus.start[-1], at(last, each[:, -1]), modulus.coefficients[0, -1])
     return (parts * thick).reshape(shape), moduli, below
 
 
@@ -94,10 +96,11 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
         return jnp.zeros_like(q)
     surface = modulus.coefficients[0, 0]  # no depth is above z = 0
     thick, moduli, below = _divided(modulus, q, digits)
-    h = jnp.minimum(thick * q, _THICK)[:, None, None, None]
+    h = clamped(0.0, thick * q, _THICK)[:, None, None, None]
     s = jnp.broadcast_to(surface / moduli[:, None, None, None], h.shape)  # mu(0)/mu
     total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, surface / below, nu, h))[0] / (1.0 - nu)
-    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
+    coarse, fine = total[0], total[-1]
+    return fine + (fine - coarse) / 3.0 - 1.0
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------

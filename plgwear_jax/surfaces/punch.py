@@ -45,25 +45,16 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
     matrix, slope = compliance.matrices(c, effort)
     first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
     bowl, rising = outline.moments(c, s, effort.modes)
-    right = jnp.stack([first, bowl], -1)
-    found = solve_symmetric(matrix, right)
-    force = right.T @ found
+    found = solve_symmetric(matrix, jnp.stack([first, bowl], -1))
+    flat, bowl = jnp.unstack(found, axis=1)
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
-    bent = force - found.T @ slope @ found
     unit = 2.0 * jnp.pi * compliance.front**2 * c
-    depth = (bent[0, 1] + found[:, 0] @ rising) / bent[0, 0]
-    return Punch(
-        log_c=log_c,
-        flat=found[:, 0],
-        bowl=found[:, 1],
-        last=matrix[-1, -1],
-        stiffness=unit * force[0, 0],
-        growth=unit * bent[0, 0],
-        held=unit * force[0, 1],
-        depth=depth,
-        force=unit * (force[0, 0] * depth - force[0, 1]),
-    )
+    forces = found[0]
+    both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
+    stiffness, held, growth, bent = jnp.unstack(both.ravel())
+    depth = (bent + unit * (flat @ rising)) / growth
+    return Punch(log_c, flat, bowl, matrix[-1, -1], stiffness, growth, held, depth, stiffness * depth - held)
 
 
 def surplus(punch: Punch, log_load: Array) -> Array:
@@ -135,7 +126,7 @@ def flat_pressure(compliance: Compliance, punch: Punch, z: Array, half: float = 
     if punch.flat is None:
         front = punch.stiffness * s / (jnp.pi * c * c) * _integrated(s, half)
         return front * jnp.exp((s - 1.0 + half) * jnp.log(z))
-    return compliance.front / c * pressure_inside(punch.flat, s, z, half)
+    return pressure_inside(compliance, punch.flat, z, half) / c
 
 
 def _integrated(s: Array, half: float) -> Array | float:
@@ -215,7 +206,7 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
     y = _without_edge(punch.depth * punch.flat - less)
-    return found + compliance.front / c * pressure_inside(y, s, z, half)
+    return found + pressure_inside(compliance, y, z, half) / c
 
 
 def own_pressures(punch: Punch) -> Array:
@@ -232,9 +223,10 @@ def _without_edge(y: Array) -> Array:
     return y - (y @ sign) * sign * share
 
 
-def pressure_inside(y: Array, s: Array, inside: Array, half: float = 0.0) -> Array:
-    """The pressure over e/c at z = 1 - (r/c)^2 > 0, shape (m,)."""
+def pressure_inside(compliance: Compliance, y: Array, inside: Array, half: float = 0.0) -> Array:
+    """The pressure over 1/c at z = 1 - (r/c)^2 > 0, shape (m,), of coefficients along a last axis."""
+    s, count = compliance.s, y.shape[-1]
     end, middle = s + half, jnp.full_like(s, 1.0 - half)
-    factors = y * ratios(1.0 / gamma(end), middle, end, y.shape[0])
-    total = factors @ jacobi_table(factors.size, s, middle, 2.0 * inside - 1.0)
-    return jnp.exp2(1.0 - s) * math.pi**-half * jnp.exp((end - 1.0) * jnp.log(inside)) * total
+    front = 2.0 * compliance.front**2 * s * _integrated(s, half)
+    total = (y * ratios(front, middle, end, count)) @ jacobi_table(count, s, middle, 2.0 * inside - 1.0)
+    return jnp.exp((end - 1.0) * jnp.log(inside)) * total

@@ -17,11 +17,11 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Image, Outline
-from plgwear_jax.special.elementary import crest, top_of
+from plgwear_jax.special.elementary import clamped, crest, top_of
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
-from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
+from plgwear_jax.surfaces.effort import Effort, rule_of
 from plgwear_jax.surfaces.punch import Punch, grown, on_the_law, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
@@ -72,14 +72,15 @@ def between(v: Array, y: Array) -> Array:
 def _around(y: Array) -> tuple[Array, Array]:
     """(The nodes around y, their weights), each of shape (m, taps)."""
     last = _nodes().size - _TAPS
-    place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
-    first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
-    part = (place - first - _MIDDLE)[:, None]
+    place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _nodes().size - 1.0)
+    first = jnp.floor(clamped(0.0, jax.lax.stop_gradient(place) + (1 - _TAPS // 2), last))
+    part = (place - (first + _MIDDLE))[:, None]
     powers, square = jnp.concatenate([jnp.ones_like(part), part], 1), part * part
     fourth = jnp.concatenate([powers, square * powers], 1)
     eighth = square * square
     powers = jnp.concatenate([fourth, eighth * fourth, eighth * eighth * powers], 1)
-    return first[:, None] + np.arange(_TAPS), powers @ jnp.asarray(_to_powers().T, y.dtype)
+    which = first.astype(int)[:, None] + np.arange(_TAPS)
+    return which.astype(np.uint32), powers @ jnp.asarray(_to_powers().T, y.dtype)
 
 
 def _between_nodes(y: Array) -> Array:
@@ -134,29 +135,27 @@ def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outlin
     return Beside(a, 1.0 - flat, own - fallen, image)
 
 
-def _sine(a: Array) -> Array:
+def sine_of(a: Array) -> Array:
+    """sin(pi a)/pi."""
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _of_depth(a: Array, y: Array, lack: Lack, effort: Effort) -> tuple[Array, Array]:
-    """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
-    rule = pieces(lack.image.bends / y, a, lack.rule(effort))
-    places = jnp.append(y * rule.x, y)
-    own = jnp.append(*rule.singular(1.0 - a)) * jnp.exp((a - 1.0) * jnp.log1p(places))
-    return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
+def _counts(a: Array, y: Array, lack: Lack, effort: Effort) -> tuple[Array, Array]:
+    """Places between 0 and a number y, the last one y, and how much D counts there, (2, places).
 
-
-def _of_volume(a: Array, y: Array, lack: Lack, effort: Effort) -> tuple[Array, Array]:
-    """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
+    It counts for the depth at y, and for the integral of the depth over T up to 1 + y.
+    """
     rule = pieces(lack.image.bends / y, a, lack.rule(effort))
-    own = rule.weight * jnp.exp((1.0 - a) * jnp.log(rule.left) + (a - 1.0) * jnp.log1p(y * rule.x))
-    return y * rule.x, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
+    places, (weight, last) = jnp.append(y * rule.x, y), rule.singular(1.0 - a)
+    further = jnp.append(y / (1.0 - a) * rule.left * weight, 0.0)
+    front = sine_of(a) * jnp.exp((1.0 - a) * jnp.log(y) + (a - 1.0) * jnp.log1p(places))
+    return places, front * jnp.stack([jnp.append(weight, last), further])
 
 
 def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
     """The depth at a number y."""
-    places, own = _of_depth(a, y, lack, effort)
-    return jnp.sum(own * lack.at(places))
+    places, own = _counts(a, y, lack, effort)
+    return own[0] @ lack.at(places)
 
 
 class Ring(NamedTuple):
@@ -172,32 +171,29 @@ def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     start = jnp.log(jnp.maximum(lack.near / lack.image.fall, float(jnp.finfo(a.dtype).eps)))
 
     def excess(log_y: Array) -> Array:
-        places, own = _of_depth(a, jnp.exp(log_y), lack, effort)
-        return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
+        places, (own, _) = _counts(a, jnp.exp(log_y), lack, effort)
+        return -(own @ lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, own = _of_volume(a, jnp.exp(log_y), lack, effort)
-    return Ring(log_y, jnp.sum(own * lack.at(places)))
+    places, (_, own) = _counts(a, jnp.exp(log_y), lack, effort)
+    return Ring(log_y, own @ lack.at(places))
 
 
 @ring_of.defjvp
 def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Ring]:
-    # Depth and volume are sums over D at places that move with two numbers, and the depth stays 0.
+    # Depth and volume are sums over D at places that move with the edge, where the depth stays 0.
     (lack, a), (dlack, da) = primals, tangents
     ring = ring_of(effort, lack, a)
 
-    def sums(numbers: Array) -> Array:
-        at = numbers[0], jnp.exp(numbers[1]), lack, effort
-        places, own = _of_depth(*at)
+    def sums(log_y: Array) -> tuple[Array, tuple[Array, ...]]:
+        places, own = _counts(a, jnp.exp(log_y), lack, effort)
         found = lack.at(places)
-        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(*at)[1] * found[:-1])])
+        return own @ found, (places, own, found)
 
-    by_a, by_y = slopes(sums, jnp.stack([a, ring.log_y]))
-    at = a, jnp.exp(ring.log_y), lack, effort
-    places, own = _of_depth(*at)
-    own = jnp.stack([own, jnp.append(_of_volume(*at)[1], 0.0)])
+    _, by_y, (places, own, found) = jax.jvp(sums, (ring.log_y,), (jnp.ones_like(a),), has_aux=True)
+    _, counts = jax.jvp(lambda a: _counts(a, jnp.exp(ring.log_y), lack, effort)[1], (a,), (da,))
     _, fallen = jax.jvp(lambda image: image.fallen(places), (lack.image,), (dlack.image,))
-    held = own @ (dlack.level - fallen) + by_a * da
+    held = own @ (dlack.level - fallen) + counts @ found
     if lack.v is not None:
         held = held - (own @ _between_nodes(places)) @ dlack.v
     moved = -held[0] / by_y[0]
@@ -241,7 +237,7 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, outlin
     """Both states of numbers, under a load F_N R."""
     loads = jnp.stack([load, (1.0 - phi) * load])
     both = jax.vmap(lambda load: punch_under(effort, compliance, load, outline))(loads)
-    unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
+    unworn, punch = jax.tree.transpose(jax.tree.structure(both), None, jax.tree.map(jnp.unstack, both))
     return Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, outline))
 
 

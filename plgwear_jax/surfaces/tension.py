@@ -62,7 +62,7 @@ def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
     s, own = compliance.s, own_pressures(found.punch)
     worn = own + found.further * found.punch.flat
     y, z = jnp.stack([own_pressures(found.unworn), own, worn]), jnp.asarray(1.0 - _PLACES**2, s.dtype)
-    pressures = jax.vmap(lambda y: pressure_inside(y, s, z) / (2.0 * compliance.front * y[0]))(y)
+    pressures = pressure_inside(compliance, y, z) / (2.0 * compliance.front**2 * y[:, :1])
     edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
     c = jnp.exp(jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c]))
     return pressures, c[:, None] * jnp.asarray(_PLACES, s.dtype), jnp.stack([edge, edge, jnp.ones_like(edge)])

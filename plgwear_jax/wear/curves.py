@@ -9,6 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.elementary import clamped
+
 
 class Curve(NamedTuple):
     """A quantity that never falls and its rate at increasing times; axes of contacts come first when it is read."""
@@ -21,12 +23,14 @@ class Curve(NamedTuple):
 def limited(curve: Curve) -> Curve:
     """The curve with rates limited so that no cubic between two times falls."""
     time, value, rate = curve
-    length = jnp.where(jnp.diff(time) > 0.0, jnp.diff(time), jnp.inf)
+    length = jnp.diff(time)
+    length = jnp.where(length > 0.0, length, jnp.inf)
     rise = jnp.diff(value, axis=0)
     # Without those that are unknown, whose derivatives by the times would be unknown everywhere.
     chord = jnp.where(rise > 0.0, rise, 0.0) / length.reshape(-1, *(1,) * (value.ndim - 1))
     before, after = jnp.concatenate([chord[:1], chord]), jnp.concatenate([chord, chord[-1:]])
-    return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
+    most = 3.0 * jnp.where(before < after, before, after)
+    return Curve(time, value, clamped(0.0, jnp.where(rate < most, rate, most)))
 
 
 def _rows(values: Array, axes: int) -> Array:

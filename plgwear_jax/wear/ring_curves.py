@@ -9,6 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
+from plgwear_jax.special.elementary import clamped
 from plgwear_jax.steady.batch import in_turn
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.wear.curves import Curve, limited, moment_at
@@ -61,19 +62,22 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     All marches divide the same coarse cells. At the steps that all marches share, the worn depths and loads of the
     coarse cells are extrapolated to small cells.
     """
-    coarse, first = resolution.cells // resolution.refinements[-1], 0
-    each, sums, dtype = [], [], ring.gap.dtype
-    for multiple, gap, edges in zip(resolution.refinements, ring.gap, ring.edges, strict=True):
-        rows, cells = slice(first, first + resolution.outer * multiple), slice(coarse * multiple)
-        first, size = rows.stop, jnp.diff(edges[: coarse * multiple + 1])
-        each.append(jnp.stack([gap[cells] * jnp.expm1(march.worn[rows, cells]), march.pressure[rows, cells]]))
-        met = each[-1][:, multiple - 1 :: multiple] * jnp.stack([jnp.ones_like(size), size])[:, None]
-        sums.append(jnp.sum(met.reshape(2, resolution.outer, coarse, multiple), -1))
-    limit = jnp.tensordot(jnp.asarray(weights(resolution, 2), dtype), jnp.stack(sums), 1)
-    counts = sums[-1] > 1e-9 * jnp.max(sums[-1], (1, 2), keepdims=True)  # elsewhere rounding decides
-    ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[-1], 1.0), 0.5, 1.5), 1.0)
+    multiple, dtype = np.array(resolution.refinements)[:, None], ring.gap.dtype
+    first = resolution.outer * (np.cumsum(multiple) - multiple[:, 0])
+    shared = first[:, None] + multiple * np.arange(1, resolution.outer + 1) - 1
+    cell = np.arange(resolution.cells) // multiple  # the coarse cell of each one
+    within = jnp.asarray(cell[:, :, None] == np.arange(resolution.cells // multiple[-1, 0]), dtype)
+    depth = ring.gap[:, None] * jnp.expm1(march.worn[shared])
+    load = jnp.diff(ring.edges)[:, None] * march.pressure[shared]
+    sums = jnp.stack([depth, load]) @ within
+    limit = jnp.tensordot(jnp.asarray(weights(resolution, 2), dtype), sums, (0, 1))
+    finest = sums[:, -1]
+    counts = finest > 1e-9 * jnp.max(finest, (1, 2), keepdims=True)  # elsewhere rounding decides
+    ratio = jnp.where(counts, clamped(0.5, limit / jnp.where(counts, finest, 1.0), 1.5), 1.0)
     *_, to_steps, to_cells = (jnp.asarray(x, dtype) for x in _matrices(resolution, 2))
-    return each[-1] * (to_steps @ ratio @ to_cells)
+    last = slice(-resolution.steps, None)
+    both = jnp.stack([ring.gap[-1] * jnp.expm1(march.worn[last]), march.pressure[last]])
+    return both * (to_steps @ ratio @ to_cells)
 
 
 class _Matrices(NamedTuple):
@@ -122,7 +126,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
     def limit(order: int, x: Array, finest: Array) -> Array:
         limit, spread, *_ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(resolution, order))
         # Clipped, since at few digits the first steps would otherwise go backwards.
-        return _from(0.0, finest * jnp.clip(spread @ (limit @ x / finest[multiple - 1 :: multiple]), 0.25, 4.0))
+        return _from(0.0, finest * clamped(0.25, spread @ (limit @ x / finest[multiple - 1 :: multiple]), 4.0))
 
     # The edge of the contact has an error of first order in the cell size, time and volume of second order.
     time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
@@ -142,7 +146,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
             Curve(
                 _from(0.0, time[1:]),
                 _from(0.0, jnp.log1p(depths / ring.gap)),
-                _from(ring.first, jnp.maximum(pressures, 0.0)),
+                _from(ring.first, clamped(0.0, pressures)),
             )
         ),
         jnp.stack([fall[0] - more * rest[0], more]),

@@ -114,14 +114,13 @@ def _tangent(step: _Step, found: Array, residual: Array) -> Array:
     matrix = jnp.where(both, pace * step.compliance, 0.0) + jnp.where(number[:, None] == number, slope, 0.0)
     factor = cholesky(matrix)
     sunk = step.compliance @ found[1:]
-    following = pace * step.compliance[step.touching]
-    known = forward(factor, jnp.where(touches, jnp.stack([sunk, following]), 0.0).T)
-    half = forward(factor, jnp.where(touches, residual, 0.0))
+    both = jnp.stack([sunk, residual])
+    known = backward(factor, forward(factor, jnp.where(touches, both, 0.0).T))
     # The equation of the next cell determines the pace.
-    left = sunk[step.touching] - known[:, 1] @ known[:, 0]
-    change = (known[:, 1] @ half - residual[step.touching]) / left
-    moved = backward(factor, half + change * known[:, 0])
-    return jnp.append(change, jnp.where(touches, -moved, 0.0))
+    following = pace * step.compliance[step.touching]
+    left, rest = both[:, step.touching] - following @ known
+    change = -rest / left
+    return jnp.append(change, -(known @ jnp.stack([change, jnp.ones_like(change)])))
 
 
 class March(NamedTuple):
