@@ -96,7 +96,7 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
         return jnp.zeros_like(q)
     surface = modulus.coefficients[0, 0]  # no depth is above z = 0
     thick, moduli, below = _divided(modulus, q, digits)
-    h = clamped(0.0, thick * q, _THICK)[:, None, None, None]
+    h = jnp.minimum(thick * q, _THICK)[:, None, None, None]
     s = jnp.broadcast_to(surface / moduli[:, None, None, None], h.shape)  # mu(0)/mu
     total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, surface / below, nu, h))[0] / (1.0 - nu)
     coarse, fine = total[0], total[-1]
