@@ -39,9 +39,9 @@ def root_of(
             step = jnp.clip(step, -farthest, farthest)
             outside = (x + step <= low) | (x + step >= high)
             # Where the function jumps, or only rounding is left, the bounds meet, and no step from there is short.
-            near = enough * (1.0 + abs(x))
-            met, arrived = high - low < near, (abs(step) < near) | ~jnp.isfinite(value)
-            halves = met | ((outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(low + high))
+            met = high - low < 4.0 * jnp.finfo(dtype).eps * (1.0 + abs(x))
+            arrived = (abs(step) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
+            halves = (outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(low + high)
             moved = jnp.where(halves, 0.5 * (low + high), x + step)
             return moved, low, high, x, value, count + 1, met | arrived
 
