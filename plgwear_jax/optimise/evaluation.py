@@ -150,7 +150,7 @@ class Candidate:
             return self._rows_of_scenarios(self.question.scenarios)
         rows = [self.objective()]
         for one in self.question.limits:
-            rows.append(_excess(one, jnp.ravel(self._read(one.quantity, one.places, True))[0]))
+            rows.append(_broken_by(one, jnp.ravel(self._read(one.quantity, one.places, True))[0]))
         return jnp.stack(rows)
 
     def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
@@ -177,13 +177,13 @@ class Candidate:
         return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
 
 
-def _excess(one: Limit, value: Any) -> Array:
+def _broken_by(one: Limit, value: Any) -> Array:
     """How far a value breaks a limit: positive where it does."""
     over = jnp.minimum(_log_or_least(value / one.value), 1e3)
     return -over if one.lowest else over
 
 
-_excess_of = program()(_excess)
+_how_far_broken = program()(_broken_by)
 
 
 def _log_or_least(x: Any) -> Array:
@@ -380,7 +380,7 @@ class Evaluator:
 
             one = self.question.limits[i]
             pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
-            row = _excess_of(one, peak_with_slopes(self.question.contact.material, pressed, one.quantity))
+            row = _how_far_broken(one, peak_with_slopes(self.question.contact.material, pressed, one.quantity))
             both = zip(found[:2], (row.value, row.slopes), strict=True)
             found = Told(*(np.insert(x, 1 + i, new, 1) for x, new in both), *found[2:])
         return jax.tree.map(lambda x: x[: len(points)], found)

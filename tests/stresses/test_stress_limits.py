@@ -15,6 +15,8 @@ from plgwear_jax import FrettingContact, Layered, optimise, sweep
 from plgwear_jax._core.rules import placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import GivenError
+from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.question import question_of
 from plgwear_jax.plots import stress_picture
 from plgwear_jax.scene import SceneError
 
@@ -94,6 +96,16 @@ def test_the_derivative_between_depths_is_that_of_differences():
 
 
 # --- designs --------------------------------------------------------------------------------------------------------
+
+
+def test_a_design_limits_the_peak_that_the_state_has():
+    """The search for the peak is a program of its own, with the slopes of the state."""
+    name, limits = "material.modulus[0]", {"peak_tension": {"below": 1e8}}
+    question = question_of(CONTACT, 2.5, {name: (60e9, 500e9)}, minimise="wear_volume", limits=limits)
+    at = evaluate(question, {name: 90e9 * np.exp([-1e-3, 0.0, 1e-3])})
+    assert_allclose(1e8 * np.exp(at.values[1, 1]), CONTACT.steady(2.5).peak_tension, rtol=1e-6)
+    by_difference = at.values[2] - at.values[0]  # the slopes are by the modulus on another scale
+    assert_allclose(at.rows[1, 1, 1] / at.rows[1, 0, 1], by_difference[1] / by_difference[0], rtol=1e-3)
 
 
 @compiled
