@@ -25,6 +25,7 @@ _CALLS = {  # operations that are programs, and the parameter that holds these
     "custom_jvp_call": "call_jaxpr",
     "custom_vmap_call": "call",
     "remat2": "jaxpr",
+    "eval_jaxpr": "call_jaxpr",
 }
 _SAME = {"device_put", "stop_gradient", "copy", "copy_p", "optimization_barrier"}
 
@@ -96,6 +97,9 @@ class _Block:
                 found = self._inlined(params[_CALLS[name]], given)
             elif name in _SAME:
                 found = given
+            elif name == "call_hi_primitive":  # from JAX 0.11 on what others are made of, as `jax.lax.custom_root`
+                whole = params["_prim"]
+                found = self._inlined(jax.make_jaxpr(whole.expand)(*whole.in_avals), given)
             elif name == "custom_linear_solve":
                 sizes = params["const_lengths"]
                 first = sizes.matvec + sizes.vecmat
