@@ -2,7 +2,6 @@
 
     python benchmarks/closed_forms.py
     python benchmarks/closed_forms.py digits kernels --quick
-    python benchmarks/closed_forms.py --redraw
 
 digits: speed against accuracy of the wear volume, its gradient and its Hessian; every `digits=` of both dtypes with its
 time a point and the worst error that it really has, and the programs of `scipy_programs.py` beside them.
@@ -19,10 +18,13 @@ The displacement under and beside the uniformly pressed disc, Eq. (5), 0 <= r <=
 SciPy and jax get one hypergeometric function a point, its arguments chosen by r. Those that take long get the first of
 the points. The iteration in jax.scipy ends with the slowest point of a batch, so it takes longer on more points.
 
-size: what a point costs by the number of points, 1 to 10^8, on one core and on all.
+size: what a point costs by the number of points, 1 to 10^8, and what a contact costs that is solved numerically, on one
+core, on all, and on an accelerator if there is one.
 """
 
-from collections.abc import Callable, Mapping
+import itertools
+import time
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -34,8 +36,9 @@ import mpmath as mp
 import numpy as np
 import scipy.special as scipy_special
 import scipy_programs
-from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, median_ratio, short
+from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, short, worst
 from matplotlib.figure import Figure
+from numeric import CASES
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax.plots import COLOURS
@@ -48,9 +51,6 @@ DTYPES = ("float64", "float32")
 VALUE, GRADIENT, HESSIAN = KINDS = ("value", "with gradient", "Hessian")
 ORDERS = {VALUE: (0,), GRADIENT: (0, 1), HESSIAN: (2,)}
 ASKED = {"float64": (*range(1, 16), None), "float32": (*range(1, 7), None)}
-# A Hessian compiles for seconds, and what matters is seen from every other one.
-FEWER = {"float64": (1, 2, 4, 6, 8, 10, 12, 14, None), "float32": (1, 2, 4, 6, None)}
-QUICK = {VALUE: {"float64": (4, None), "float32": (6, None)}, GRADIENT: {"float64": (None,)}}
 
 
 class Case(NamedTuple):
@@ -76,10 +76,11 @@ def by_digits(points: Points, exact: dict[str, Exact], quick: bool) -> dict[Any,
     """The library by `Case`, SciPy by name and kind."""
     found: dict[Any, Program] = {}
     for dtype in DTYPES:
-        for kind in KINDS:
+        for kind in KINDS[: 2 if quick else None]:
             count = len(points[0]) // (2 if kind == HESSIAN else 1)
             given = tuple(jnp.asarray(x[:count], dtype) for x in points)
-            asked = QUICK.get(kind, {}).get(dtype, ()) if quick else (FEWER if kind == HESSIAN else ASKED)[dtype]
+            # A Hessian compiles for seconds, and what matters is seen from every other one.
+            asked = ASKED[dtype][::-2][::-1] if kind == HESSIAN else ASKED[dtype][-2 if quick else 0 :]
             for case in (Case(kind, dtype, digits) for digits in asked):
                 found[case] = Program(function(case), given, exact[dtype], ORDERS[kind])
     return found | scipy_programs.programs(points, exact["float64"], quick)
@@ -104,7 +105,7 @@ def digits(report: Report, quick: bool) -> Figure:
     report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
     report.print("\nThe value, for a page:\n")
     report.markdown(*_summary(found))
-    return _over_errors(_points(found))
+    return _over_errors(found)
 
 
 def _told(name: Any) -> str:
@@ -116,7 +117,8 @@ def _time(program: Compared) -> tuple[str, str]:
 
 
 def _times(found: Mapping[Any, Compared], slow: Any, fast: Any) -> float:
-    return median_ratio(found[slow].timing, found[fast].timing)
+    """How many times longer `slow` takes, from rounds in which both ran."""
+    return float(np.median(found[slow].timing.ns / found[fast].timing.ns))
 
 
 def _error(found: Mapping[Any, Compared], name: Any) -> float:
@@ -138,26 +140,12 @@ def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
     return columns, rows
 
 
-Drawn = dict[str, dict[str, tuple[float, float]]]  # by kind and by name, the error and the ns
-
-
-def _points(found: Mapping[Any, Compared]) -> Drawn:
-    points: Drawn = {kind: {} for kind in KINDS}
+def _over_errors(found: Mapping[Any, Compared]) -> Figure:
+    """Time a point over worst error."""
+    points: dict[str, dict[str, tuple[float, float]]] = {kind: {} for kind in KINDS}
     for name, one in found.items():
         kind = name.kind if isinstance(name, Case) else name[1]
         points[kind][_told(name)] = _error(found, name), one.timing.median
-    return points
-
-
-def digits_again() -> Figure:
-    tables = zip(KINDS, harness.committed("digits"), strict=False)
-    cells = {kind: {row[0]: (row[3], row[1]) for row in rows} for kind, (_, rows) in tables}
-    return _over_errors({kind: {name: (float(error), harness.number(ns)) for name, (error, ns) in one.items()}
-                         for kind, one in cells.items()})  # fmt: skip
-
-
-def _over_errors(points: Drawn) -> Figure:
-    """Time a point over worst error."""
     figure = harness.figure(6.4, 3.6)
     axes = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, (kind, programs) in zip(axes, points.items(), strict=False):
@@ -270,9 +258,9 @@ def kernels(report: Report, quick: bool) -> None:
 MILLION = 1_000_000
 
 
-def cost_over_size(sizes: list[int]) -> dict[str, Any]:
-    """Cells of the table by size and dtype, and what others took of the core."""
-    found: dict[str, Any] = {"others": 0.0, "call": 0.0}
+def cost_over_size(sizes: list[int], counts: list[int]) -> dict[str, Any]:
+    """Cells of both tables, value and slopes of the last contacts, and what others took of the core."""
+    points, contacts = [], []
     for count in sizes:
         calls = {}
         for dtype in DTYPES:
@@ -281,27 +269,53 @@ def cost_over_size(sizes: list[int]) -> dict[str, Any]:
             k, phi = (jnp.resize(jnp.asarray(x, dtype), (count,)) for x in harness.bulk(min(count, MILLION), 0))
             calls[dtype] = partial(compiled, k, phi)
         taken = interleave(calls, 15 if count <= MILLION else 3)
-        timings = {dtype: Timing(seconds / count * 1e9) for dtype, seconds in taken.items()}
-        found |= {f"{count} {dtype}": f"{short(one.median)} ({one.quartiles})" for dtype, one in timings.items()}
-    eager = interleave({"": lambda: fretting.wear_volume(0.3, 0.2)}, 15, 2e-2)[""]
-    return found | {"call": float(np.median(eager)) * 1e6, "others": harness.taken_by_others()}
+        timings = [Timing(seconds / count * 1e9) for seconds in taken.values()]
+        points.append([f"{short(one.median)} ({one.quartiles})" for one in timings])
+    programs = {}
+    for dtype in DTYPES:
+        sample = harness.head(harness.bulk(200, 200), 200, dtype)
+        programs[dtype] = Program(jax.jit(fretting.wear_volume), sample, harness.exact_wear_volume(sample, 1))
+    points.append([f"{one.errors[0]:.0e}" for one in harness.compared(programs, 1).values()])
+
+    contact = CASES["a table, steel"]
+    steady = jax.jit(jax.vmap(jax.value_and_grad(lambda contact: contact.steady(1.0).wear_volume)))
+    value, slopes = None, contact
+    for count in counts:
+        shares = np.linspace(0.98, 1.02, count)
+        several = jax.tree.map(lambda x, by=shares: jnp.asarray(np.multiply.outer(by, x)), contact)
+        begin = time.perf_counter()
+        value, slopes = jax.block_until_ready(steady(several))
+        first = time.perf_counter() - begin
+        again = np.median(interleave({"": partial(steady, several)}, 3)[""])
+        contacts.append([short(first), short(float(again) / count * 1e3)])
+    results = [np.asarray(x).tolist() for x in (value, slopes.material.modulus)]
+    return {"points": points, "contacts": contacts, "results": results, "others": harness.taken_by_others()}
 
 
 def size(report: Report, quick: bool) -> None:
-    """Time a point over the number of points."""
-    sizes = [1, 100, 10_000, MILLION] if quick else [10**n for n in range(9)]
-    found = {"one core": harness.in_new_process(cost_over_size, sizes, on="1")}
-    if not quick:
-        found["all cores"] = harness.in_new_process(cost_over_size, sizes)
-    columns = ["points", *(f"{where}, {dtype}" for where in found for dtype in DTYPES)]
-    rows = [[f"{n:,}", *(one[f"{n} {dtype}"] for one in found.values() for dtype in DTYPES)] for n in sizes]
-    report.table("wear_volume, ns a point (quartiles)", columns, rows)
-    report.print(f"a call with Python floats: {found['one core']['call']:.1f} us (one core)")
+    """Time a point over the number of points, and a contact over that of contacts; also on an accelerator."""
+    sizes, counts = [10**n for n in (range(0, 7, 2) if quick else range(9))], [1, 100] if quick else [1, 100, 1000]
+    places = {"one core": {"on": "1", "JAX_PLATFORMS": "cpu"}, "all cores": {"JAX_PLATFORMS": "cpu"}}
+    places |= {name: {} for name in harness.accelerators()}
+    found = {where: harness.in_new_process(cost_over_size, sizes, counts, **how) for where, how in places.items()}
+
+    def table(title: str, what: str, lines: list[Any], kinds: Sequence[str]) -> None:
+        columns = [what, *(f"{where}: {kind}" for where in found for kind in kinds)]
+        cells = zip(lines, *(one[what] for one in found.values()), strict=True)
+        report.table(title, columns, ([str(line), *itertools.chain(*of_each)] for line, *of_each in cells))
+
+    title = "wear_volume, ns a point (quartiles), and errors at 200 points"
+    table(title, "points", [*(f"{n:,}" for n in sizes), "worst error"], DTYPES)
+    title = "Steady worn volume of tables of moduli under steel with its gradient, jit(vmap)"
+    table(title, "contacts", counts, ("first, s", "again, ms a contact"))
+    for where, one in found.items():
+        mine, exact = ([np.array(x) for x in of["results"]] for of in (one, found["one core"]))
+        report.print(f"{where}: value and slopes by the moduli differ by {worst(mine, exact)} at most")
     report.others = max(one["others"] for one in found.values())
 
 
 PARTS = {
-    "digits": Part("Speed against accuracy, one core", [digits], digits_again),
+    "digits": Part("Speed against accuracy, one core", [digits]),
     "kernels": Part("Special functions, one core", [kernels]),
     "size": Part("Cost against size", [size]),
 }

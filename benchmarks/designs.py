@@ -158,7 +158,7 @@ def amplitudes(report: Report, quick: bool) -> None:
     phi = jnp.linspace(random_designs.FIRST, 0.9999, DESIGNS)
     best, first = timed(lambda: optimise.optimal_exponent(phi, BOUNDS))
     calls = {"": lambda: optimise.optimal_exponent(phi, BOUNDS)}
-    seconds = float(np.median(harness.interleave(calls, 2 if quick else 11, compiled=True)[""]))
+    seconds = float(np.median(harness.interleave(calls, 2 if quick else 11)[""]))
     volume = jax.jit(fretting.wear_volume)
     k = jnp.linspace(*BOUNDS, 501 if quick else 2001)
     scan = jax.jit(jax.vmap(lambda phi: jnp.min(fretting.wear_volume(k, phi))))

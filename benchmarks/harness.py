@@ -54,15 +54,19 @@ jax.config.update("jax_enable_x64", True)
 
 def machine() -> str:
     """What the times were taken on, in three lines."""
-    accelerators = sorted({d.device_kind for d in jax.devices() if d.platform != "cpu"})
     packages = ", ".join(f"{name} {version(name)}" for name in ("jax", "jaxlib", "numpy", "scipy"))
     return "\n".join(
         (
-            f"{_processor()}, {', '.join(accelerators) or 'no GPU'}",
+            f"{_processor()}, {', '.join(accelerators()) or 'no GPU'}",
             f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}",
             f"{datetime.date.today():%Y-%m-%d}, seed of the random points {SEED}",
         )
     )
+
+
+def accelerators() -> list[str]:
+    """The kinds of devices beside the processor."""
+    return sorted({device.device_kind for device in jax.devices() if device.platform != "cpu"})
 
 
 def _processor() -> str:
@@ -72,7 +76,7 @@ def _processor() -> str:
     flags = found.get("flags", found.get("Features", "")).split()
     family = f" (family {found['cpu family']}, model {found['model']})" if "cpu family" in found else ""
     vectors = " ".join(flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags)
-    name = found.get("model name") or platform.processor() or platform.machine()
+    name = found.get("model name") or platform.machine()
     return f"{name}{family}, {cores.USED}{', ' + vectors if vectors else ''}"
 
 
@@ -150,15 +154,12 @@ class Timing:
         return f"{short(low)}-{short(high)}"
 
 
-def interleave(
-    calls: Mapping[Any, Callable[[], Any]], rounds: int, least: float = 2e-3, compiled: bool = False
-) -> dict[Any, np.ndarray]:
-    """Seconds a call in each round, by name; each is repeated within its turn until it lasts `least` seconds."""
+def interleave(calls: Mapping[Any, Callable[[], Any]], rounds: int) -> dict[Any, np.ndarray]:
+    """Seconds a call in each round, by name; each is repeated within its turn until it lasts 2 ms."""
     repeats = {}
     for name, call in calls.items():
-        if not compiled:
-            jax.block_until_ready(call())
-        repeats[name] = max(1, round(least / max(_seconds(call, 1), 1e-7)))
+        jax.block_until_ready(call())  # compiled
+        repeats[name] = max(1, round(2e-3 / max(_seconds(call, 1), 1e-7)))
     names, clocks = list(calls), (time.perf_counter(), time.process_time())
     taken = {name: np.empty(rounds) for name in names}
     for n in range(rounds):
@@ -174,8 +175,7 @@ _clocks: list[tuple[float, float]] = []  # what the clock on the wall and that o
 def taken_by_others() -> float:
     """The share of its core that this process did not get while it took times, as far as that can be known."""
     wall, own = np.sum([*_clocks, (1e-9, 1e-9)], axis=0)
-    on_cpu = all(device.platform == "cpu" for device in jax.devices())
-    return max(0.0, 1.0 - own / wall) if cores.PINNED and on_cpu else 0.0
+    return max(0.0, 1.0 - own / wall) if cores.PINNED and not accelerators() else 0.0
 
 
 def _seconds(call: Callable[[], Any], repeats: int) -> float:
@@ -183,11 +183,6 @@ def _seconds(call: Callable[[], Any], repeats: int) -> float:
     for _ in range(repeats):
         jax.block_until_ready(call())
     return (time.perf_counter() - start) / repeats
-
-
-def median_ratio(slow: Timing, fast: Timing) -> float:
-    """How many times longer `slow` takes, from rounds in which both ran."""
-    return float(np.median(slow.ns / fast.ns))
 
 
 def seconds(call: Callable[[], Any], rounds: int) -> tuple[float, float]:
@@ -228,7 +223,7 @@ class Compared:
 def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
     """Time and error of all programs."""
     found = {name: errors(program(), program.exact, program.orders) for name, program in programs.items()}
-    seconds = interleave(programs, rounds, compiled=True)
+    seconds = interleave(programs, rounds)
     return {
         name: Compared(
             Timing(seconds[name] / program.count * 1e9),
@@ -243,10 +238,8 @@ def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared
 
 def short(x: float) -> str:
     """Three significant digits, without an exponent where that is readable."""
-    if x == 0.0 or 1e-3 <= abs(x) < 1e6:
-        places = max(0, 2 - int(np.floor(np.log10(abs(x))))) if x else 0
-        return f"{x:,.{places}f}"
-    return f"{x:.2e}"
+    size = abs(x) or 100.0
+    return f"{x:,.{max(0, 2 - int(np.floor(np.log10(size))))}f}" if 1e-3 <= size < 1e6 else f"{x:.2e}"
 
 
 class Report:
@@ -291,19 +284,8 @@ class Report:
             self.print(f"Do not quote these times: other processes took {share:.0%} of the core meanwhile.")
         if figure is not None:
             figure.savefig(self.path.with_suffix(".png"))
-        lines = (line.rstrip() for line in self.console.export_text().splitlines())
+        lines = map(str.rstrip, self.console.export_text().splitlines())
         self.path.with_suffix(".txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def committed(name: str) -> list[tuple[list[str], list[list[str]]]]:
-    """The tables of docs/benchmarks/NAME.txt, from which pictures are drawn anew without another measurement."""
-    sys.path.insert(0, str(ROOT / "docs"))
-    return list(importlib.import_module("generated").tables(name))  # which reads them for the pages
-
-
-def number(cell: str) -> float:
-    """The number in a cell."""
-    return float(cell.replace(",", ""))
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
@@ -332,13 +314,12 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
 
 
 class Part(NamedTuple):
-    """What a program measures for one table, and how the picture of the committed table is drawn."""
+    """What a program measures for one table."""
 
     title: str
     measures: Sequence[
         Callable[[Report, bool], Figure | None]
     ]  # with whether they have to be quick; the last one draws
-    redraw: Callable[[], Figure] | None = None
 
 
 def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -> None:
@@ -349,7 +330,6 @@ def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -
             list[str] | None, typer.Argument(help="Parts, by the names of tables; all by default.")
         ] = None,
         quick: Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: noisier.")] = False,
-        redraw: Annotated[bool, typer.Option("--redraw", help="Draw the pictures of committed tables again.")] = False,
         out: Annotated[Path, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")] = OUT,
         worker: Annotated[str, typer.Option(hidden=True)] = "",
     ) -> None:
@@ -359,13 +339,9 @@ def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -
             return
         failed = False
         for name in names or parts:
-            title, measures, drawn = parts[name]
-            if not redraw:
-                report = Report(name, out, title, quick)
-                report.close([measure(report, quick) for measure in measures][-1])
-                failed |= report.failed
-            elif drawn:
-                drawn().savefig(out / f"{name}.png")
+            report = Report(name, out, parts[name].title, quick)
+            report.close([measure(report, quick) for measure in parts[name].measures][-1])
+            failed |= report.failed
         raise typer.Exit(failed)
 
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
