@@ -49,6 +49,7 @@ class SearchPlan(NamedTuple):
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
         dtype: The dtype of all numbers.
+        lengths: How many lengths of steps a descent tries at once; one where points are evaluated one after the other.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
     """
@@ -60,6 +61,7 @@ class SearchPlan(NamedTuple):
     max_steps: int
     noise: float
     dtype: Any
+    lengths: int
     axis: str | None = None
 
     @property
@@ -101,9 +103,9 @@ class SearchPlan(NamedTuple):
         points = np.stack(np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij"), axis=-1)
         return np.resize(points, (self.passes, self.lanes, self.variables))
 
-    def lengths(self) -> np.ndarray:
-        """The lengths of the trial steps of a descent, in units of the longest."""
-        return 0.25 ** np.arange(self.trials, dtype=self.dtype)
+    def steps(self) -> np.ndarray:
+        """The lengths of the trial steps of a descent, in units of the longest; the last one may be there repeatedly."""
+        return 0.25 ** np.minimum(np.arange(self.trials), self.lengths - 1).astype(self.dtype)
 
 
 def plan_of(
@@ -120,7 +122,7 @@ def plan_of(
     along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
     begun = min(along**n, starts or (3 if n == 1 else 24))
     noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
-    return SearchPlan(n, limits, along, begun, max_steps, noise, dtype)
+    return SearchPlan(n, limits, along, begun, max_steps, noise, dtype, 2 * n + 1)
 
 
 # --- its state --------------------------------------------------------------------------------------------------------
@@ -207,7 +209,7 @@ def _empty_memory(start: Array) -> tuple[Array, ...]:
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths; a descent that is done asks for nothing new."""
     xp = namespace(at.u)
-    steps = plan.lengths()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
+    steps = plan.steps()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
     return xp.clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
@@ -238,7 +240,7 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
         select(taken, new[longest, np.arange(plan.starts)], old)
         for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
     )
-    shortest = plan.lengths()[-1] * at.length
+    shortest = plan.steps()[-1] * at.length
     stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
     at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
@@ -327,8 +329,8 @@ def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> 
 
 def _finished(plan: SearchPlan, at: SearchState) -> Any:
     left, unused = at.best.residual, np.arange(plan.starts) >= at.valleys
-    converging = (left < _NEAR) & (left >= plan.tolerance)
-    return unused | (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
+    converging, enough = (left < _NEAR) & (left >= plan.tolerance), max(4.0 * plan.eps, 0.25 * plan.noise)
+    return unused | (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= enough)
 
 
 # --- from the scan to the answer --------------------------------------------------------------------------------------
