@@ -104,7 +104,7 @@ class SearchPlan(NamedTuple):
         return np.resize(points, (self.passes, self.lanes, self.variables))
 
     def steps(self) -> np.ndarray:
-        """The lengths of the trial steps of a descent, in units of the longest; the last one may be there repeatedly."""
+        """The lengths of the trial steps of a descent, in units of the longest; the last one may be there twice."""
         return 0.25 ** np.minimum(np.arange(self.trials), self.lengths - 1).astype(self.dtype)
 
 
