@@ -329,7 +329,8 @@ def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> 
 
 def _finished(plan: SearchPlan, at: SearchState) -> Any:
     left, unused = at.best.residual, np.arange(plan.starts) >= at.valleys
-    converging, enough = (left < _NEAR) & (left >= plan.tolerance), max(4.0 * plan.eps, 0.25 * plan.noise)
+    converging = (left < _NEAR) & (left >= plan.tolerance)
+    enough = max(4.0 * plan.eps, 0.25 * min(plan.noise, plan.tolerance))
     return unused | (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= enough)
 
 
