@@ -54,7 +54,7 @@ ASKED = {"float64": (*range(1, 16), None), "float32": (*range(1, 7), None)}
 
 
 class Case(NamedTuple):
-    """A result asked of the library."""
+    """A result that the library is asked for."""
 
     kind: str
     dtype: str
@@ -215,7 +215,7 @@ def exact_disc(points: Points) -> Exact:
 
 
 def kernels(report: Report, quick: bool) -> None:
-    """Time and error of the arcsine tail and of the disc."""
+    """Print the times and errors of the arcsine tail and of the disc."""
     count, sample, rounds = (100_000, 64, 3) if quick else (1_000_000, 1000, 15)
     rng, share = harness.generator(), 10 if quick else 1
     k = rng.uniform(-0.97, 0.97, count)
@@ -259,8 +259,8 @@ MILLION = 1_000_000
 
 
 def cost_over_size(sizes: list[int], counts: list[int]) -> dict[str, Any]:
-    """Cells of both tables, value and slopes of the last contacts, and what others took of the core."""
-    points, contacts = [], []
+    """Find the cells of both tables, the results of the last contacts, and how much of the core others used."""
+    points, contacts, results = [], [], []
     for count in sizes:
         calls = {}
         for dtype in DTYPES:
@@ -279,7 +279,6 @@ def cost_over_size(sizes: list[int], counts: list[int]) -> dict[str, Any]:
 
     contact = CASES["a table, steel"]
     steady = jax.jit(jax.vmap(jax.value_and_grad(lambda contact: contact.steady(1.0).wear_volume)))
-    value, slopes = None, contact
     for count in counts:
         shares = np.linspace(0.98, 1.02, count)
         several = jax.tree.map(lambda x, by=shares: jnp.asarray(np.multiply.outer(by, x)), contact)
@@ -288,7 +287,7 @@ def cost_over_size(sizes: list[int], counts: list[int]) -> dict[str, Any]:
         first = time.perf_counter() - begin
         again = np.median(interleave({"": partial(steady, several)}, 3)[""])
         contacts.append([short(first), short(float(again) / count * 1e3)])
-    results = [np.asarray(x).tolist() for x in (value, slopes.material.modulus)]
+        results = [np.asarray(x).tolist() for x in (value, slopes.material.modulus)]
     return {"points": points, "contacts": contacts, "results": results, "others": harness.taken_by_others()}
 
 
@@ -308,9 +307,9 @@ def size(report: Report, quick: bool) -> None:
     table(title, "points", [*(f"{n:,}" for n in sizes), "worst error"], DTYPES)
     title = "Steady worn volume of tables of moduli under steel with its gradient, jit(vmap)"
     table(title, "contacts", counts, ("first, s", "again, ms a contact"))
-    for where, one in found.items():
-        mine, exact = ([np.array(x) for x in of["results"]] for of in (one, found["one core"]))
-        report.print(f"{where}: value and slopes by the moduli differ by {worst(mine, exact)} at most")
+    for where in list(found)[1:]:
+        mine, exact = ([np.array(x) for x in found[at]["results"]] for at in (where, "one core"))
+        report.print(f"{where}: value and slopes differ from those of one core by {worst(mine, exact)} at most")
     report.others = max(one["others"] for one in found.values())
 
 

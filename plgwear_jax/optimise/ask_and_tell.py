@@ -49,7 +49,7 @@ class SearchPlan(NamedTuple):
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
         dtype: The dtype of all numbers.
-        lengths: How many lengths of steps a descent tries at once; one where points are evaluated one after the other.
+        tries: How many lengths of steps a descent tries at once, at most `trials`.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
     """
@@ -61,7 +61,7 @@ class SearchPlan(NamedTuple):
     max_steps: int
     noise: float
     dtype: Any
-    lengths: int
+    tries: int
     axis: str | None = None
 
     @property
@@ -103,9 +103,9 @@ class SearchPlan(NamedTuple):
         points = np.stack(np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij"), axis=-1)
         return np.resize(points, (self.passes, self.lanes, self.variables))
 
-    def steps(self) -> np.ndarray:
-        """The lengths of the trial steps of a descent, in units of the longest; the last one may be there twice."""
-        return 0.25 ** np.minimum(np.arange(self.trials), self.lengths - 1).astype(self.dtype)
+    def lengths(self) -> np.ndarray:
+        """The lengths of the trial steps of a descent, in units of the longest; the last one fills the rest."""
+        return 0.25 ** np.minimum(np.arange(self.trials), self.tries - 1).astype(self.dtype)
 
 
 def plan_of(
@@ -209,7 +209,7 @@ def _empty_memory(start: Array) -> tuple[Array, ...]:
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths; a descent that is done asks for nothing new."""
     xp = namespace(at.u)
-    steps = plan.steps()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
+    steps = plan.lengths()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
     return xp.clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
@@ -240,7 +240,7 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
         select(taken, new[longest, np.arange(plan.starts)], old)
         for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
     )
-    shortest = plan.steps()[-1] * at.length
+    shortest = plan.lengths()[-1] * at.length
     stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
     at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))

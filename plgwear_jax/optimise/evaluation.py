@@ -415,7 +415,8 @@ def plan_for(question: Question) -> SearchPlan:
     # Wear changes smoothly with a gradient.
     along = plan.samples if question.horizon is None else 17
     plan = plan._replace(samples=along if plan.variables == 1 else 9, starts=3)
-    return plan._replace(lengths=1) if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
+    # Points are solved one after the other and remembered: a step is tried with one length, and solved once.
+    return plan._replace(tries=1) if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
 
 
 def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Known | None = None) -> Evaluation:

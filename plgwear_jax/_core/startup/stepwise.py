@@ -97,7 +97,7 @@ class _Block:
                 found = self._inlined(params[_CALLS[name]], given)
             elif name in _SAME:
                 found = given
-            elif name == "call_hi_primitive":  # from JAX 0.11 on what others are made of, as `jax.lax.custom_root`
+            elif name == "call_hi_primitive":  # as `jax.lax.custom_root` from JAX 0.11 on, whose program a method makes
                 whole = params["_prim"]
                 found = self._inlined(jax.make_jaxpr(whole.expand)(*whole.in_avals), given)
             elif name == "custom_linear_solve":
