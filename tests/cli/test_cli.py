@@ -379,7 +379,6 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert told("design contact.toml --sensitivities")["sensitivities"] == vars(slopes)
 
 
-@compiled
 def test_a_punch_is_designed():
     Path("slip.toml").write_text(f'{GROSS_SLIP}design = {{ vary = {{ k = [-0.9, 0.9] }}, minimise = "force_drop" }}\n')
     result, found = printed("design slip.toml"), told("design slip.toml")
