@@ -26,7 +26,7 @@ from plgwear_jax.steady.state import Results, State, refuse_tension, results_of,
 from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
-from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
+from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, sunk_beside
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
@@ -175,8 +175,13 @@ def _profile(effort: Effort, state: State, r: Array) -> Array:
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    level = state.height(state.punch) * (state.punch.depth + state.further) - state.outline.height(r)
-    return level - _gap(effort, state, state.further, r)
+    c, punch, further = state.c, state.punch, state.further
+    outside = r > c
+    near = jnp.where(outside, r, 1.5 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    beyond = sunk_beside(state.compliance, punch, state.beside, further, y, state.outline, effort)
+    under = state.height(punch) * (punch.depth + further) - state.outline.height(jnp.minimum(r, c))
+    return jnp.where(outside, state.height(punch) * beyond, under)
 
 
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:

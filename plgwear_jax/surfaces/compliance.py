@@ -62,6 +62,10 @@ class OnePower(NamedTuple):
         """The exponent of Abel's integral."""
         return self.s
 
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement far away, up to a constant."""
+        return -2.0 * self.s * log_r
+
     @property
     def lead(self) -> tuple[Array, Array]:
         """(k, log(g))."""
@@ -93,6 +97,12 @@ class PowerLaw(NamedTuple):
     def abel(self) -> Array:
         """The exponent of Abel's integral: that of the term which leads at large q."""
         return 0.5 * (1.0 + _of_sign(self.k)[0])
+
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement in m far away, under a force of 2 pi."""
+        half = 0.5 * self.k
+        log_g = self.log_g + self.k * math.log(2.0) + jnp.log(gamma(0.5 + half) / gamma(0.5 - half))
+        return jnp.logaddexp(log_g - (1.0 + self.k) * log_r, jnp.log(self.homogeneous) - log_r)
 
     @property
     def lead(self) -> tuple[Array, Array]:
@@ -219,6 +229,10 @@ class Graded(NamedTuple):
     def abel(self) -> Array:
         """The exponent of Abel's integral."""
         return self.s
+
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement far away, up to a constant: next to no pressure gets beyond all layers."""
+        return -log_r
 
     @property
     def lead(self) -> tuple[Array, Array]:

@@ -16,9 +16,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes.shape import Image, Outline
+from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of
-from plgwear_jax.special.quadrature import Rule, pieces
+from plgwear_jax.special.quadrature import Rule, logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
 from plgwear_jax.surfaces.effort import Effort, rule_of
@@ -156,6 +156,31 @@ def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
     """The depth at a number y."""
     places, own = _counts(a, y, lack, effort)
     return own[0] @ lack.at(places)
+
+
+def sunk_beside(
+    compliance: Compliance, punch: Punch, around: Beside, further: Array, y: Array, outline: Outline, effort: Effort
+) -> Array:
+    """The displacements in c^2/R at T = 1 + y beside the contact, shape (m,), pressed in further than it touches.
+
+    They are Abel's integral of v from 0 on, which is d - G(T) under the contact. Far away little is left of the depth.
+    """
+    a, image, lack, log_c = around.a, around.image, around.lack(further), punch.log_c
+    level, known = punch.depth - image.first, jnp.minimum(y, math.exp(_FARTHEST))
+    under = pieces(inwards(outline.kinks, jnp.exp(log_c))[::-1], a, logistic(200, 46.0))  # over x = 1 - T
+    weight, last = under.singular(a)
+    weight = weight * (level + further - image.fallen(-jnp.minimum(under.x, 1.0 - jnp.finfo(a.dtype).eps)))
+
+    def at(y: Array) -> Array:
+        sunk = weight @ jnp.exp(-a * jnp.log(y + under.x))
+        sunk = sine_of(a) * (sunk + last * (punch.depth + further) * jnp.exp(-a * jnp.log1p(y)))
+        if lack.v is None:
+            return sunk
+        places, (own, _) = _counts(a, y, lack, effort)
+        return sunk + own @ (level + between(lack.v, places))
+
+    sunk, log_r, log_last = jax.lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
+    return sunk * jnp.exp(compliance.far(log_r) - compliance.far(log_last))
 
 
 class Ring(NamedTuple):

@@ -222,6 +222,23 @@ def test_slopes_by_the_thickness_in_single_precision():
     assert_allclose(found, slope(LAYERS), rtol=2e-2)
 
 
+@parametrize(
+    "contact, E, k, error",
+    [
+        (dome(0.4, STEEL), 110e9, 0.4, 1e-4),
+        (dome(-0.4, STEEL), 110e9, -0.4, 1e-4),
+        (contact_of(Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), STEEL), 100e9, 0.0, 2e-3),
+    ],
+)
+def test_displacements_far_beside_a_contact_are_those_of_a_concentrated_force(contact, E, k, error):
+    steady = contact.steady(2.0)
+    r = steady.contact_radius * np.array([100.0, 300.0, 1e5, 1e8])
+    body = np.cos(0.5 * np.pi * k) / (E * plgwear_jax.material.h_N(k, 0.3)) * (1e-4 / r) ** k
+    expected = FORCE * (1.0 - 0.3**2) / np.pi * (body + 1.0 / STEEL.E) / r
+    assert_allclose(steady.initial_displacement(r), expected, rtol=error)
+    assert_allclose(steady.steady_displacement(np.append(r, np.inf)), np.append(expected, 0.0), rtol=error)
+
+
 # --- what is published ------------------------------------------------------------------------------------------------
 
 
