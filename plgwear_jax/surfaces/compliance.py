@@ -306,8 +306,9 @@ class Graded(NamedTuple):
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
-        squares = [jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near)]
-        size = jnp.sqrt(squares[0] / squares[1])
+        # Roots of each, since squares times slopes of squares are no numbers of float32.
+        sizes = [jnp.sqrt(jnp.sum(both[:, last, :resolved] ** 2, 0)) for both in (found, near)]
+        size = sizes[0] / sizes[1]
         if law.punches is not None:
             size = size * jnp.append(1.0, law.punches[3] / unit)
         return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
