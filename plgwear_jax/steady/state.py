@@ -143,7 +143,8 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     own = jax.tree_util.tree_leaves_with_path(shape)
     tables = [4, 5] if any_modulus else []
     tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
-    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables), bodies)
+    numbers = tuple(jnp.asarray(x, phi.dtype) for x in (*before, *(leaf for _, leaf in own)))
+    return Solver(one, numbers, tuple(tables), bodies)
 
 
 class Bodies(NamedTuple):
@@ -189,7 +190,8 @@ def _bodies(
     plane_modulus = other[0] if elastic else None
     load = force * radius
     if issubclass(half_space, AnyModulus):
-        compliance = graded(half_space.by_depth(*body[:2]), body[2], plane_modulus, load, effort, outline)
+        lengths, moduli, nu, _ = body
+        compliance = graded(half_space.by_depth, lengths, moduli, nu, plane_modulus, load, effort, outline)
     else:
         compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
     return Bodies(compliance, outline, body[-1], other[1] if elastic else None)

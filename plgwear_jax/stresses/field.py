@@ -211,9 +211,8 @@ def body_of(pressed: Pressed, half: Half) -> Body:
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
         return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
-    table = half.by_depth(*pressed.body)
-    powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
-    return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
+    lengths, moduli = pressed.body
+    return half.by_depth(lengths / pressed.radius, moduli / moduli[0])
 
 
 # --- the field --------------------------------------------------------------------------------------------------------

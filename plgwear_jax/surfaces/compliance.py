@@ -12,6 +12,7 @@ with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shape
 """
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -354,10 +355,17 @@ def _terms(effort: Effort, numbers: Array) -> Array:
 
 
 def graded(
-    modulus: Piecewise, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
+    by_depth: Callable[[Array, Array], Piecewise],
+    lengths: Array,
+    moduli: Array,
+    nu: Array,
+    plane_modulus: Array | None,
+    load: Array,
+    effort: Effort,
+    outline: Outline,
 ) -> Graded:
     """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
-    plane, moduli = (1.0 - nu) * (1.0 + nu), modulus.coefficients[0]
+    plane = (1.0 - nu) * (1.0 + nu)
     surface = 2.0 * plane / moduli[0]
     indenter = jnp.zeros_like(surface) if plane_modulus is None else 2.0 / plane_modulus
     # An estimate of the radius: with the mean of the moduli, by logarithms.
@@ -367,8 +375,8 @@ def graded(
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     _, seen, terms = wavenumbers(effort)
-    powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
-    unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
+    # In these units slopes of cubics by the depth are numbers of float32.
+    unit = by_depth(lengths / scale, moduli / moduli[0])
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     strength = surface * (1.0 + excess[-1]) + indenter
