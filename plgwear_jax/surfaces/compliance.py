@@ -22,7 +22,7 @@ from jax import Array, lax
 
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import clamped
+from plgwear_jax.special.elementary import clamped, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.special.quadrature import bent
@@ -307,9 +307,7 @@ class Graded(NamedTuple):
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
-        # Roots of each, since squares times slopes of squares are no numbers of float32.
-        sizes = [jnp.sqrt(jnp.sum(both[:, last, :resolved] ** 2, 0)) for both in (found, near)]
-        size = sizes[0] / sizes[1]
+        size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
         if law.punches is not None:
             size = size * jnp.append(1.0, law.punches[3] / unit)
         return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
