@@ -136,8 +136,7 @@ class Descent(NamedTuple):
     u: Any  # (starts, n)
     values: Any  # (starts, 1 + m)
     slopes: Any  # (starts, 1 + m, n)
-    direction: Any  # (starts, n)
-    length: Any  # (starts,), of the longest of the next trial steps
+    step: Any  # (starts, n), the longest of the next trial steps
     memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
     multipliers: Any  # (starts, m)
     penalty: Any  # (starts,)
@@ -209,7 +208,7 @@ def _empty_memory(start: Array) -> tuple[Array, ...]:
 def trial_points(plan: SearchPlan, at: Descent) -> Any:
     """The points of steps of several lengths; a descent that is done asks for nothing new."""
     xp = namespace(at.u)
-    steps = plan.lengths()[:, None, None] * xp.where(at.done, 0.0, at.length)[:, None] * at.direction
+    steps = plan.lengths()[:, None, None] * xp.where(at.done[:, None], 0.0, at.step)
     return xp.clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
@@ -240,9 +239,9 @@ def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) ->
         select(taken, new[longest, np.arange(plan.starts)], old)
         for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
     )
-    shortest = plan.lengths()[-1] * at.length
-    stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
-    at = at._replace(u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + ~at.done)
+    shortest = plan.lengths()[-1] * at.step
+    stuck = ~at.done & ~taken & (xp.abs(shortest).max(1) < 4.0 * plan.eps)
+    at = at._replace(u=u, values=found, slopes=inclined, step=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
     pushed = _pushed(at, at.values)
     violation = xp.abs(pushed - at.multipliers).max(1, initial=0.0) / at.penalty
@@ -273,8 +272,7 @@ def _turned(plan: SearchPlan, at: Descent, turns: Any) -> Descent:
     longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
     direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
-        direction=select(turns, xp.where(free, direction, 0.0), at.direction),
-        length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
+        step=select(turns, xp.where(free, direction, 0.0), at.step),
         memory=select(turns, tuple(memory), at.memory),
     )
 
@@ -348,8 +346,7 @@ def begin(plan: SearchPlan) -> SearchState:
         u=u,
         values=infinite,
         slopes=slopes,
-        direction=u,
-        length=one,
+        step=u,
         memory=_empty_memory(u),
         multipliers=multipliers,
         penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
@@ -433,7 +430,7 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     # Points that keep the limits lie below all others, which are the higher the more they break them.
     depth = xp.where(keeps, height, xp.where(known, 2.0 + excess, np.inf))
     valley = _valleys(plan, depth)
-    valleys, count = _lowest_of(xp.where(valley, depth, np.inf), plan.starts), valley.sum()
+    valleys, count = xp.lexsort((xp.where(valley, depth, np.inf),))[: plan.starts], valley.sum()
     points = xp.asarray(plan.mesh().reshape(-1, plan.variables))
     start = points[valleys]
     for step in (-1, 1) if plan.limits and plan.variables == 1 else ():
@@ -463,19 +460,6 @@ def _valleys(plan: SearchPlan, heights: Any) -> Any:
         # Of equal neighbours the first one is the valley.
         valley = valley & (heights < neighbour if offset < centre else heights <= neighbour)
     return valley.ravel()
-
-
-def _lowest_of(depths: Any, count: int) -> Any:
-    """The indices of the lowest numbers."""
-    if namespace(depths) is np:
-        return np.argsort(depths, kind="stable")[:count]
-
-    def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
-        deepest = jnp.argmin(depths)
-        return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
-
-    # Finding the minimum a few times is much faster than sorting by XLA.
-    return jax.lax.scan(next_deepest, depths, length=count)[1]
 
 
 # --- what was found ---------------------------------------------------------------------------------------------------

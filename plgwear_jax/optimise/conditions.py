@@ -60,8 +60,8 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     active, limits = multipliers + values[..., 1:] > 0.0, slopes[..., 1:, :]
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
     # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
-    small = -(np.finfo(u.dtype).eps ** 0.75) * np.eye(multipliers.shape[-1], dtype=u.dtype)
-    corner = xp.broadcast_to(small, (*multipliers.shape, multipliers.shape[-1]))
+    small = np.finfo(u.dtype).eps ** 0.75 * np.eye(multipliers.shape[-1], dtype=u.dtype)
+    corner = -small * xp.ones_like(multipliers)[..., None]
     matrix = xp.block([[hessian, xp.swapaxes(limits, -1, -2)], [limits, corner]])
     counts = xp.concatenate([side == 0.0, active], axis=-1)
     matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
