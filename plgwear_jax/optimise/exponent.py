@@ -210,16 +210,12 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
     The leading axes of the values have the shape of the batch.
     """
     size = math.prod(shape)
+    most = min(size, most) or 1
     chunks = -(-size // most)
-    flat = [value.reshape(size, *value.shape[len(shape) :]) for value in values]
-    together = jax.vmap(function, axis_name=BATCH)
-    if chunks <= 1:
-        found = together(*flat)
-    else:
-        # The last chunk is filled up with the first elements.
-        filled = [jnp.resize(value, (chunks, most, *value.shape[1:])) for value in flat]
-        found = jax.lax.map(lambda chunk: together(*chunk), filled)
-        found = jax.tree.map(lambda leaf: leaf.reshape(chunks * most, *leaf.shape[2:])[:size], found)
+    # The last chunk is filled up with the first elements.
+    filled = [jnp.resize(value, (chunks, most, *value.shape[len(shape) :])) for value in values]
+    found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), filled)
+    found = jax.tree.map(lambda leaf: leaf.reshape(chunks * most, *leaf.shape[2:])[:size], found)
     return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
 
 
