@@ -10,7 +10,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
@@ -37,6 +36,7 @@ from plgwear_jax.optimise.question import (
     Keywords,
     LoadGiven,
     Question,
+    as_float,
     keeps,
     question_of,
     with_variables,
@@ -122,7 +122,7 @@ class Design:
     @property
     def bounds(self) -> dict[str, tuple[float, float]]:
         """The lowest and the highest value of each variable, by name, in SI units."""
-        return {name: (as_float(lowest), as_float(highest)) for name, (lowest, highest) in self.question.bounds.items()}
+        return self.question.bounds
 
     @property
     def windows(self) -> list[tuple[float, float, float]]:
@@ -130,7 +130,7 @@ class Design:
         found: dict[float, list[float]] = {}
         for one in self.question.limits:
             if one.quantity == "modulus_at":
-                found.setdefault(as_float(one.places["z"]), [math.nan, math.nan])[not one.lowest] = as_float(one.value)
+                found.setdefault(one.places["z"], [math.nan, math.nan])[not one.lowest] = one.value
         return [(depth, *ends) for depth, ends in sorted(found.items())]  # pyright: ignore[reportReturnType]
 
     @property
@@ -193,11 +193,6 @@ class Design:
 
 def _floats(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: as_float(value) for name, value in values.items()}
-
-
-def as_float(value: Any) -> Any:
-    """A concrete number as a float; what is traced, or an array of several, as it is."""
-    return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
 
 @concrete_only("optimise.designs works there for contacts with closed forms")
@@ -267,7 +262,7 @@ def limit_states(question: Question, at: Evaluation, multipliers: Any) -> dict[s
     """The values for the limits at the first choice of the variables."""
     found = {}
     for one, over, by in zip(question.limits, at.values[0, 1:], multipliers, strict=True):
-        value = float(np.asarray(one.value)) * np.exp(-over if one.lowest else over)
+        value = one.value * np.exp(-over if one.lowest else over)
         found[one.name] = LimitState(value, one.value, by, one.quantity, one.lowest)
     return found
 
@@ -334,7 +329,7 @@ def compared(found: Design) -> Comparison:
             distance, *ring = _ring(steady, distance)  # both at the place of the reference
             each.append(ring)
     quantities, edge, radii, depth = jax.tree.map(lambda *parts: np.stack(parts[::-1]), *map(tuple, each))
-    marked = [float(np.asarray(one.places["z"])) for one in question.limits if one.quantity == "modulus_at"]
+    marked = [one.places["z"] for one in question.limits if one.quantity == "modulus_at"]
     ends = min([0.01 * edge[1], *(0.5 * z for z in marked)]), max([10.0 * edge[1], *(2.0 * z for z in marked)])
     depths = concrete(np.geomspace(*ends, 2 if isinstance(found.contact.material, PowerLawGraded) else _SAMPLES))
     modulus: Any = np.stack([_moduli(one.material, np.append(at, depths)) for one, at in zip(pair, edge, strict=True)])

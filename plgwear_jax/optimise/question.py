@@ -104,8 +104,8 @@ class Limit:
         lowest: It is the lowest value allowed, not the highest.
     """
 
-    value: ArrayLike
-    places: dict[str, ArrayLike]
+    value: Any
+    places: dict[str, Any]
     quantity: str = static()
     name: str = static()
     lowest: bool = static()
@@ -124,7 +124,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
             sides = {side: value for side, value in pairs if value is not None}
             for side, value in sides.items():
                 check(f"limits: {side} {quantity}", value, POSITIVE)
-            _check_places(f"limits: {{}} of {quantity}", places)
+            places = _checked_places(f"limits: {{}} of {quantity}", places)
             known = len(sides) == 2 and not any(isinstance(end, Tracer) for end in ends)
             if known and not np.all(np.less(*ends)):
                 raise ValueError(f"limits.{name} between {tuple(ends)}: the lowest value must be below the highest")
@@ -135,17 +135,18 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
                 called = f"{stem}_{side}" if both else stem
                 if called in found or (both and stem in found):
                     raise ValueError(f"limits.{name}: {quantity} is limited already")
-                found[called] = Limit(value, places, quantity, called, side == "lowest")
+                found[called] = Limit(as_float(value), places, quantity, called, side == "lowest")
     return tuple(found[name] for name in sorted(found))
 
 
 _PLACED = {"r": RADIUS, "x": FINITE, "least": RADIUS, "most": RADIUS}  # else they are positive
 
 
-def _check_places(said: str, places: Mapping[str, Any]) -> None:
+def _checked_places(said: str, places: Mapping[str, Any]) -> dict[str, Any]:
     domains = _PLACED | ({"z": RADIUS} if "x" in places else {})  # E(0) of a power law is no modulus
     for place, value in places.items():
         check(said.format(place), value, domains.get(place, POSITIVE))
+    return {place: as_float(value) for place, value in places.items()}
 
 
 def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[str, dict[str, Any]]:
@@ -160,8 +161,7 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
             raise ValueError(f"{key}: {text}, not {given!r}") from None
     found = placed_quantity(key, name, places, kind)
-    _check_places(f"{key}: {{}}", places)
-    return found, places
+    return found, _checked_places(f"{key}: {{}}", places)
 
 
 @record
@@ -195,7 +195,7 @@ class Question:
 
     contact: Any
     load: Any  # a `WeightedLoad`
-    bounds: dict[str, tuple[ArrayLike, ArrayLike]]
+    bounds: dict[str, Bounds]
     limits: tuple[Limit, ...]
     places: dict[str, ArrayLike]
     horizon: Any = None  # a `WearHorizon`
@@ -252,6 +252,11 @@ def solved_in_turn(question: Question) -> bool:
     return solved_one_by_one(question) and not read_from_runs(question)
 
 
+def as_float(value: Any) -> Any:
+    """A concrete number as a float; what is traced, or an array of several, as it is."""
+    return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
+
+
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------
 
 
@@ -306,20 +311,16 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        _refuse_lowest_bounds(question, weighted.amplitudes[0] if own is None else own)
+        _refuse_lowest_bounds(question)
     return question
 
 
-def _refuse_lowest_bounds(question: Question, force: ArrayLike) -> None:
+def _refuse_lowest_bounds(question: Question) -> None:
     """Refuse bounds of the friction and the normal force between which the whole contact slips."""
-    varied = [name for name in ("friction", "normal_force") if name in question.bounds]
-    if varied:
-        contact = question.contact if question.scenarios is None else question.scenarios.contact
-        least = np.asarray(contact.friction) * np.asarray(contact.normal_force)
-        for name in varied:
-            least = least * question.bounds[name][0] / variable_of(question.contact, name)
-        said = f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}"
-        check(said, force / least, PARTIAL_SLIP)
+    varied, most = [name for name in ("friction", "normal_force") if name in question.bounds], question.phi[..., 0]
+    for name in varied:
+        most = most * variable_of(question.contact, name) / question.bounds[name][0]
+    check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", most, PARTIAL_SLIP)
 
 
 def checked_kind_of(contact: Any) -> Kind:
@@ -396,11 +397,11 @@ def needs_force(name: str) -> bool:
     return quantity is not None and "F_x" in quantity.arguments
 
 
-def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]]:
+def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
     """The bounds of what varies, each within its range."""
     if not isinstance(vary, Mapping):
         raise TypeError(f'vary takes names with bounds, such as {{"k": (-0.9, 0.9)}}, not {vary!r}')
-    pairs: dict[str, tuple[ArrayLike, ArrayLike]] = {}
+    pairs: dict[str, Bounds] = {}
     for given_name, given in vary.items():
         name = given_name.removeprefix("material.")
         name = name if name in VARIABLES else given_name
@@ -417,7 +418,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]
             raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")
         if name in pairs:
             raise ValueError(f"vary: {name} is given twice")
-        pairs[name] = (lowest, highest)
+        pairs[name] = as_float(lowest), as_float(highest)
     if not pairs:
         raise ValueError(f"vary is empty: name at least one of {', '.join(VARIABLES)}")
     return pairs

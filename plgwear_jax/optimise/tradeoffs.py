@@ -293,6 +293,6 @@ def conflict(found: Design) -> Conflict | None:
     allowed, reachable = {}, {}
     for row in guilty:
         one, excess = limits[row - 1], nearest(row, guilty).value
-        allowed[one.name] = float(np.asarray(one.value))
+        allowed[one.name] = one.value
         reachable[one.name] = allowed[one.name] * float(np.exp(-excess if one.lowest else excess))
     return Conflict(allowed, reachable)
