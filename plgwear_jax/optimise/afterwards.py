@@ -17,7 +17,7 @@ from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import BY_THEN, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
-from plgwear_jax.optimise.conditions import conditions, inclination, solved_by_elimination
+from plgwear_jax.optimise.conditions import conditions, residual_of, solved_by_elimination
 from plgwear_jax.optimise.evaluation import Known, evaluate
 from plgwear_jax.optimise.question import Question, keeps, moved
 
@@ -277,9 +277,8 @@ def sensitivities(found: Design) -> Sensitivities:
         else:
             given = room.get(name, 1.0)
             change = slopes_by(path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), given)
-        of_variables = np.where(state.side == 0.0, inclination(change[:, 1:], multipliers), -along)
-        of_limits = np.where(state.active > 0.0, change[1:, 0], 0.0)
-        dx = -solved_by_elimination(state.matrix, np.concatenate([of_variables, of_limits]))[: len(best)]
+        left = residual_of(change[:, 0], change[:, 1:], state.side - along, multipliers, state.side, state.active)
+        dx = -solved_by_elimination(state.matrix, left)[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))
         saving[name] = -share * float(change[0, 0] + here[0, 1:] @ dx)
     return Sensitivities(variables, saving)
