@@ -130,7 +130,7 @@ def designs(
 
 def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:
     """The shape of a batch of questions, their numbers with the axes of the batch first, and what makes one of them."""
-    leaves, rebuild = jax.tree.flatten((question.contact, question.horizon, question.load))
+    leaves, rebuild = jax.tree.flatten((question.contact, question.limits, question.horizon, question.load))
     own, load = own_axes(question.contact, len(leaves)), question.load
     if load is not None and load.amplitudes is not None:  # they and their weights have an axis of their own
         own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
@@ -139,8 +139,8 @@ def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], 
     dtype = jnp.result_type(0.0, *leaves)
 
     def one(*numbers: Any) -> Question:
-        contact, horizon, load = jax.tree.unflatten(rebuild, numbers)
-        return dataclasses.replace(question, contact=contact, horizon=horizon, load=load)
+        contact, limits, horizon, load = jax.tree.unflatten(rebuild, numbers)
+        return dataclasses.replace(question, contact=contact, limits=limits, horizon=horizon, load=load)
 
     return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), one
 
