@@ -110,9 +110,8 @@ def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     question = dataclasses.replace(found.question, load=load, scenarios=scenarios)
     if question.by_force:
         check("factor * tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-    known: Known = {}
-    best = answered(question, known)
-    at = evaluate(question, found.variables, known)
+    best = answered(question)
+    at = evaluate(question, found.variables, vars(best)["known"])
     value = float(at.objective[0])
     states = limit_states(question, at, np.zeros(len(question.limits)))
     return UnderOtherLoad(factor, value, best, value / float(best.value) - 1.0, states)

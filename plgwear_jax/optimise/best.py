@@ -239,9 +239,9 @@ def design(
     return answered(question_of(contact, load, vary, **keywords))
 
 
-def answered(question: Question, known: Known | None = None) -> Design:
-    """The design that answers a question; what is evaluated on the way is put to what is known."""
-    known = {} if known is None else known
+def answered(question: Question) -> Design:
+    """The design that answers a question, with what has been evaluated on the way as `known`."""
+    known: Known = {}
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
     at = evaluate(question, found.variables, known)
     given = {name: np.asarray(value).item() for name, value in {**found.variables, **at.held}.items()}
@@ -254,7 +254,7 @@ def answered(question: Question, known: Known | None = None) -> Design:
         minimum=found,
         question=question,
     )
-    vars(best)["known"] = known  # for its picture
+    vars(best)["known"] = known  # for its picture, and for other designs under its load
     return best
 
 

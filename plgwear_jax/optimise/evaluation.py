@@ -148,10 +148,8 @@ class Candidate:
         """
         if self.question.scenarios is not None:
             return self._rows_of_scenarios(self.question.scenarios)
-        rows = [self.objective()]
-        for one in self.question.limits:
-            rows.append(_broken_by(one, jnp.ravel(self._read(one.quantity, one.places, True))[0]))
-        return jnp.stack(rows)
+        limited = [(one, self._read(one.quantity, one.places, True)) for one in self.question.limits]
+        return jnp.stack([self.objective(), *(_broken_by(one, jnp.ravel(found)[0]) for one, found in limited)])
 
     def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
         """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
@@ -353,8 +351,7 @@ class Evaluator:
         """What all choices have in common."""
         if self.key not in self.known:
             question = self.question
-            one = np.ones((), np.result_type(*jax.tree.leaves(question.contact)))
-            shared = Shared(concrete(_held_radius(question)), self._runs(), one)
+            shared = Shared(concrete(_held_radius(question)), self._runs(), concrete(1.0))
             told = self._solved(self.points(reference_variables(question)), shared)
             self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told.rows).values[0, 0]))
         return self.known[self.key]

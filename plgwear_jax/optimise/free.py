@@ -15,11 +15,7 @@ from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import refuse_free_question
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.best import certainty, headline, placed_between, printed
-from plgwear_jax.optimise.evaluation import (
-    Candidate,
-    Evaluator,
-    Known,
-)
+from plgwear_jax.optimise.evaluation import Candidate, Evaluator
 from plgwear_jax.optimise.question import (
     Keywords,
     Limit,
@@ -213,8 +209,7 @@ class _FreeModuli:
     """
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
-        self.known: Known = {}
-        self.evaluator, self.held = Evaluator(question, self.known), held
+        self.evaluator, self.held = Evaluator(question), held
         self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
         self.width = np.log(profile.upper) - self.low
         # What the steepness wants to be >= 0: a constant and its slopes.
@@ -330,7 +325,7 @@ def free_design(
         profile=modulus,
         minima=local,
         starts=starts,
-        evaluations=sum(isinstance(key, tuple) for key in problem.known),
+        evaluations=sum(isinstance(key, tuple) for key in problem.evaluator.known),
         converged=np.isfinite(best.least) and _downhill(problem, best.x) < _FLAT,
     )
 
@@ -366,7 +361,7 @@ def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
     low, width = problem.low, problem.width
     z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
     middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
-    by = np.stack([z - z.mean(), np.full(z.size, scale)], axis=1) / width[:, None]
+    by = np.column_stack([z - z.mean(), np.full(z.size, scale)]) / width[:, None]
 
     def clipped(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
