@@ -390,7 +390,6 @@ def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Sear
         lambda rest: _descents_from_valleys(plan, rest, scanned),
         lambda rest: descended(plan, rest, values, slopes),
         lambda rest: polished(plan, rest, values, slopes),
-        lambda rest: rest,
     )
     which = state.phase + (rest.passes >= plan.passes)
     with np.errstate(all="ignore"):  # values that are not finite are handled below
@@ -530,9 +529,9 @@ def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> A
 
     # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
     # interval and its neighbours, minus the larger difference between the means of neighbours.
-    mean = (slopes[1:] - slopes[:-1]) / step
+    mean = xp.diff(slopes, axis=0) / step
     around = xp.pad(mean, ((1, 1), (0, 0)), mode="edge")
-    change = xp.abs(around[1:] - around[:-1])
+    change = xp.abs(xp.diff(around, axis=0))
     least = xp.minimum(mean, xp.minimum(around[:-2], around[2:])) - xp.maximum(change[:-1], change[1:])
 
     def bound(value: Any, inward: Any) -> Any:
