@@ -70,7 +70,7 @@ def check_arguments(contact: Any, **given: Any) -> None:
             check(name, value, ARGUMENTS[name])
 
 
-def own_axes(contact: Any, number: int) -> list[int]:
+def own_axes(contact: Any, number: int = 0) -> list[int]:
     """For each of so many leaves, a contact's and those after it, how many axes of its own it has: 1 for a table."""
     own = []
     for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):

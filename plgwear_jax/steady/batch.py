@@ -1,7 +1,7 @@
 """Functions of one contact, for arrays of contacts and arguments."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -24,28 +24,39 @@ def as_numbers(given: Any) -> Any:
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
-def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[int, ...] = ()) -> Any:
+def each(one: Callable[..., Any], arguments: tuple[Any, ...], own: Sequence[int] = ()) -> Any:
     """The function's tree of results for each element of the broadcast arguments, by `jax.vmap`.
 
-    The last axis of the arguments whose positions are in `points` is not a batch axis: the function takes it whole.
+    The arguments are trees. `own` tells how many last axes of their first leaves are none of the batch: the function
+    takes these whole.
     """
-    own = [1 if i in points else 0 for i in range(len(arguments))]
-    shapes = [x.shape[: x.ndim - n] for x, n in zip(arguments, own, strict=True)]
+    leaves, tree = jax.tree.flatten(arguments)
+    leaves = list(map(jnp.asarray, leaves))
+    shapes = [x.shape[: x.ndim - n] for x, n in zip(leaves, [*own, *[0] * len(leaves)], strict=False)]
     shape = jnp.broadcast_shapes(*shapes)
     if shape == ():
         return one(*arguments)
     count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
     moves[0] |= not any(moves)  # where all axes have the length one
-    ends = [x.shape[len(single) :] for x, single in zip(arguments, shapes, strict=True)]
+    ends = [x.shape[len(single) :] for x, single in zip(leaves, shapes, strict=True)]
+
+    def of_leaves(*leaves: Array) -> Any:
+        return one(*tree.unflatten(leaves))
+
     if not count:
-        about = jax.eval_shape(one, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in arguments)))
-        return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), about)
+        return _nothing(shape, of_leaves, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in leaves)))
     flat = [
         jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
-        for x, last, move in zip(arguments, ends, moves, strict=True)
+        for x, last, move in zip(leaves, ends, moves, strict=True)
     ]
-    found = jax.vmap(one, [0 if move else None for move in moves])(*flat)
+    found = jax.vmap(of_leaves, [0 if move else None for move in moves])(*flat)
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
+
+
+def _nothing(shape: tuple[int, ...], function: Callable[..., Any], *about: Any) -> Any:
+    """What a function gives of a batch of this shape without an element."""
+    found = jax.eval_shape(function, *about)
+    return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), found)
 
 
 def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Array, ...] = ()) -> Any:
@@ -60,8 +71,7 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
         return function(*trees, *more)
     if 0 in whole:
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
-        found = jax.eval_shape(function, *about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
-        return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
+        return _nothing(whole, function, *about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
     rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 

@@ -69,6 +69,10 @@ class Elastic:
         """E/(1 - nu^2) in Pa."""
         return plane_modulus(self.E, self.nu)
 
+    def tangential_ratio(self) -> Array:
+        """Tangential over normal compliance, dimensionless."""
+        return mindlin_ratio(self.nu)
+
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = guarded("z", z, DEPTH)
@@ -95,6 +99,10 @@ class AnyModulus:
     def by_depth(one: Array, other: Array) -> Piecewise:
         """E(z) in Pa from the two arrays, of one half-space each."""
         raise NotImplementedError
+
+    def tangential_ratio(self) -> Array:
+        """Tangential over normal compliance, dimensionless, taken as that of a homogeneous half-space."""
+        return mindlin_ratio(self.nu)
 
     @compiled
     def modulus_at(self, z: ArrayLike) -> Array:
@@ -236,7 +244,7 @@ def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) ->
         return material
     one = 1.0 / plane_modulus(material.E0, material.nu)  # pyright: ignore[reportArgumentType]
     other = 1.0 / indenter.plane_modulus
-    ratios = mindlin_ratio(material.nu), mindlin_ratio(indenter.nu)  # pyright: ignore[reportArgumentType]
+    ratios = mindlin_ratio(material.nu), indenter.tangential_ratio()  # pyright: ignore[reportArgumentType]
     theta = (one * ratios[0] + other * ratios[1]) / (one + other)
     nu = (2.0 * theta - 2.0) / (2.0 * theta - 1.0)
     return PowerLawGraded((1.0 - nu) * (1.0 + nu) / (one + other), material.z0, material.k, nu)

@@ -19,6 +19,7 @@ from jax import Array
 
 from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
+from plgwear_jax.special.elementary import ratio_where
 
 
 class Disc(NamedTuple):
@@ -133,7 +134,7 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     whole = inner + outer
     # Below that its derivatives overflow.
     known = whole > jnp.finfo(size.dtype).eps ** 2 * jnp.max(jnp.diagonal(lower) * pressure)
-    part = jnp.where(known, inner / jnp.where(known, whole, 1.0), 0.5)
+    part = ratio_where(known, inner, whole, 0.5)
     radius = middle[ends[0]] + part * (middle[count] - middle[ends[0]])
     return _Pressed(depth, pressure, gap, jnp.where(count == 0, 0.0, radius))
 
@@ -165,7 +166,7 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
         # step, in cells that have just begun to touch, and where the pressure falls so fast that BDF2 would go beyond
         # the end: the cells outside would lose the contact with those that overshoot.
         touched = pressure_before > 1e-6 * mean
-        change = jax.lax.stop_gradient(jnp.where(touched, pressure / jnp.where(touched, pressure_before, 1.0), _FAST))
+        change = jax.lax.stop_gradient(ratio_where(touched, pressure, pressure_before, _FAST))
         second = jnp.clip(3.0 * change - 1.0, 0.0, 1.0) * jnp.clip(_FAST - change, 0.0, 1.0)
         known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.stresses import Stress
-from plgwear_jax.stresses.field import Given, Pressed, samples
+from plgwear_jax.stresses.field import Pressed, samples
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -136,13 +136,12 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
 
 
 def test_a_power_among_other_pressures_is_that_power():
-    given, stick = Given(None, 4), jnp.asarray(0.6)
-    s, one = jnp.asarray(0.3), jnp.asarray(1.0)
+    stick, s, one = map(jnp.asarray, (0.6, 0.3, 1.0))
     for worn in (False, True):
         alone, among = (
-            Pressed(one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, ()).tractions(
-                given, worn
-            )
+            Pressed(
+                4, one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, 2.0 * s - 1.0, None
+            ).tractions(worn)
             for z in (samples(4, s.dtype, alone=alone) for alone in (True, False))
         )
         assert_allclose(among.beside[1], alone.beside[1], rtol=1e-12)
