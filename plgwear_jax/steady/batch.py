@@ -1,7 +1,7 @@
 """Functions of one contact, for arrays of contacts and arguments."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -11,6 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax._core.sequential import TOGETHER
+from plgwear_jax.steady.arguments import own_axes
 
 
 def dtype_of(given: Any) -> Any:
@@ -24,15 +25,14 @@ def as_numbers(given: Any) -> Any:
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
-def each(one: Callable[..., Any], arguments: tuple[Any, ...], own: Sequence[int] = ()) -> Any:
-    """The function's tree of results for each element of the broadcast arguments, by `jax.vmap`.
+def each(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """The function's tree of results for each element of the broadcast arguments, which are trees, by `jax.vmap`.
 
-    The arguments are trees. `own` tells how many last axes of their first leaves are none of the batch: the function
-    takes these whole.
+    The function takes the last axis of `tables` whole.
     """
     leaves, tree = jax.tree.flatten(arguments)
     leaves = list(map(jnp.asarray, leaves))
-    shapes = [x.shape[: x.ndim - n] for x, n in zip(leaves, [*own, *[0] * len(leaves)], strict=False)]
+    shapes = [x.shape[: x.ndim - own] for x, own in zip(leaves, own_axes(arguments), strict=True)]
     shape = jnp.broadcast_shapes(*shapes)
     if shape == ():
         return one(*arguments)
@@ -59,26 +59,27 @@ def _nothing(shape: tuple[int, ...], function: Callable[..., Any], *about: Any) 
     return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), found)
 
 
-def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Array, ...] = ()) -> Any:
+def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Any, ...] = ()) -> Any:
     """The function's tree of results for each contact: the first axes of all leaves have this shape.
 
-    These broadcast against the axes of further arguments, of which the function takes one number each.
+    These broadcast against the axes of further trees of arguments, of whose leaves the function takes one number each.
     """
     dtype = jax.tree.leaves(trees)[0].dtype
-    more = tuple(jnp.asarray(x, dtype) for x in more)
-    whole = np.broadcast_shapes(shape, *(x.shape for x in more))
+    more = jax.tree.map(lambda x: jnp.asarray(x, dtype), more)
+    whole = np.broadcast_shapes(shape, *(x.shape for x in jax.tree.leaves(more)))
     if whole == ():
         return function(*trees, *more)
     if 0 in whole:
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
-        return _nothing(whole, function, *about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
+        return _nothing(whole, function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), dtype), more))
     rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 
-    def one(moving: tuple[Array, ...]) -> Any:
-        return function(*jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
+    def one(moving: tuple[Array, Any]) -> Any:
+        row, more = moving
+        return function(*jax.tree.map(lambda x: x[row], flat), *more)
 
     # On a processor one after the other, since a batch would take as many steps as its slowest element.
     size = None if jax.default_backend() == "cpu" else TOGETHER
-    found = jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size)
+    found = jax.lax.map(one, (rows, jax.tree.map(lambda x: jnp.broadcast_to(x, whole).ravel(), more)), batch_size=size)
     return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)

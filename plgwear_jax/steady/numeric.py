@@ -35,7 +35,7 @@ from plgwear_jax.surfaces.punch import (
     punch_at,
     punch_under,
 )
-from plgwear_jax.surfaces.ring import beside, deepest
+from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
@@ -128,7 +128,6 @@ def strips_of(state: State) -> tuple[Array, Array, Array, Array]:
     return own, stuck, further * flat_pressure(bodies, state.punch, inside, 0.5), bodies.s
 
 
-FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
@@ -249,6 +248,11 @@ def _sunk(state: State, punch: Punch) -> Array:
 def _moved(state: State) -> Array:
     """The displacement amplitude in m of the unworn contact."""
     return clamp_keep_slope(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
+
+
+def _worn_moved(state: State) -> Array:
+    """That of the worn contact."""
+    return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
 
 
 def _alike(state: State) -> Array:
@@ -392,19 +396,9 @@ class NumericSteady(Steady):
     _aperture = _number("aperture_of")
     _onset_energy_ratio = _number("gross_slip_energy_ratio_of")
     _onset_aperture = _number("gross_slip_aperture_of")
-
-    @property
-    def _onset(self) -> Array:
-        return _most(self._solution)
-
-    @property
-    def _moved(self) -> Array:
-        return _moved(self._solution)
-
-    @property
-    def _worn_moved(self) -> Array:
-        state = self._worn
-        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
+    _onset = _number("_most")
+    _moved = _number("_moved")
+    _worn_moved = _number("_worn_moved", worn=True)
 
     @property
     def _share_of_contact(self) -> Array:

@@ -18,13 +18,13 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
-from plgwear_jax.steady.arguments import amplitude_of, own_axes
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
-from plgwear_jax.surfaces.compliance import Bodies, OnePower, graded, power_law
+from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.ring import Worn, worn
-from plgwear_jax.surfaces.tension import Least, least_pressures, never_pulls
+from plgwear_jax.surfaces.tension import Least, least_pressures
 
 
 class Results(NamedTuple):
@@ -93,10 +93,10 @@ def bodies_of(effort: Effort, contact: Any) -> Bodies:
     return power_law(jnp.asarray(material.k, outline.radius.dtype), material.log_stiffness(), *others)
 
 
-def theta_of(contact: Any, bodies: Bodies, c: Array, flat: Array | None = None) -> Array:
+def theta_of(contact: Any, bodies: Any, c: Array, flat: Array | None = None) -> Array:
     """theta of both bodies, which share in it as in the energy of a flat punch of radius c and pressures `flat`."""
     ratio = contact.material.tangential_ratio()
-    if isinstance(bodies, OnePower) or contact.indenter is None:
+    if contact.indenter is None:
         return ratio
     if flat is None:
         first = jnp.asarray(np.eye(bodies.effort.modes, 1), c.dtype)
@@ -118,7 +118,7 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     least, known, reach = least_pressures(found, phi), [], bodies.outline.shape.reach
     if reach is not None:  # what is beyond a table is guessed
         known.append(found.c * jnp.sqrt(1.0 + found.end) <= reach)
-    if not never_pulls(bodies):
+    if not bodies.never_pulls:
         before, after = jnp.unstack(least.pulled == 0.0)
         after = one_or_nan(after)
         further, end, volume = after * found.further, after * found.end, after * found.volume
@@ -140,14 +140,14 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
 def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The program of `states_of`."""
     one = sequential_vmap(functools.partial(state_of, effort))
-    return each(one, (contact, tangential_force), own_axes(contact))
+    return each(one, (contact, tangential_force))
 
 
 @program(static=1, level=1)
 def solved_results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
     """The results of these states alone, whose derivatives at known numbers are a smaller program."""
     one = sequential_vmap(lambda *given: state_of(effort, *given).results)
-    return each(one, (contact, tangential_force), own_axes(contact))
+    return each(one, (contact, tangential_force))
 
 
 def results_in(found: Worn) -> Results:

@@ -51,7 +51,7 @@ def half_space_of(material: Any, shape: tuple[int, ...]) -> tuple[Array, Array |
     if isinstance(material, PowerLawGraded):
         k = jnp.broadcast_to(jnp.asarray(material.k), shape)
     elif isinstance(material, AnyModulus):
-        table = each(lambda *given: material.by_depth(*given[:2]), (*material.arrays(), nu), (1, 1))
+        table = each(lambda body, _: body.by_depth(*body.arrays()), (material, nu))
     return nu, k, table
 
 
@@ -71,20 +71,16 @@ def _stress_program(worn: bool, pressed: Pressed, places: tuple[Array, Array]) -
 def _searched(pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
-    def one(pressed: Pressed, *wanted: Array) -> tuple[Peak, Peak]:
-        found = highest(pressed, Wanted(*wanted))
-        return in_si(pressed, Wanted(*wanted), found), found
+    def one(pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
+        found = highest(pressed, wanted)
+        return in_si(pressed, wanted, found), found
 
-    return in_turn(one, pressed.shape, pressed, more=wanted)
+    return in_turn(one, pressed.shape, pressed, more=(wanted,))
 
 
 @program(level=1)
 def _at_known_place(pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Peak:
-    def one(pressed: Pressed, mises: Array, least: Array, most: Array, *place: Array) -> Peak:
-        return peak_at(pressed, Wanted(mises, least, most), *place)
-
-    wanted, *place = known
-    return in_turn(one, pressed.shape, pressed, more=(*wanted, *place))
+    return in_turn(peak_at, pressed.shape, pressed, more=known)
 
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:

@@ -46,6 +46,13 @@ class _Touching:
     effort: Effort = static()  # how finely the contact is divided
     radius: Array  # an estimate of that of the contact; of any E(z) one over the unit of q_k as well
 
+    enough = 1e-13  # as which roundings of the force count
+
+    @property
+    def never_pulls(self) -> bool:
+        """Whether such bodies only press, whatever their numbers are."""
+        return False
+
     @property
     def front(self: Any) -> Any:
         """The factor e of the pressures."""
@@ -63,6 +70,13 @@ class OnePower(_Touching):
 
     k: Array
     log_g: Array
+
+    enough = 1e-14
+
+    @property
+    def never_pulls(self) -> bool:
+        """Where r f'(r) nowhere falls."""
+        return self.outline.shape.steepens
 
     @property
     def s(self) -> Array:

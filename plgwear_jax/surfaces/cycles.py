@@ -142,22 +142,8 @@ def _powers(bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, 
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def springs_of(bodies: Graded, c: Array) -> tuple[Array, Array]:
-    """Tables over log(u) of a kernel and of its integral from 0 to u, for distances u in units of c.
-
-    The kernel is (1/pi) times the integral of m(q) cos(q u) over q > 0.
-    """
-    x, terms = bodies.foundation.x, bodies.foundation.terms
-    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
-    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-    # Half of 1 - exp(-x) cos(x), which would cancel.
-    up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
-    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ terms.of(bodies.excess(c)[0])
-    return kernel, integral
-
-
 class _Places(NamedTuple):
-    """Where distances lie in that table."""
+    """Where distances lie in a table over log(u)."""
 
     before: Array  # the number of the cubic
     part: Array  # of a step, from its beginning
@@ -245,9 +231,15 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
 def directly(bodies: Graded, c: Array, first: Array, last: Array, images: Images) -> Array:
     """What the cells from the place `first` to `last`, T - 1, do to each other if nothing else moves.
 
-    By the homogeneous half-space of the surface's modulus, and by the kernel of `springs_of`.
+    By the homogeneous half-space of the surface's modulus, and by a kernel: (1/pi) times the integral of m(q) cos(q u)
+    over q > 0, for distances u in units of c. Tables of it and of its integral from 0 to u go over log(u).
     """
-    kernel, integral = springs_of(bodies, c)
+    constants = bodies.foundation
+    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (constants.x * math.sqrt(0.5))
+    springs = constants.x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+    # Half of 1 - exp(-x) cos(x), which would cancel.
+    up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
+    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ constants.terms.of(bodies.excess(c)[0])
     # At the axis the root has no slope.
     root, ends = jnp.sqrt(1.0 + images.t), clamped(jnp.finfo(c.dtype).tiny, 1.0 + jnp.stack([first, last]))
     begin, end = jnp.unstack(jnp.sqrt(ends))

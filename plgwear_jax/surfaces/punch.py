@@ -77,9 +77,7 @@ def punch_under(bodies: Bodies, load: Array) -> Punch:
     def excess(log_c: Array) -> Array:
         return surplus(punch_at(bodies, log_c), goal)
 
-    # On a power law alone the force is known to all digits.
-    enough = 1e-14 if isinstance(bodies, OnePower) else 1e-13
-    log_c = root_of(excess, jnp.log(bodies.radius), 3.0, enough=enough)
+    log_c = root_of(excess, jnp.log(bodies.radius), 3.0, enough=bodies.enough)
     # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
     # digits, and the volume fewer, which in single precision counts more.
     face = jnp.asarray(bodies.outline.shape.face, log_c.dtype)

@@ -19,14 +19,14 @@ from jax import Array
 from plgwear_jax._core.record import record, static
 from plgwear_jax.shapes.shape import Image
 from plgwear_jax.special.elementary import clamped, crest, top_of
-from plgwear_jax.special.quadrature import pieces
+from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower
-from plgwear_jax.surfaces.effort import Effort, rule_of
 from plgwear_jax.surfaces.punch import Punch, grown, on_the_law, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes
+FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _TAPS = 10
 _MIDDLE = 0.5 * (_TAPS - 1)
 
@@ -50,7 +50,7 @@ class Lack:
     image: Image  # G
     v: Array | None  # at the nodes in log(y); None if it is 0
     a: Array  # the exponent of Abel's integral
-    effort: Effort = static()
+    nodes: int = static()  # of integrals where v is not 0
 
     @property
     def near(self) -> Array:
@@ -94,30 +94,31 @@ class Beside:
 
     a: Array
     image: Image  # what Abel's integral takes to the indenter
-    effort: Effort = static()
+    nodes: int = static()  # of integrals
     flat: Any = None  # of the flat punch
     own: Any = None  # of the indenter that touches up to c and no further, less what it is at c
 
     def lack(self, further: Array) -> Lack:
         """D of the indenter pressed in further than it touches so, in c^2/R."""
         v = None if self.flat is None else further * self.flat + self.own
-        return Lack(further, self.image, v, self.a, self.effort)
+        return Lack(further, self.image, v, self.a, self.nodes)
 
 
 def beside(bodies: Bodies, punch: Punch) -> Beside:
     """v of both."""
-    c, a, effort = punch.c, bodies.abel, bodies.effort
-    image, depth = bodies.outline.image(c, a), punch.depth
+    c, a, depth, modes = punch.c, bodies.abel, punch.depth, bodies.effort.modes
+    image = bodies.outline.image(c, a)
+    fixed = a, image, bodies.effort.nodes
     if isinstance(bodies, OnePower):
-        return Beside(a, image, effort)
+        return Beside(*fixed)
     y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
     both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
     if isinstance(bodies, Graded):
         first, v = bodies.beside_edge(c, y, both, on_the_law(bodies, punch), len(image.bends))
-        return Beside(a, image, effort, first[0] + v[:, 0], v[:, 1])
+        return Beside(*fixed, first[0] + v[:, 0], v[:, 1])
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
-    count = int(np.sum(_nodes() < -2.0 * math.log(effort.modes)))
+    count = int(np.sum(_nodes() < -2.0 * math.log(modes)))
     begin = count if resolved(image) else count + _FURTHER
     v, fallen = bodies.beside(c, y[count:], both), image.fallen(y)
     flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
@@ -132,7 +133,7 @@ def beside(bodies: Bodies, punch: Punch) -> Beside:
         near = size * grown(bodies, punch, image) * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
-    return Beside(a, image, effort, 1.0 - flat, own - fallen)
+    return Beside(*fixed, 1.0 - flat, own - fallen)
 
 
 def sine_of(a: Array) -> Array:
@@ -146,7 +147,9 @@ def _counts(lack: Lack, y: Array) -> tuple[Array, Array]:
     It counts for the depth at y, and for the integral of the depth over T up to 1 + y.
     """
     a, bends = lack.a, lack.image.bends
-    rule = pieces(bends / y, a, rule_of(lack.effort, lack.v is None, len(bends)))
+    # Of a power law alone, whose integrands are known to all digits, the rule goes as far as these do.
+    alone = (160, 36.0) if len(bends) < FEW_KINKS else (100, 26.0)
+    rule = pieces(bends / y, a, logistic(*alone) if lack.v is None else logistic(lack.nodes))
     places, (weight, last) = jnp.append(y * rule.x, y), rule.singular(1.0 - a)
     further = jnp.append(y / (1.0 - a) * rule.left * weight, 0.0)
     front = sine_of(a) * jnp.exp((1.0 - a) * jnp.log(y) + (a - 1.0) * jnp.log1p(places))
@@ -238,9 +241,10 @@ class Worn:
         return jnp.expm1(2.0 * (self.unworn.log_c - self.punch.log_c))
 
     @property
-    def grown(self) -> Array:
-        """The width of the final ring less that of the unworn ring."""
-        return jnp.maximum(self.end - self.width, 16.0 * jnp.finfo(self.end.dtype).eps * self.width)
+    def widths(self) -> tuple[Array, Array]:
+        """(That width, the width of the final ring less it)."""
+        width = self.width
+        return width, jnp.maximum(self.end - width, 16.0 * jnp.finfo(width.dtype).eps * width)
 
 
 def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:

@@ -12,7 +12,6 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.special.elementary import ratio_where
-from plgwear_jax.surfaces.compliance import Bodies, OnePower
 from plgwear_jax.surfaces.punch import own_pressures, pressure_inside
 from plgwear_jax.surfaces.ring import Worn
 
@@ -35,11 +34,11 @@ class Least(NamedTuple):
 
 def least_pressures(found: Worn, phi: Array) -> Least:
     """The least pressures of both states. Before any wear not only F_N has to press, but also (1 - phi) F_N."""
-    if never_pulls(found.bodies):
+    if found.bodies.never_pulls:
         none = 0.0 * jnp.stack([phi, phi])
         return Least(1.0 + none, none, none)
     found, phi = jax.lax.stop_gradient((found, phi))
-    shares, places, usual = _of_springs(found, phi) if isinstance(found.bodies, OnePower) else _of_sums(found)
+    shares, places, usual = _of_springs(found, phi) if found.punch.flat is None else _of_sums(found)
     scaled = shares / usual
     least = jnp.argmin(scaled, -1)
     shares, places, scaled = jnp.stack([shares, places, scaled])[:, np.arange(3), least]
@@ -47,11 +46,6 @@ def least_pressures(found: Worn, phi: Array) -> Least:
     which = jnp.stack([first, jnp.full_like(first, 2)])
     pulled = (scaled < -MOST).astype(shares.dtype)
     return Least(*jnp.stack([shares, places, pulled])[:, which])
-
-
-def never_pulls(bodies: Bodies) -> bool:
-    """Whether such bodies only press, whatever their numbers are."""
-    return isinstance(bodies, OnePower) and bodies.outline.shape.steepens
 
 
 def _of_sums(found: Worn) -> tuple[Array, Array, Array]:

@@ -46,6 +46,8 @@ class StageNumbers(NamedTuple):
     force_factor: Array
     value: Array
 
+    tables = "cycles", "normal_force", "friction", "displacement_factor", "force_factor", "value"
+
 
 class Steps(NamedTuple):
     """The steps, each field of shape (steps,)."""

@@ -22,7 +22,6 @@ from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import ratio_where
 from plgwear_jax.special.root import first_at
-from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import bodies_of, opens, theta_of
@@ -230,7 +229,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     one = sequential_forward_mode(functools.partial(history_of, effort))
-    return each(one, (contact, blocks, law), (*own_axes(contact), *(1 for _ in blocks)))
+    return each(one, (contact, blocks, law))
 
 
 def _moment(history: TestHistory, cycles: Array) -> tuple[Moment, Array]:
@@ -250,7 +249,7 @@ def _amount(name: str, history: TestHistory, cycles: Array) -> Array:
         return known * jnp.max(moment.between(moments.depth, cells), 0)
     if name == "volume":
         curve = Curve(history.cycles, moments.volume, moments.rate)
-        return known * moment.on(each(limited, (curve,), (1, 1, 1)))
+        return known * moment.on(each(limited, (curve,)))
     return known * moment.between(getattr(moments, name))
 
 

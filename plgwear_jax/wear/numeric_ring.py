@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._core.record import record
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
-from plgwear_jax.steady.arguments import amplitude_of, own_axes
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, state_of, states_of
@@ -31,7 +31,7 @@ def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCel
 
     Time is 4 K mu theta N, in 1/Pa.
     """
-    unworn, grown = state.width, state.grown
+    unworn, grown = state.widths
     edges = edges_of(unworn, grown, resolution)
     # One march after the other, so that the cells are compiled once and not once for each march.
     cells = jax.lax.map(lambda edges: cells_of(state, *edges), edges)
@@ -61,7 +61,7 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
         ring, scales, from_1 = numeric_rings_of(resolution, state)
         return state, curves_from(resolution, ring, scales), from_1
 
-    return each(sequential_forward_mode(run), (contact, force), own_axes(contact))
+    return each(sequential_forward_mode(run), (contact, force))
 
 
 def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
@@ -95,14 +95,6 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
 # --- what is read -----------------------------------------------------------------------------------------------------
 
 
-def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
-    """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
-    under = jnp.where(r < c, r, 0.5 * c)
-    at = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
-    at = at._replace(part=jnp.clip(at.part, 0.0, 1.0)[..., None])
-    return at.between(pressures)
-
-
 @record
 class NumericRing:
     """A ring whose fields are integrals."""
@@ -110,23 +102,23 @@ class NumericRing:
     states: State
     from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
-    def _fields(self, names: tuple[str, ...], r: Array) -> tuple[Array, ...]:
-        return tuple(over_radii_of(name, self.states, r) for name in names)
-
-    def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, ...]:
+    def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at radii in the ring."""
         del y
-        return self._fields(("unworn_gap_at", "worn_depth_at"), r)
+        return over_radii_of("unworn_gap_at", self.states, r), over_radii_of("worn_depth_at", self.states, r)
 
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
-        states, curves = self.states, run.curves
+        states, curves, c = self.states, run.curves, run.stick_radius
         places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, self.from_1)
         near = states.c * jnp.sqrt(1.0 - places[..., -1])  # the nearest place to c
 
         def pressures_at(at: Array) -> Pressures:
-            unworn, worn = self._fields(("unworn_pressure_at", "worn_pressure_at"), at)
-            return Pressures(unworn, worn, _caused(run.stick_radius, places, caused, at))
+            under = jnp.where(at < c, at, 0.5 * c)
+            place = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
+            place = place._replace(part=jnp.clip(place.part, 0.0, 1.0)[..., None])
+            unworn, worn = (over_radii_of(name, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
+            return Pressures(unworn, worn, place.between(caused))
 
         return pressures_at(r), (near, pressures_at(near))
 

@@ -103,9 +103,6 @@ class Run(Solution, abc.ABC):
     def _solve(self) -> Any:
         return self._solved(self._given())
 
-    def _after(self, program: Callable[[Any, Array], Array], cycles: ArrayLike) -> Array:
-        return self._read(program, self._argument("cycles", cycles))
-
     def _read(self, program: Callable[[Any, Array], Array], at: Array) -> Array:
         """What a program reads from the solution at the numbers `at`."""
         given = self._given()
@@ -128,7 +125,7 @@ class Run(Solution, abc.ABC):
         return jnp.asarray(super()._argument(name, value), dtype_of([getattr(self, one) for one in self.numbers]))
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
-        return self._after(functools.partial(self.amount, name), cycles)
+        return self._read(functools.partial(self.amount, name), self._argument("cycles", cycles))
 
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""

@@ -230,11 +230,11 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
 
     @jax.jit
     def ring(state):
-        from_c, from_1 = edges_of(state.width, state.grown, steps)
+        from_c, from_1 = edges_of(*state.widths, steps)
         return cells_of(state, from_c[0], from_1[0])
 
     cells, count = ring(state), steps.inner * steps.refinements[0]
-    edges = edges_of(state.width, state.grown, steps)[0][0, : count // 2 + 1]
+    edges = edges_of(*state.widths, steps)[0][0, : count // 2 + 1]
     middle = state.c * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
     pressure = one.steady(0.0).initial_pressure(middle)
     assert_allclose(cells.first[: count // 2] / pressure, 1.0, rtol=0.04)
