@@ -56,7 +56,8 @@ class _Touching:
     @property
     def front(self: Any) -> Any:
         """The factor e of the pressures."""
-        return jnp.exp2(-self.s) / gamma(1.0 + self.s)
+        s = self.s
+        return jnp.exp2(-s) / gamma(1.0 + s)
 
     @property
     def abel(self: Any) -> Array:

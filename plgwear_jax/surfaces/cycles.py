@@ -1,6 +1,6 @@
-"""The ring of a contact that wears, in cells: what their pressures do, where what is inside c sticks.
+"""A contact that wears, in cells of constant pressure: the ring, where what is inside c sticks, or all of the contact.
 
-Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes.
+Pressures inside c are eliminated: there the surfaces touch and no shape changes.
 In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring deforms under its pressures by
 
     H - A p,      A = A_fixed + (pi c^2/K) e e',
@@ -24,7 +24,7 @@ from plgwear_jax.special.elementary import clamp_keep_slope, clamped
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.pchip import horner
 from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
-from plgwear_jax.surfaces.compliance import Graded, OnePower, PowerLaw
+from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.punch import pressure_inside
 from plgwear_jax.surfaces.ring import Worn, between, sine_of
 
@@ -300,3 +300,23 @@ def inward(found: Worn, swept: Array, from_c: Array, from_1: Array) -> tuple[Arr
     modes = modes.at[0].add(-c * jnp.diff(root))
     smooth = pressure_inside(bodies, modes.T / c, places).T
     return places, smooth + (2.0 / math.pi) * jnp.diff(jnp.arctan(root / jnp.sqrt(places)[:, None]), axis=1)
+
+
+# --- the whole contact ------------------------------------------------------------------------------------------------
+
+
+def disc_of(bodies: Bodies, b: Array, edges: Array) -> Array:
+    """A in m/Pa, (cells, cells), of a whole contact in cells, of which no part has to stick.
+
+    Radii are in T = (r/b)^2. Depths, integrated over T in each cell, follow from the pressures by A p.
+
+    Args:
+        bodies: Both bodies.
+        b: Radius of the outer edge in m.
+        edges: Edges of the cells in T, from 0 to 1, (cells + 1,).
+    """
+    from_b, none = edges - 1.0, jnp.zeros_like(b)
+    if not isinstance(bodies, Graded):
+        return jnp.sum(power_terms(bodies, b, none, none[None], none[None], from_b).disc, 0)
+    half = jnp.full_like(b, 0.5)
+    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, from_b, none, half, half))

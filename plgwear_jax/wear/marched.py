@@ -27,7 +27,7 @@ from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import bodies_of, opens, theta_of
 from plgwear_jax.surfaces.cells import mean_over, nodes_of
 from plgwear_jax.surfaces.compliance import Bodies
-from plgwear_jax.surfaces.disc import disc_of
+from plgwear_jax.surfaces.cycles import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
 from plgwear_jax.wear.contact_march import Disc, Moments, StageNumbers, Steps, march, until
@@ -154,7 +154,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         disc = _disc(bodies, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         theta = theta_of(contact, bodies, grid.unworn)
         steps, cycles = _in_steps(blocks, grid, count)
-        found = march(disc, theta, law.rate, law.linear, steps)
+        found = march(disc, theta, law, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
         # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)

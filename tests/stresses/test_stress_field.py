@@ -132,6 +132,18 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
             assert_allclose(found, want, rtol=0, atol=1e-3)
 
 
+def test_a_homogeneous_half_space_under_any_shape_is_that_of_layers_without_a_layer():
+    x, z = np.array([-1e-4, 0.0, 5e-5]), np.array([[1e-6], [5e-5]])
+    found, expected = (
+        FrettingContact(body, 5e-3, 10.0, 0.4, STEEL, PowerShape(4.0)).steady(2.0)
+        for body in (STEEL, Layered([], [210e9], 0.3))
+    )
+    assert_allclose(found.peak_mises, expected.peak_mises, rtol=1e-9)
+    for worn in (False, True):
+        stresses = np.array(expected.stress(x, z, worn=worn))
+        assert_allclose(found.stress(x, z, worn=worn), stresses, rtol=0.0, atol=1e-9 * abs(stresses).max())
+
+
 # --- powers, and digits -----------------------------------------------------------------------------------------------
 
 
