@@ -11,8 +11,8 @@ from plgwear_jax.special.elementary import power_where
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
-_X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(NODES)[0], 0.5 * np.polynomial.legendre.leggauss(NODES)[1])
-_NODE, _WEIGHT = _X**2, 2.0 * _X * _W
+_X, _W = np.polynomial.legendre.leggauss(NODES)
+_NODE, _WEIGHT = (0.5 + 0.5 * _X) ** 2, (0.5 + 0.5 * _X) * _W
 
 
 class Images(NamedTuple):
@@ -35,6 +35,7 @@ class RingCells(NamedTuple):
     first: Array  # the pressure before any wear, the mean over each cell
     swept: Array  # the gap that a flat punch of the radius c leaves, integrated over each cell
     edges: Array  # T/C - 1 at the edges of the cells
+    from_1: Array  # T/C - (a_0/c)^2 there
 
 
 def products_of(share: Array, weight: Array) -> Array:

@@ -65,7 +65,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
     pressure = solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0]
-    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), swept, from_c)
+    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), swept, from_c, from_1)
 
 
 # --- powers of the wavenumber -----------------------------------------------------------------------------------------

@@ -51,7 +51,7 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
         load = power_where(load > 0.0, load, 1.0 + s)
         first = ratio_where(size > 0.0, -jnp.diff(load), size)
         # Depths over C/2, areas over C, pressures over C^s.
-        return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c), work
+        return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c, from_1), work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
     total = jnp.sum(ring.steady[-1])

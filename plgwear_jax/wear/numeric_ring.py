@@ -1,7 +1,7 @@
 """The worn ring of contacts without closed forms, in cells that `surfaces` computes."""
 
 import functools
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +10,6 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import POSITIVE, guarded
-from plgwear_jax._core.record import record
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
@@ -26,29 +25,25 @@ from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
 
-def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
-    """(The ring in the cells of each march, its units, T - (a_0/c)^2 at the edges of the finest march).
-
-    Time is 4 K mu theta N, in 1/Pa.
-    """
+def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCells, Scales]:
+    """(The ring in the cells of each march, its units); time is 4 K mu theta N, in 1/Pa."""
     unworn, grown = state.widths
-    edges = edges_of(unworn, grown, resolution)
     # One march after the other, so that the cells are compiled once and not once for each march.
-    cells = jax.lax.map(lambda edges: cells_of(state, *edges), edges)
+    cells = jax.lax.map(lambda edges: cells_of(state, *edges), edges_of(unworn, grown, resolution))
     volume = state.c**2 * state.height(state.punch) * state.volume
     # The cells know the first rate to four digits, and the energy of friction knows it to eight.
     unit = 4.0 * state.friction * state.tangential * volume / energy_of(state)
     scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
-    return in_unit(cells, unit), scales, edges[1][-1]
+    return in_unit(cells, unit), scales
 
 
 # --- the runs of all contacts -----------------------------------------------------------------------------------------
 
-_Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the cells
+_Runs = tuple[State, RunCurves]
 
 
 @program(static=1, level=1)
-def _rings_of_each(resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
+def _rings_of_each(resolution: MarchResolution, states: State) -> tuple[RingCells, Scales]:
     return in_turn(functools.partial(numeric_rings_of, resolution), states.shape, states)
 
 
@@ -58,8 +53,7 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
 
     def run(contact: Any, force: Array) -> _Runs:
         state = state_of(effort, contact, force)
-        ring, scales, from_1 = numeric_rings_of(resolution, state)
-        return state, curves_from(resolution, ring, scales), from_1
+        return state, curves_from(resolution, *numeric_rings_of(resolution, state))
 
     return each(sequential_forward_mode(run), (contact, force))
 
@@ -70,8 +64,7 @@ def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, fo
 
 
 def _worn_runs(resolution: MarchResolution, states: State) -> _Runs:
-    rings, scales, from_1 = _rings_of_each(resolution, states)
-    return states, curves_by_parts(resolution, rings, scales), from_1
+    return states, curves_by_parts(resolution, *_rings_of_each(resolution, states))
 
 
 @program()
@@ -95,12 +88,10 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
 # --- what is read -----------------------------------------------------------------------------------------------------
 
 
-@record
-class NumericRing:
+class NumericRing(NamedTuple):
     """A ring whose fields are integrals."""
 
     states: State
-    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
     def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at radii in the ring."""
@@ -110,7 +101,7 @@ class NumericRing:
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
         states, curves, c = self.states, run.curves, run.stick_radius
-        places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, self.from_1)
+        places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, curves.from_1)
         near = states.c * jnp.sqrt(1.0 - places[..., -1])  # the nearest place to c
 
         def pressures_at(at: Array) -> Pressures:
@@ -125,13 +116,13 @@ class NumericRing:
 
 @program()
 def _run_in_si(runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
-    states, curves, from_1 = runs
+    states, curves = runs
     phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
     # 4 K mu theta in 1/Pa, the time of one cycle.
     per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
     a_0 = states.results.contact_radius
     stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)
-    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states, from_1))
+    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states))
 
 
 class NumericRun(RingRun):

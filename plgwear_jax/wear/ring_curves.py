@@ -35,6 +35,7 @@ class RunCurves(NamedTuple):
     ratio: Array  # H/g in the cells
     swept: Array  # Q/s integrated over the cells
     edges: Array  # T/C - 1 at the edges of the cells
+    from_1: Array  # T/C - (a_0/c)^2 there
     scales: Scales
 
     @property
@@ -153,6 +154,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
         ring.steady / ring.gap,
         ring.swept,
         ring.edges,
+        ring.from_1,
         scales,
     )
 
