@@ -7,8 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.elementary import top_of
-from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Body, Pressed, Stress, body_of, field, of_each_traction
+from plgwear_jax.stresses.field import Pressed, Stress, body_of, field, of_each_traction
 
 
 class Peak(NamedTuple):
@@ -39,18 +38,20 @@ class Wanted(NamedTuple):
         """The stress that is wanted."""
         return jnp.where(self.mises > 0.0, stress.mises, stress.principal)
 
-    def ends(self, pressed: Pressed, body: Body) -> Array:
+    def ends(self, pressed: Pressed) -> Array:
         """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
         high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
-        return jnp.clip(jnp.append(_sides(body, dtype), jnp.stack([low, high])), low, high)
+        jumps = jnp.zeros(0, dtype) if pressed.table is None else pressed.table.start[1:] / pressed.radius
+        sides = jumps * (1.0 - 8.0 * jnp.finfo(dtype).eps), jumps
+        return jnp.clip(jnp.concatenate([*sides, jnp.stack([low, high])]), low, high)
 
 
 def highest(pressed: Pressed, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
     body = body_of(pressed)
-    ends = wanted.ends(pressed, body)
+    ends = wanted.ends(pressed)
     first = jnp.append(jnp.asarray(_X, ends.dtype), pressed.stick)
     edges = _contact_edges(pressed)
     graded = pressed.k is not None
@@ -96,7 +97,7 @@ def peak_at(pressed: Pressed, wanted: Wanted, x: Array, z: Array) -> Peak:
     be a kink: it moves with that.
     """
     body = body_of(pressed)
-    ends = wanted.ends(pressed, body)
+    ends = wanted.ends(pressed)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
     if pressed.k is not None:
@@ -124,11 +125,3 @@ def _unbounded(pressed: Pressed, wanted: Wanted) -> Array | bool:
 def _contact_edges(pressed: Pressed) -> Array:
     """Of the contact and of the stick area, in units of a_0."""
     return jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
-
-
-def _sides(body: Body, dtype: jnp.dtype) -> Array:
-    """Depths just above and below interfaces, in units of a_0."""
-    if not isinstance(body, Piecewise):
-        return jnp.zeros(0, dtype)
-    jumps = body.start[1:]
-    return jnp.concatenate([jumps * (1.0 - 8.0 * jnp.finfo(dtype).eps), jumps])

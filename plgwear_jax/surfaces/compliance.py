@@ -72,7 +72,7 @@ class OnePower(_Touching):
     k: Array
     log_g: Array
 
-    enough = 1e-14
+    enough = 1e-14  # the force is known to all digits
 
     @property
     def never_pulls(self) -> bool:
