@@ -131,8 +131,7 @@ def _powers(bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, 
     def taken(disc: Array, mixed: Array) -> Array:
         return mixed.T @ solve_symmetric(disc, mixed)
 
-    alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
-    total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
+    total = jnp.sum(of_ring + jax.vmap(taken)(disc, mixed), 0) - taken(disc.sum(0), mixed.sum(0))
     first = bodies.k >= 0.0
     return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
 

@@ -316,9 +316,10 @@ class MarchedRun(Run):
     def _rows(self) -> StageNumbers:
         rows = []
         for stage in self.load.stages():
-            force = self.contact.normal_force if stage.normal_force is None else stage.normal_force
-            mu = self.contact.friction if stage.friction is None else stage.friction
-            force, mu = guarded("normal_force", force, POSITIVE), guarded("friction", mu, POSITIVE)
+            force, mu = (
+                guarded(name, getattr(self.contact if getattr(stage, name) is None else stage, name), POSITIVE)
+                for name in ("normal_force", "friction")
+            )
             held = stage.load.control(mu * force)
             if stage.load.holds_force and self.load.lasts:
                 held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
