@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.scale import FuncScale
-from matplotlib.ticker import FixedLocator, MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter
 
 from plgwear_jax._core.units import PREFIXED, written
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
@@ -48,6 +48,7 @@ __all__ = ["MapError", "map_picture"]
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
 _CONTOURS = 8  # about as many lines
+_LONGEST = 50  # characters of a label, also of formulas, beside a panel
 _ALMOST = 1.0 - 1e-15
 _BLANK, _FIRM = "0.86", "\N{NO-BREAK SPACE}"
 _CURVES: Style = {
@@ -107,8 +108,8 @@ def map_picture(ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str,
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
     equation = f", Eq. ({variable.attrs['equation']})" if "equation" in variable.attrs else ""
     firm = [one.replace(" ", _FIRM) for one in told]  # no line ends between a symbol, its number and its unit
-    lines = textwrap.wrap(", ".join([variable.attrs["label"] + equation, *firm]), 66, break_long_words=False)
-    figure.suptitle("\n".join(lines).replace(_FIRM, " "), x=0.02, ha="left", fontsize="medium")
+    lines = _lines(", ".join([variable.attrs["label"] + equation.replace(" ", _FIRM), *firm]), 66)
+    figure.suptitle("\n".join(lines), x=0.02, ha="left", fontsize="medium")
     columns = 2 if any(len(str(handle.get_label())) > 13 for handle in handles) else 3
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=columns)
@@ -204,9 +205,19 @@ def _printed(array: xr.DataArray) -> str:
     return "$" + re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}")) + "$"
 
 
+def _lines(text: str, width: int) -> list[str]:
+    """The lines of a text, none of which ends within a formula."""
+    firm = re.sub(r"\$.*?\$", lambda formula: formula[0].replace(" ", _FIRM), text)
+    return [line.replace(_FIRM, " ") for line in textwrap.wrap(firm, width, break_long_words=False)]
+
+
 def _show(axis: Axis, array: xr.DataArray) -> None:
     """Label an axis on which values of a quantity or of an axis of the sweep stand."""
-    show_units(axis, words=array.attrs["label"], unit=_printed(array))
+    label = array.attrs["label"]
+    if len(label) > _LONGEST:  # the title has its words
+        label = label[max(label.find("$"), 0) :]
+    show_units(axis, words=label, unit=_printed(array))
+    axis.set_label_text("\n".join(_lines(axis.get_label_text(), _LONGEST)))
 
 
 # --- axes and scales --------------------------------------------------------------------------------------------------
@@ -223,10 +234,14 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
     atanh = FuncScale(axis, (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh))
     axes.set(**{f"{side}lim": values[[0, -1]], f"{side}scale": atanh if bounded else spacing})
-    if bounded:
-        axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, 0.0, 0.9, 0.99, 0.999]))
-    if spacing != "logit":
-        _show(axis, row)
+    _show(axis, row)
+    if spacing == "logit":
+        lowest = -1.0 if bounded else 0.0
+        wide = min(values[0] - lowest, 1.0 - values[-1]) < 3e-4  # more numbers would touch each other
+        apart = np.array([1e-3] if wide else [1e-3, 1e-2, 0.1])
+        axis.set_major_locator(FixedLocator([*(lowest + apart), 0.5 * (lowest + 1.0), *(1.0 - apart)]))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
     return values
 
 

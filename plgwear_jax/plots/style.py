@@ -12,7 +12,7 @@ from matplotlib import rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, ScalarFormatter
 
 from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.doubts import SMOOTH
@@ -107,7 +107,8 @@ def show_units(
     """Label an axis whose values are in SI units and whose limits are set; its ticks have the prefix that suits them.
 
     Args:
-        axis: The axis. One that is logarithmic has plain numbers, if they are short, or powers of ten.
+        axis: The axis. One that is logarithmic, or so for both signs, has plain numbers, if they are short, or powers
+            of ten.
         name: A quantity of the catalogue, which has words, a symbol and a unit.
         words: Replaces its name and symbol.
         unit: Replaces its unit.
@@ -119,12 +120,25 @@ def show_units(
         power = int(np.log10(upper / factor))
         factor, prefixed = factor * 10.0**power, f"$10^{power}$ {prefixed}".rstrip()
     axis.set_label_text(f"{words or entry(name).label} ({prefixed})".removesuffix(" ()"))
-    if axis.get_scale() != "log":
+    if axis.get_scale() not in ("log", "asinh"):
         axis.set_major_formatter(_Prefixed(factor))
         return
+    ticks = LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,))
+    if axis.get_scale() == "asinh":  # both signs: powers of ten outside of the linear part, and zero
+        scale: Any = axis.get_transform()
+        lower = scale.linear_width
+        powers = np.arange(np.ceil(np.log10(3.0 * lower)), np.log10(upper) + 1e-9)
+        powers = 10.0 ** powers[:: -max(1, -(-powers.size // 3))]
+        ticks = FixedLocator(sorted([*-powers, 0.0, *powers]))
     short = 1e-3 <= lower / factor < upper / factor < 1e5
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
-    axis.set_major_formatter(lambda x, _: f"{x / factor:g}" if short else rf"$10^{{{np.log10(x / factor):.0f}}}$")
+
+    def number(x: float, _: Any) -> str:
+        if short or x == 0.0:
+            return axis.get_major_formatter().fix_minus(f"{x / factor:g}")
+        return rf"${'-' if x < 0.0 else ''}10^{{{np.log10(abs(x / factor)):.0f}}}$"
+
+    axis.set_major_locator(ticks)
+    axis.set_major_formatter(number)
     axis.set_minor_formatter(NullFormatter())
 
 

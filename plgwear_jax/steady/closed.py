@@ -499,5 +499,5 @@ class Steady(Solution):
         flat = unit[..., None] * jnp.exp((s - 0.5)[..., None] * jnp.log(inside))
         own, area = ((1.0 + s) / (0.5 + s))[..., None] * inside * flat, stick * stick
         stuck, flat = ((1.0 - phi) / area)[..., None] * own, (phi / area)[..., None] * flat
-        rest = half_space_of(contact.material, k.shape)
+        rest = half_space_of(contact.material, radius)
         return Pressed(self.digits, force, radius, stick, friction, own, stuck, flat, s, *rest)

@@ -35,7 +35,7 @@ from plgwear_jax.surfaces.punch import (
     punch_at,
     punch_under,
 )
-from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest
+from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest, sunk_beside
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
@@ -177,8 +177,13 @@ def _profile(state: State, r: Array) -> Array:
 
 
 def _worn_displacement(state: State, r: Array) -> Array:
-    level = state.height(state.punch) * (state.punch.depth + state.further) - state.bodies.outline.height(r)
-    return level - _gap(state, state.further, r)
+    c, punch, further = state.c, state.punch, state.further
+    outside = r > c
+    near = jnp.where(outside, r, 1.5 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    beyond = sunk_beside(state.bodies, punch, state.beside, further, y)
+    under = state.height(punch) * (punch.depth + further) - state.bodies.outline.height(jnp.minimum(r, c))
+    return jnp.where(outside, state.height(punch) * beyond, under)
 
 
 def _unworn_displacement(state: State, r: Array) -> Array:
@@ -422,7 +427,7 @@ class NumericSteady(Steady):
     def _pressed(self) -> Pressed:
         state = self._solution
         own, stuck, flat, s = _each_state("strips_of", state)
-        a_0, rest = state.unworn.c, half_space_of(self.contact.material, state.shape)
+        a_0, rest = state.unworn.c, half_space_of(self.contact.material, state.unworn.c)
         return Pressed(self.digits, state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, s, *rest)
 
     # --- functions of the radius ------------------------------------------------------------------------------------

@@ -44,14 +44,19 @@ def _pressed_of(steady: Any) -> Pressed:
     return steady._once("pressed", lambda: _pressed_program(as_numbers(steady)))
 
 
-def half_space_of(material: Any, shape: tuple[int, ...]) -> tuple[Array, Array | None, Piecewise | None]:
-    """The last fields of `Pressed`, from `nu` on, for contacts of this shape."""
+def half_space_of(material: Any, radius: Array) -> tuple[Array, Array | None, Piecewise | None]:
+    """The last fields of `Pressed`, from `nu` on, for contacts of these radii."""
     nu = holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
-    nu, k, table = jnp.broadcast_to(nu, shape), None, None
+    nu, k, table = jnp.broadcast_to(nu, radius.shape), None, None
+
+    def in_radii(material: AnyModulus, radius: Array) -> Piecewise:
+        lengths, moduli = material.arrays()
+        return material.by_depth(lengths / radius, moduli / moduli[0])
+
     if isinstance(material, PowerLawGraded):
-        k = jnp.broadcast_to(jnp.asarray(material.k), shape)
+        k = jnp.broadcast_to(jnp.asarray(material.k), radius.shape)
     elif isinstance(material, AnyModulus):
-        table = each(lambda body, _: body.by_depth(*body.arrays()), (material, nu))
+        table = each(in_radii, (material, radius))
     return nu, k, table
 
 

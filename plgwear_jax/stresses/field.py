@@ -104,7 +104,7 @@ class Pressed:
     s: Array  # beside the edge `flat` goes as (1 - t^2)^(s - 1/2), and the others with one more factor of 1 - t^2
     nu: Array
     k: Array | None  # the exponent of a power law
-    table: Piecewise | None  # E in Pa by z in m, of any other half-space that is not homogeneous
+    table: Piecewise | None  # E over that of the surface by z/a_0, of any other half-space that is not homogeneous
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -200,10 +200,7 @@ def body_of(pressed: Pressed) -> Body:
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
         return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
-    if table is None:
-        return None
-    powers = pressed.radius ** np.arange(len(table.coefficients), dtype=pressed.radius.dtype)[:, None]
-    return Piecewise(table.start / pressed.radius, table.coefficients * powers / table.coefficients[0, 0])
+    return table
 
 
 # --- the field --------------------------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ class Wanted(NamedTuple):
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
         high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
-        jumps = jnp.zeros(0, dtype) if pressed.table is None else pressed.table.start[1:] / pressed.radius
+        jumps = jnp.zeros(0, dtype) if pressed.table is None else pressed.table.start[1:]
         sides = jumps * (1.0 - 8.0 * jnp.finfo(dtype).eps), jumps
         return jnp.clip(jnp.concatenate([*sides, jnp.stack([low, high])]), low, high)
 

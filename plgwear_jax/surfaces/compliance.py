@@ -22,9 +22,8 @@ from jax import Array, lax
 from plgwear_jax._core.record import guarded_field, record, static
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import clamped
+from plgwear_jax.special.elementary import clamped, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
-from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.special.quadrature import bent
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 from plgwear_jax.surfaces.effort import Effort, by_numbers
@@ -84,6 +83,10 @@ class OnePower(_Touching):
         """Edge exponent s of the pressure basis."""
         return 0.5 * (1.0 + self.k)
 
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement far away, up to a constant."""
+        return -2.0 * self.s * log_r
+
     @property
     def lead(self) -> tuple[Array, Array]:
         """(k, log(g))."""
@@ -110,6 +113,12 @@ class PowerLaw(_Touching):
     def abel(self) -> Array:
         """That of the power law or that of the homogeneous body."""
         return 0.5 * (1.0 + _of_sign(self.k)[0])
+
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement in m far away, under a force of 2 pi."""
+        half = 0.5 * self.k
+        log_g = self.log_g + self.k * math.log(2.0) + jnp.log(gamma(0.5 + half) / gamma(0.5 - half))
+        return jnp.logaddexp(log_g - (1.0 + self.k) * log_r, jnp.log(self.homogeneous) - log_r)
 
     @property
     def lead(self) -> tuple[Array, Array]:
@@ -234,6 +243,10 @@ class Graded(_Touching):
         """Edge exponent s of the pressure basis."""
         return jnp.full_like(self.strength, 0.5)
 
+    def far(self, log_r: Array) -> Array:
+        """The logarithm of the displacement far away, up to a constant: next to no pressure gets beyond all layers."""
+        return -log_r
+
     @property
     def lead(self) -> tuple[Array, Array]:
         """(k, log(g)) of the term that leads at large q."""
@@ -310,8 +323,7 @@ class Graded(_Touching):
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
-        squares = [jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near)]
-        size = jnp.sqrt(squares[0] / squares[1])
+        size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
         if law.punches is not None:
             size = size * jnp.append(1.0, law.punches[3] / unit)
         return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1))
@@ -360,8 +372,8 @@ def _terms(effort: Effort, numbers: Array) -> Array:
 
 def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: Effort, outline: Outline) -> Graded:
     """A half-space of any E(z), and a homogeneous body or a rigid one, for a load F_N R."""
-    modulus, nu = material.by_depth(*material.arrays()), guarded_field(material, "nu")
-    plane, moduli = (1.0 - nu) * (1.0 + nu), modulus.coefficients[0]
+    (lengths, moduli), nu = material.arrays(), guarded_field(material, "nu")
+    plane = (1.0 - nu) * (1.0 + nu)
     surface = 2.0 * plane / moduli[0]
     of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus
     # An estimate of the radius: with the mean of the moduli, by logarithms.
@@ -371,8 +383,8 @@ def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: 
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     _, seen, terms = wavenumbers(effort)
-    powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
-    unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
+    # In these units slopes of cubics by the depth are numbers of float32.
+    unit = material.by_depth(lengths / scale, moduli / moduli[0])
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     strength = surface * (1.0 + excess[-1]) + of_indenter

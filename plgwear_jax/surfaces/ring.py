@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.record import record, static
-from plgwear_jax.shapes.shape import Image
+from plgwear_jax.shapes.shape import Image, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -154,6 +154,29 @@ def _counts(lack: Lack, y: Array) -> tuple[Array, Array]:
     further = jnp.append(y / (1.0 - a) * rule.left * weight, 0.0)
     front = sine_of(a) * jnp.exp((1.0 - a) * jnp.log(y) + (a - 1.0) * jnp.log1p(places))
     return places, front * jnp.stack([jnp.append(weight, last), further])
+
+
+def sunk_beside(bodies: Bodies, punch: Punch, around: Beside, further: Array, y: Array) -> Array:
+    """The displacements in c^2/R at T = 1 + y beside the contact, shape (m,), pressed in further than it touches.
+
+    They are Abel's integral of v from 0 on, which is d - G(T) under the contact. Far away little is left of the depth.
+    """
+    a, image, lack, log_c = around.a, around.image, around.lack(further), punch.log_c
+    level, known = punch.depth - image.first, jnp.minimum(y, math.exp(_FARTHEST))
+    under = pieces(inwards(bodies.outline.kinks, punch.c)[::-1], a, logistic(200, 46.0))  # over x = 1 - T
+    weight, last = under.singular(a)
+    weight = weight * (level + further - image.fallen(-jnp.minimum(under.x, 1.0 - jnp.finfo(a.dtype).eps)))
+
+    def at(y: Array) -> Array:
+        sunk = weight @ jnp.exp(-a * jnp.log(y + under.x))
+        sunk = sine_of(a) * (sunk + last * (punch.depth + further) * jnp.exp(-a * jnp.log1p(y)))
+        if lack.v is None:
+            return sunk
+        places, (own, _) = _counts(lack, y)
+        return sunk + own @ (level + between(lack.v, places))
+
+    sunk, log_r, log_last = jax.lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
+    return sunk * jnp.exp(bodies.far(log_r) - bodies.far(log_last))
 
 
 class Ring(NamedTuple):

@@ -20,7 +20,7 @@ from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import ratio_where
+from plgwear_jax.special.elementary import quotient, ratio_where
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.closed import Steady
@@ -161,7 +161,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         level = grid.end * jnp.repeat(jnp.cumsum(falls), count + 1)
         found = found._replace(contact_radius=jax.lax.cummax(found.contact_radius + level) - level)
         goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
-        history = TestHistory(cycles, disc.radii, found, 1.0 * goes_on)
+        history = TestHistory(cycles, disc.radii, found, goes_on.astype(cycles.dtype))
         # --- the grid of the next pass
         radius, sticks = found.contact_radius, found.stick_radius.reshape(number, -1)
         least = jnp.nanmin(sticks)
@@ -178,14 +178,14 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         # Rings narrower than the cells of the first pass have less pressure than the contact in the mean. If that wears
         # nothing, as below the threshold of a law, the test ends at once.
         mean = law.rate(blocks.normal_force[0] / area, path * depth)
-        narrow = ratio_where(mean > 0.0, 10.0 * depth, mean)
-        unit = jnp.where(slips, jnp.minimum(gap, area * depth) / rate, narrow)
+        narrow = jnp.where(mean > 0.0, quotient(10.0 * depth, jnp.where(mean > 0.0, mean, 1.0)), 0.0)
+        unit = jnp.where(slips, quotient(jnp.minimum(gap, area * depth), rate), narrow)
         gross = (least <= 0.0) & slips
         # Where the rate falls faster than the pressure, as p^m, this dies out as the cycles to the power -1/(m-1).
         rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
         fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
         longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
-        last = jnp.where(gross, 0.5 * _flat(outline, reach) / rate, _LONG * unit * jnp.exp(longer))
+        last = jnp.where(gross, quotient(0.5 * _flat(outline, reach), rate), _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
         # seems to stick as a whole.
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))

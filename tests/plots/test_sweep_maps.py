@@ -211,6 +211,20 @@ def test_cells_meet_halfway_on_a_stretched_axis():
     assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
 
 
+@parametrize("end", [1e-3, 1e-6])
+def test_no_numbers_touch_and_no_label_is_cut_off(end):
+    k, phi = read_axis("k", "-0.999:0.999:30:logit"), read_axis("phi", f"{end}:{1.0 - end}:30:logit")
+    shown = np.sinh(np.add.outer(np.arctanh(k), np.arctanh(2.0 * phi - 1.0)))
+    figure = drawn(shown, "wear_volume.dk.dphi", "a_0^4/R", k=k, phi=phi)
+    figure.draw_without_rendering()
+    axes, bar = figure.axes
+    for axis in (axes.xaxis, axes.yaxis, bar.yaxis):
+        boxes = [text.get_window_extent() for text in axis.get_ticklabels()]
+        assert all(box.count_overlaps(boxes) == 1 for box in boxes)
+        assert figure.bbox.count_contains(axis.label.get_window_extent().corners()) == 4
+    assert all(line.count("$") % 2 == 0 for line in figure.get_suptitle().splitlines())
+
+
 # --- curves ---------------------------------------------------------------------------------------------------------
 
 

@@ -17,7 +17,7 @@ from scipy.interpolate import PchipInterpolator
 
 import plgwear_jax
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, coating
-from plgwear_jax.shapes import Parabola, TruncatedSphere
+from plgwear_jax.shapes import Cone, Parabola, TruncatedSphere
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.pchip import pchip
 from plgwear_jax.surfaces.cycles import through_springs
@@ -211,15 +211,38 @@ def test_traced_layers_that_are_none_are_nan_and_so_are_their_slopes():
     assert np.all(np.isnan(slopes[1:]))
 
 
-@compiled
-def test_slopes_by_the_thickness_in_single_precision():
-    def slope(layers, force=F_X):
-        by = jax.grad(lambda layers: contact_of(layers, STEEL).steady(force).wear_volume)
-        return by(layers).thickness
+@parametrize(
+    "contact",
+    [
+        compiled_case(contact_of(LAYERS, STEEL)),
+        contact_of(Layered([1e-5], [3e11, 1e11], NU)),
+        contact_of(DepthGraded([0.0, 1e-5, 4.7e-5, 5.1e-5, 8.6e-5], [150e9, 50e9, 570e9, 105e9, 76e9], 0.4), STEEL),
+        contact_of(STEEL, None, Cone(0.01)),
+    ],
+)
+def test_slopes_by_the_half_space_in_single_precision(contact):
+    slope = jax.grad(lambda contact, force: contact.steady(force).wear_volume)
+    found = slope(jax.tree.map(jnp.float32, contact), jnp.float32(F_X)).material
+    for one, known in zip(*map(jax.tree.leaves, (found, slope(contact, F_X).material)), strict=True):
+        assert one.dtype == np.float32
+        assert_allclose(one, known, rtol=2e-2, atol=2e-2 * np.max(abs(known)))
 
-    found = slope(jax.tree.map(jnp.float32, LAYERS), jnp.float32(F_X))
-    assert found.dtype == np.float32
-    assert_allclose(found, slope(LAYERS), rtol=2e-2)
+
+@parametrize(
+    "contact, E, k, error",
+    [
+        (dome(0.4, STEEL), 110e9, 0.4, 1e-4),
+        (dome(-0.4, STEEL), 110e9, -0.4, 1e-4),
+        (contact_of(Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), STEEL), 100e9, 0.0, 2e-3),
+    ],
+)
+def test_displacements_far_beside_a_contact_are_those_of_a_concentrated_force(contact, E, k, error):
+    steady = contact.steady(2.0)
+    r = steady.contact_radius * np.array([100.0, 300.0, 1e5, 1e8])
+    body = np.cos(0.5 * np.pi * k) / (E * plgwear_jax.material.h_N(k, 0.3)) * (1e-4 / r) ** k
+    expected = FORCE * (1.0 - 0.3**2) / np.pi * (body + 1.0 / STEEL.E) / r
+    assert_allclose(steady.initial_displacement(r), expected, rtol=error)
+    assert_allclose(steady.steady_displacement(np.append(r, np.inf)), np.append(expected, 0.0), rtol=error)
 
 
 # --- what is published ------------------------------------------------------------------------------------------------

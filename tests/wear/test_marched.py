@@ -457,3 +457,6 @@ def test_single_precision_keeps_two_digits(load):
     assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
     # Which cell touches last is decided by roundings.
     assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=1e-2)
+    slope = jax.grad(lambda contact, load, law: contact.over_cycles(load, law).volume(1e5))
+    for found, known in zip(*(jax.tree.leaves(slope(*each)) for each in (single, double)), strict=True):
+        assert_allclose(found, known, rtol=3e-2)
