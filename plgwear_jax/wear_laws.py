@@ -3,11 +3,11 @@
 import dataclasses
 from typing import Any, ClassVar, dataclass_transform
 
-import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Numbers
 from plgwear_jax._core.record import guarded_field, number_or, record, static
+from plgwear_jax.special.elementary import power_where
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
 
@@ -113,9 +113,7 @@ class PressurePower(WearLaw):
 
     def rate(self, pressure: Array, slip: Array) -> Array:
         """The coefficient times p^exponent s in m."""
-        exponent = guarded_field(self, "exponent")
-        some = jnp.where(pressure > 0.0, pressure, 1.0)
-        power = jnp.where(pressure > 0.0, jnp.exp(exponent * jnp.log(some)), 0.0)
+        power = power_where(pressure > 0.0, pressure, guarded_field(self, "exponent"))
         return guarded_field(self, "coefficient") * power * slip
 
 

@@ -377,7 +377,7 @@ class Evaluator:
 
             one = self.question.limits[i]
             pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
-            row = _how_far_broken(one, peak_with_slopes(self.question.contact.material, pressed, one.quantity))
+            row = _how_far_broken(one, peak_with_slopes(pressed, one.quantity))
             both = zip(found[:2], (row.value, row.slopes), strict=True)
             found = Told(*(np.insert(x, 1 + i, new, 1) for x, new in both), *found[2:])
         return jax.tree.map(lambda x: x[: len(points)], found)

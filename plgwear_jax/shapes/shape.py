@@ -201,13 +201,6 @@ NEAR = 0.01  # T - 1 beside which `Image.fall` is a difference
 # --- by quadrature ----------------------------------------------------------------------------------------------------
 
 
-def stacked(kinks: Any, dtype: Any) -> Array | np.ndarray:
-    """Radii of `Shape.kinks` as one array."""
-    if isinstance(kinks, Array | np.ndarray):
-        return jnp.asarray(kinks, dtype)
-    return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)
-
-
 def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
     """`Image.bends` of these radii."""
     return jax.lax.stop_gradient(-inwards(kinks, c))
@@ -215,13 +208,13 @@ def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
 
 def inwards(kinks: Any, c: Array) -> Array:
     """1 - T at these radii."""
-    kinks = stacked(kinks, c.dtype)
+    kinks = jnp.asarray(kinks, c.dtype)
     return (c - kinks) * (c + kinks) / (c * c)
 
 
 def _places_below(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
     """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
-    parts = pieces(stacked(kinks, power.dtype) / end, power, rule)
+    parts = pieces(jnp.asarray(kinks, power.dtype) / end, power, rule)
     weights, last = parts.singular(power)
     x = jnp.append(parts.x, jnp.ones_like(end))
     return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))

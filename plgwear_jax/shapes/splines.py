@@ -19,7 +19,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at, stacked
+from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at
 from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
 
 _ORDERS = np.arange(3)
@@ -144,7 +144,7 @@ class _Splined(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
-        given = stacked(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
+        given = jnp.asarray(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
         first, second = Spline(*given, c, c).at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
         return Spline(*given, first, (second - first) / NEAR)
 

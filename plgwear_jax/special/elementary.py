@@ -89,6 +89,11 @@ def ratio_where(some: Any, above: Any, below: Array, other: Any = 0.0) -> Array:
     return jnp.where(some, above / jnp.where(some, below, 1.0), other)
 
 
+def power_where(some: Any, base: Array, exponent: Array) -> Array:
+    """base^exponent where it is wanted, which is at positive numbers, else 0; derivatives are finite everywhere."""
+    return jnp.where(some, jnp.exp(exponent * jnp.log(jnp.where(some, base, 1.0))), 0.0)
+
+
 # Quotients are kept in registers instead of memory: this halves the time of all functions that use them.
 
 

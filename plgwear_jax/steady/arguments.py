@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import CYCLES, DISTANCE, RADIUS, SHARE, ArrayLike, Domain, check, guarded
-from plgwear_jax._core.leaves import paths_of
+from plgwear_jax._core.leaves import leaf_of, paths_of
 from plgwear_jax._core.ranges import FINITE
 from plgwear_jax._core.record import guarded_field
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, PARTIAL_SLIP
@@ -70,12 +70,12 @@ def check_arguments(contact: Any, **given: Any) -> None:
             check(name, value, ARGUMENTS[name])
 
 
-def own_axes(contact: Any, number: int) -> list[int]:
-    """For each of so many leaves, a contact's and those after it, how many axes of its own it has: 1 for a table."""
+def own_axes(tree: Any, number: int = 0) -> list[int]:
+    """For each of so many leaves, a tree's and those after it, how many axes of its own it has: 1 for a table."""
     own = []
-    for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
-        tables = getattr(getattr(contact, first.name), "tables", ())
-        own.append(int(bool(rest) and rest[-1].name in tables))
+    for (*above, last), _ in jax.tree_util.tree_leaves_with_path(tree):
+        tables = getattr(leaf_of(tree, jax.tree_util.keystr(tuple(above))), "tables", ())
+        own.append(int(getattr(last, "name", None) in tables))
     return own + [0] * (number - len(own))
 
 

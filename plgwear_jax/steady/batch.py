@@ -11,6 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax._core.sequential import TOGETHER
+from plgwear_jax.steady.arguments import own_axes
 
 
 def dtype_of(given: Any) -> Any:
@@ -24,51 +25,61 @@ def as_numbers(given: Any) -> Any:
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
-def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[int, ...] = ()) -> Any:
-    """The function's tree of results for each element of the broadcast arguments, by `jax.vmap`.
+def each(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """The function's tree of results for each element of the broadcast arguments, which are trees, by `jax.vmap`.
 
-    The last axis of the arguments whose positions are in `points` is not a batch axis: the function takes it whole.
+    The function takes the last axis of `tables` whole.
     """
-    own = [1 if i in points else 0 for i in range(len(arguments))]
-    shapes = [x.shape[: x.ndim - n] for x, n in zip(arguments, own, strict=True)]
+    leaves, tree = jax.tree.flatten(arguments)
+    leaves = list(map(jnp.asarray, leaves))
+    shapes = [x.shape[: x.ndim - own] for x, own in zip(leaves, own_axes(arguments), strict=True)]
     shape = jnp.broadcast_shapes(*shapes)
     if shape == ():
         return one(*arguments)
     count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
     moves[0] |= not any(moves)  # where all axes have the length one
-    ends = [x.shape[len(single) :] for x, single in zip(arguments, shapes, strict=True)]
+    ends = [x.shape[len(single) :] for x, single in zip(leaves, shapes, strict=True)]
+
+    def of_leaves(*leaves: Array) -> Any:
+        return one(*tree.unflatten(leaves))
+
     if not count:
-        about = jax.eval_shape(one, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in arguments)))
-        return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), about)
+        return _nothing(shape, of_leaves, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in leaves)))
     flat = [
         jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
-        for x, last, move in zip(arguments, ends, moves, strict=True)
+        for x, last, move in zip(leaves, ends, moves, strict=True)
     ]
-    found = jax.vmap(one, [0 if move else None for move in moves])(*flat)
+    found = jax.vmap(of_leaves, [0 if move else None for move in moves])(*flat)
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
-def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Array, ...] = ()) -> Any:
+def _nothing(shape: tuple[int, ...], function: Callable[..., Any], *about: Any) -> Any:
+    """What a function gives of a batch of this shape without an element."""
+    found = jax.eval_shape(function, *about)
+    return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), found)
+
+
+def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Any, ...] = ()) -> Any:
     """The function's tree of results for each contact: the first axes of all leaves have this shape.
 
-    These broadcast against the axes of further arguments, of which the function takes one number each.
+    These broadcast against the axes of further trees of arguments, of whose leaves the function takes one number each.
     """
     dtype = jax.tree.leaves(trees)[0].dtype
-    more = tuple(jnp.asarray(x, dtype) for x in more)
-    whole = np.broadcast_shapes(shape, *(x.shape for x in more))
+    more = jax.tree.map(lambda x: jnp.asarray(x, dtype), more)
+    whole = np.broadcast_shapes(shape, *(x.shape for x in jax.tree.leaves(more)))
     if whole == ():
         return function(*trees, *more)
     if 0 in whole:
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
-        found = jax.eval_shape(function, *about, *(jax.ShapeDtypeStruct((), dtype) for _ in more))
-        return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
+        return _nothing(whole, function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), dtype), more))
     rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 
-    def one(moving: tuple[Array, ...]) -> Any:
-        return function(*jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
+    def one(moving: tuple[Array, Any]) -> Any:
+        row, more = moving
+        return function(*jax.tree.map(lambda x: x[row], flat), *more)
 
     # On a processor one after the other, since a batch would take as many steps as its slowest element.
     size = None if jax.default_backend() == "cpu" else TOGETHER
-    found = jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size)
+    found = jax.lax.map(one, (rows, jax.tree.map(lambda x: jnp.broadcast_to(x, whole).ravel(), more)), batch_size=size)
     return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)

@@ -14,7 +14,6 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import (
-    DISTANCE,
     EXPONENT,
     RADIUS,
     ArrayLike,
@@ -32,7 +31,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.steady.arguments import amplitude_of
+from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.solution import Solution
 
@@ -169,12 +168,14 @@ class Steady(Solution):
         friction = guarded_field(self.contact, "friction")
         return friction * self._tangential_ratio * self._height
 
-    def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self.contact_radius
+    def _scaled(self, unit: Array, function: Callable[..., Array], **at: ArrayLike) -> Array:
+        """A dimensionless function, of radii or distances in m if given, in this unit."""
+        relative = (guarded(name, x, ARGUMENTS[name]) / self.contact_radius for name, x in at.items())
+        return unit * function(*relative, self._k, self.amplitude, digits=self.digits)
 
-    def _scaled(self, unit: Array, function: Callable[..., Array], *r: ArrayLike) -> Array:
-        """A dimensionless function, of radii or distances in units of a_0 if given, in this unit."""
-        return unit * function(*r, self._k, self.amplitude, digits=self.digits)
+    def _before_wear(self, unit: Array, function: Callable[..., Array], r: ArrayLike) -> Array:
+        """The same of a function that does not depend on the load."""
+        return unit * function(guarded("r", r, RADIUS) / self.contact_radius, self._k, digits=self.digits)
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 
@@ -315,28 +316,29 @@ class Steady(Solution):
     @property
     @compiled
     def _energy_ratio(self) -> Array:
-        return self._of_each_contact(partial_slip.energy_ratio(self._k, self.amplitude, digits=self.digits))
+        return self._scaled(self._one, partial_slip.energy_ratio)
 
     @property
     @compiled
     def _aperture(self) -> Array:
-        return self._of_each_contact(partial_slip.loop_aperture(self._k, self.amplitude, digits=self.digits))
+        return self._scaled(self._one, partial_slip.loop_aperture)
 
     @property
     @compiled
     def _onset_energy_ratio(self) -> Array:
         k = guarded("k", self._k, EXPONENT)
-        return self._of_each_contact((1.0 + k) / (5.0 + k))
+        return self._one * ((1.0 + k) / (5.0 + k))
 
     @property
     @compiled
     def _onset_aperture(self) -> Array:
         k = guarded("k", self._k, EXPONENT)
-        return self._of_each_contact(jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k)))
+        return self._one * jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k))
 
-    def _of_each_contact(self, value: Array) -> Array:
-        """A value by k and phi alone, in the shape of all contacts and NaN where one is outside its ranges."""
-        return value + 0.0 * self.contact_radius
+    @property
+    def _one(self) -> Array:
+        """1 of each contact, NaN where one is outside its ranges."""
+        return 1.0 + 0.0 * self.contact_radius
 
     @compiled
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
@@ -357,49 +359,48 @@ class Steady(Solution):
     @compiled
     def edge_pressure(self, distance: ArrayLike) -> Array:
         """Worn pressure in Pa at a distance inside the stick-slip boundary, r = c - distance, Eq. (17)."""
-        relative = guarded("distance", distance, DISTANCE) / self.contact_radius
-        return self._scaled(self._mean_pressure, fretting.edge_pressure, relative)
+        return self._scaled(self._mean_pressure, fretting.edge_pressure, distance=distance)
 
     @compiled
     def initial_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_0 of the surface in m before any wear, Eq. (14)."""
-        return self._height * fretting.initial_displacement(self._relative(r), self._k, digits=self.digits)
+        return self._before_wear(self._height, fretting.initial_displacement, r)
 
     @compiled
     def steady_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_inf of the surface in m, Eq. (24)."""
-        return self._scaled(self._height, fretting.steady_displacement, self._relative(r))
+        return self._scaled(self._height, fretting.steady_displacement, r=r)
 
     @compiled
     def profile(self, r: ArrayLike) -> Array:
         """Shape f_inf of the worn indenter in m above its apex, Eq. (25)."""
-        return self._scaled(self._height, fretting.profile, self._relative(r))
+        return self._scaled(self._height, fretting.profile, r=r)
 
     @compiled
     def wear_depth(self, r: ArrayLike) -> Array:
         """Depth f_inf - f_0 in m worn off, from Eqs. (24) and (25)."""
-        return self._scaled(self._height, fretting.wear_depth, self._relative(r))
+        return self._scaled(self._height, fretting.wear_depth, r=r)
 
     @compiled
     def initial_pressure(self, r: ArrayLike) -> Array:
         """Pressure p_0 in Pa before any wear, Eq. (13)."""
-        return self._mean_pressure * fretting.initial_pressure(self._relative(r), self._k, digits=self.digits)
+        return self._before_wear(self._mean_pressure, fretting.initial_pressure, r)
 
     @compiled
     def pressure(self, r: ArrayLike) -> Array:
         """Pressure p_inf in Pa, Eq. (17); infinite at r = c."""
-        return self._scaled(self._mean_pressure, fretting.steady_pressure, self._relative(r))
+        return self._scaled(self._mean_pressure, fretting.steady_pressure, r=r)
 
     @compiled
     def traction(self, r: ArrayLike) -> Array:
         """Tangential traction tau_inf in Pa, Eq. (19); infinite at r = c."""
         unit = jnp.asarray(self.contact.friction) * self._mean_pressure
-        return self._scaled(unit, fretting.steady_traction, self._relative(r))
+        return self._scaled(unit, fretting.steady_traction, r=r)
 
     @compiled
     def slip_amplitude(self, r: ArrayLike) -> Array:
         """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
-        return self._scaled(self._tangential_height, partial_slip.slip_amplitude, self._relative(r))
+        return self._scaled(self._tangential_height, partial_slip.slip_amplitude, r=r)
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1)."""
@@ -484,12 +485,13 @@ class Steady(Solution):
     @property
     def _pressed(self) -> "Pressed":
         """What the stresses follow from."""
-        from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
+        from plgwear_jax.steady.stressed import half_space_of
+        from plgwear_jax.stresses.field import Pressed, samples
 
         contact = self.contact
-        given = contact.normal_force, contact.friction, poisson_ratio_of(contact.material)
-        given = self._k, self.amplitude, self._mean_pressure, self.contact_radius, *given
-        k, phi, mean, radius, force, friction, nu = jnp.broadcast_arrays(*map(jnp.asarray, given))
+        given = self._k, self.amplitude, self._mean_pressure, self.contact_radius
+        given = *given, contact.normal_force, contact.friction
+        k, phi, mean, radius, force, friction = jnp.broadcast_arrays(*map(jnp.asarray, given))
         stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
         inside = samples(self.digits, k.dtype, alone=True)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.
@@ -497,4 +499,5 @@ class Steady(Solution):
         flat = unit[..., None] * jnp.exp((s - 0.5)[..., None] * jnp.log(inside))
         own, area = ((1.0 + s) / (0.5 + s))[..., None] * inside * flat, stick * stick
         stuck, flat = ((1.0 - phi) / area)[..., None] * own, (phi / area)[..., None] * flat
-        return Pressed(force, radius, stick, friction, own, stuck, flat, s, nu, (k,))
+        rest = half_space_of(contact.material, radius)
+        return Pressed(self.digits, force, radius, stick, friction, own, stuck, flat, s, *rest)

@@ -16,14 +16,9 @@ from plgwear_jax.surfaces.punch import punch_at, surplus
 
 def _surplus_at(contact: Any, effort: Effort, log_stiffness: Array) -> tuple[Array, Callable[[Array], Array]]:
     """(An estimate of the radius in m, the surplus of the force at a log(c)), on a half-space of this stiffness."""
-    load, outline, indenter = jnp.asarray(contact.normal_force) * contact.radius, outline_of(contact), contact.indenter
-    plane_modulus = None if indenter is None else indenter.plane_modulus
-    compliance = power_law(jnp.asarray(contact.material.k), log_stiffness, plane_modulus, load, effort, outline)
-
-    def excess(log_c: Array) -> Array:
-        return surplus(punch_at(compliance, log_c, effort, outline), jnp.log(load))
-
-    return compliance.radius, excess
+    load, k = jnp.asarray(contact.normal_force) * contact.radius, jnp.asarray(contact.material.k)
+    bodies = power_law(k, log_stiffness, contact.indenter, load, effort, outline_of(contact))
+    return bodies.radius, lambda log_c: surplus(punch_at(bodies, log_c), jnp.log(load))
 
 
 @program()

@@ -3,7 +3,7 @@
 # Properties that a function returns are none for Pyright.
 # pyright: reportIncompatibleMethodOverride=false
 
-import functools
+import dataclasses
 import math
 from typing import Any, Self
 
@@ -13,43 +13,51 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax._core.startup.programs import program, traced
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.partial_slip import loop_opening, softness
-from plgwear_jax.special.elementary import clamp_keep_slope, crest
+from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.batch import as_numbers, in_turn
 from plgwear_jax.steady.closed import Steady
-from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, solved_states, states_of
-from plgwear_jax.stresses.field import Pressed, poisson_ratio_of, samples
+from plgwear_jax.steady.state import Results, State, refuse_tension, solved_results, solved_states, states_of
+from plgwear_jax.steady.stressed import half_space_of
+from plgwear_jax.stresses.field import Pressed, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
-from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, sunk_beside
+from plgwear_jax.surfaces.punch import (
+    Punch,
+    along_radius,
+    apart,
+    flat_pressure,
+    own_pressure,
+    pressed,
+    punch_at,
+    punch_under,
+)
+from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest, sunk_beside
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
 
 @program(static=1, level=1)
-def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
-    function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
-    return in_turn(functools.partial(function, effort), states.shape, states, more=more)
+def _each_state(name: str, states: State, *more: Array) -> Any:
+    # By a name, by which a kept program is known.
+    return in_turn(globals()[name], states.shape, states, more=more)
 
 
 @program(static=1, level=1)
-def over_radii_of(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
-    """The function of this name, of an effort, a state and radii."""
-    function, r = functools.partial(globals()[fixed[0]], fixed[1]), jnp.asarray(r, states.force.dtype)
+def over_radii_of(name: str, states: State, r: Array) -> Array:
+    """The function of this name, of a state and radii."""
+    function, r = globals()[name], jnp.asarray(r, states.force.dtype)
     if states.shape == ():
         return function(states, r.ravel()).reshape(r.shape)
     return in_turn(lambda state, r: function(state, r[None])[0], states.shape, states, more=(r,))
 
 
-def deepest_of(effort: Effort, state: State) -> Array:
+def deepest_of(state: State) -> Array:
     worn = state.phi > 0.0
-    lack = state.beside.lack(state.further)
-    most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
+    most = deepest(state.beside.lack(state.further), jnp.where(worn, state.end, 1.0))
     return state.height(state.punch) * jnp.where(worn, most, 0.0)
 
 
@@ -63,15 +71,20 @@ def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
     return inside, relative * (2.0 - relative)
 
 
+def _infinite_at(state: State) -> tuple[Array, Array]:
+    """Whether the pressure before any wear is infinite at the tip, and on a ring around it."""
+    return state.bodies.outline.unbounded(state.bodies.lead[0])
+
+
 def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
-    inside, z = _inside(jnp.exp(punch.log_c), distance)
-    tip, _ = state.outline.unbounded(state.compliance.lead[0])
+    inside, z = _inside(punch.c, distance)
+    tip, _ = _infinite_at(state)
     # `own_pressure` knows no place nearer to a tip: there the pressure is that of the nearest one, and infinite at the
     # tip alone, or integrals would be infinite. A program may round c in two ways.
     nearest, rounding = 1e-11, 4.0 * float(jnp.finfo(z.dtype).eps)
     known = jnp.where(tip, jnp.minimum(z, 1.0 - nearest), z)
-    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, known)
+    found = state.height(punch) * own_pressure(state.bodies, punch, known)
     found = jnp.where(tip & (1.0 - z < rounding), jnp.inf, found)
     return jnp.where(inside, clamp_keep_slope(0.0, found), 0.0 * distance)
 
@@ -81,58 +94,51 @@ def _more_pressure(state: State, distance: Array) -> Array:
     punch = state.punch
     inside, z = _inside(state.c, distance)
     further = state.height(punch) * state.further
-    found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance * further)
+    found = jnp.where(inside, further * flat_pressure(state.bodies, punch, z), 0.0 * distance * further)
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
-def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+def unworn_pressure_at(state: State, r: Array) -> Array:
     """The pressure in Pa before any wear at radii, shape (m,)."""
-    del effort
-    return _own_pressure(state, state.unworn, jnp.exp(state.unworn.log_c) - r)
+    return _own_pressure(state, state.unworn, state.unworn.c - r)
 
 
-def edge_pressure_of(effort: Effort, state: State, distance: Array) -> Array:
-    del effort
+def edge_pressure_of(state: State, distance: Array) -> Array:
     return _own_pressure(state, state.punch, distance) + _more_pressure(state, distance)
 
 
-def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+def worn_pressure_at(state: State, r: Array) -> Array:
     """The pressure in Pa in the end at radii, shape (m,)."""
-    return edge_pressure_of(effort, state, state.c - r)
+    return edge_pressure_of(state, state.c - r)
 
 
-def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
-    del effort
+def _worn_traction_at(state: State, r: Array) -> Array:
     return state.friction * _more_pressure(state, state.c - r)
 
 
-def strips_of(effort: Effort, state: State) -> tuple[Array, Array, Array, Array]:
+def strips_of(state: State) -> tuple[Array, Array, Array, Array]:
     """`own`, `stuck`, `flat` and `s` of `Pressed`."""
-    inside = samples(effort.digits, state.force.dtype)
+    bodies, inside = state.bodies, samples(state.bodies.effort.digits, state.force.dtype)
 
     def unworn(punch: Punch) -> Array:
-        return state.height(punch) * own_pressure(state.compliance, punch, state.outline, inside, 0.5)
+        return state.height(punch) * own_pressure(bodies, punch, inside, 0.5)
 
     own, stuck = jax.vmap(unworn)(jax.tree.map(lambda *both: jnp.stack(both), state.unworn, state.punch))
     further = state.height(state.punch) * state.further
-    return own, stuck, further * flat_pressure(state.compliance, state.punch, inside, 0.5), state.compliance.s
+    return own, stuck, further * flat_pressure(bodies, state.punch, inside, 0.5), bodies.s
 
 
-FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
-def peak_of(effort: Effort, state: State) -> Array:
-    shares = jnp.asarray(_SHARES, state.force.dtype)
-    pressures = unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c))
-    tip, ring = state.outline.unbounded(state.compliance.lead[0])
+def peak_of(state: State) -> Array:
+    pressures = unworn_pressure_at(state, jnp.asarray(_SHARES, state.force.dtype) * state.unworn.c)
+    tip, ring = _infinite_at(state)
     return jnp.where(tip | ring, jnp.inf, crest(pressures))  # they are at even distances in r^2
 
 
-def intensity_of(effort: Effort, state: State) -> Array:
-    del effort
-    punch = state.punch
-    k, log_g = state.compliance.lead
+def intensity_of(state: State) -> Array:
+    punch, (k, log_g) = state.punch, state.bodies.lead
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
     intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
@@ -142,53 +148,47 @@ def intensity_of(effort: Effort, state: State) -> Array:
 # --- displacements ----------------------------------------------------------------------------------------------------
 
 
-def _gap(effort: Effort, state: State, further: Array, r: Array) -> Array:
+def _gap(state: State, further: Array, r: Array) -> Array:
     """What Abel's integral leaves in m at radii (m,) beside c, pressed in further in c^2/R; 0 under the contact."""
     c, lack = state.c, state.beside.lack(further)
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-
-    def at(y: Array) -> Array:
-        return depth_beside(lack, state.beside.a, y, effort)
-
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
     together = lack.v is not None and len(lack.image.bends) <= FEW_KINKS
-    found = jax.vmap(at)(y) if together else jax.lax.map(jax.checkpoint(at), y)
+    found = jax.vmap(lack.depth)(y) if together else jax.lax.map(jax.checkpoint(lack.depth), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0 * c)
 
 
-def unworn_gap_at(effort: Effort, state: State, r: Array) -> Array:
+def unworn_gap_at(state: State, r: Array) -> Array:
     """The gap in m that the unworn indenter leaves beside its contact of the radius c, shape (m,)."""
-    return jnp.maximum(-_gap(effort, state, 0.0 * state.further, r), 0.0)
+    return jnp.maximum(-_gap(state, 0.0 * state.further, r), 0.0)
 
 
-def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
+def worn_depth_at(state: State, r: Array) -> Array:
     """The depth in m worn off in the end at radii, shape (m,)."""
     edge = state.c * jnp.sqrt(1.0 + state.end)
-    found = _gap(effort, state, state.further, jnp.minimum(r, edge))
+    found = _gap(state, state.further, jnp.minimum(r, edge))
     return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
 
 
-def _profile(effort: Effort, state: State, r: Array) -> Array:
-    return state.outline.height(r) + worn_depth_at(effort, state, r)
+def _profile(state: State, r: Array) -> Array:
+    return state.bodies.outline.height(r) + worn_depth_at(state, r)
 
 
-def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
+def _worn_displacement(state: State, r: Array) -> Array:
     c, punch, further = state.c, state.punch, state.further
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-    beyond = sunk_beside(state.compliance, punch, state.beside, further, y, state.outline, effort)
-    under = state.height(punch) * (punch.depth + further) - state.outline.height(jnp.minimum(r, c))
+    beyond = sunk_beside(state.bodies, punch, state.beside, further, y)
+    under = state.height(punch) * (punch.depth + further) - state.bodies.outline.height(jnp.minimum(r, c))
     return jnp.where(outside, state.height(punch) * beyond, under)
 
 
-def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    punch = state.unworn
-    around = beside(state.compliance, punch, effort, state.outline)
-    state = state._replace(punch=punch, beside=around, further=0.0 * state.further)
-    return _worn_displacement(effort, state, r)
+def _unworn_displacement(state: State, r: Array) -> Array:
+    around, none = beside(state.bodies, state.unworn), 0.0 * state.further
+    return _worn_displacement(dataclasses.replace(state, punch=state.unworn, beside=around, further=none), r)
 
 
 # --- slip -------------------------------------------------------------------------------------------------------------
@@ -199,11 +199,11 @@ def _most(state: State) -> Array:
     return state.tangential * state.height(state.unworn) * state.unworn.depth
 
 
-def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
+def _force(state: State, moved: Array, rig: Array) -> Array:
     most = _most(state)
 
     def at(log_c: Array) -> tuple[Array, Array]:
-        punch = punch_at(state.compliance, log_c, effort, state.outline)
+        punch = punch_at(state.bodies, log_c)
         height = state.height(punch)
         return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
 
@@ -215,24 +215,24 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
     return found - jax.lax.stop_gradient(jnp.where(moved > 0.0, 0.0, found))  # a rounding of the root
 
 
-def _slip(effort: Effort, state: State, r: Array) -> Array:
-    edge = jnp.exp(state.unworn.log_c)
-    slip = -state.tangential * _gap(effort, state, 0.0 * state.further, jnp.minimum(r, edge))
+def _slip(state: State, r: Array) -> Array:
+    edge = state.unworn.c
+    slip = -state.tangential * _gap(state, 0.0 * state.further, jnp.minimum(r, edge))
     return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r * state.c)
 
 
-def energy_of(effort: Effort, state: State) -> Array:
+def energy_of(state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     # As the stick area shrinks to c, F grows and the contact gives way by dF theta/K(c): the area of the loop is
     # 4 theta times the integral of F' (F - F') over 1/K, where nothing cancels but forces.
     begin, end, bends = state.punch.log_c, state.unworn.log_c, state.beside.image.bends
     # Where the contact grows beyond a kink F has one too: few are ends of pieces, many take more places.
-    few, count = len(bends) < FEW_KINKS, effort.nodes
+    few, count = len(bends) < FEW_KINKS, state.bodies.effort.nodes
     inner = 0.5 * jnp.log1p(bends) / (end - begin) if few else np.zeros(0)
     parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
-        punch = punch_at(state.compliance, log_c, effort, state.outline)
+        punch = punch_at(state.bodies, log_c)
         force = state.height(punch) * punch.force
         less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
@@ -255,14 +255,15 @@ def _moved(state: State) -> Array:
     return clamp_keep_slope(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
 
 
-def _alike(effort: Effort, state: State) -> Array:
+def _worn_moved(state: State) -> Array:
+    """That of the worn contact."""
+    return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
+
+
+def _alike(state: State) -> Array:
     """s of the power law whose stiffness grows with the normal force as that of the unworn contact does."""
     unworn = state.unworn
-
-    def at(log_c: Array) -> Punch:
-        return punch_at(state.compliance, log_c, effort, state.outline)
-
-    _, by_c = jax.jvp(at, (unworn.log_c,), (jnp.ones_like(unworn.log_c),))
+    by_c = along_radius(state.bodies, unworn)
     growth = by_c.stiffness / unworn.stiffness / (2.0 + by_c.force / unworn.force)
     return growth / (1.0 - growth)
 
@@ -274,50 +275,49 @@ def _first(state: State) -> tuple[Array, Array]:
     return small, jnp.where(small, state.phi, 0.5 * few)
 
 
-def energy_ratio_of(effort: Effort, state: State) -> Array:
+def energy_ratio_of(state: State) -> Array:
     around = 4.0 * state.phi * state.friction * state.force * _moved(state)
-    slips = state.phi > 0.0
-    return jnp.where(slips, energy_of(effort, state) / jnp.where(slips, around, 1.0), 0.0 * state.phi)
+    return ratio_where(state.phi > 0.0, energy_of(state), around, 0.0 * state.phi)
 
 
-def aperture_of(effort: Effort, state: State) -> Array:
-    (small, first), s = _first(state), _alike(effort, state)
-    half = _under(effort, state, 1.0 - 0.5 * jnp.where(small, 0.5, state.phi))
+def aperture_of(state: State) -> Array:
+    (small, first), s = _first(state), _alike(state)
+    half = _under(state, 1.0 - 0.5 * jnp.where(small, 0.5, state.phi))
     # Masing's rule, u(F_x) - 2 u(F_x/2).
     opened = state.tangential * (2.0 * _sunk(state, half) - _sunk(state, state.unworn) - _sunk(state, state.punch))
-    return jnp.where(small, loop_opening(s, first, None), opened / jnp.where(small, 1.0, _moved(state)))
+    return ratio_where(~small, opened, _moved(state), loop_opening(s, first, None))
 
 
-def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
+def gross_slip_energy_ratio_of(state: State) -> Array:
     # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact: that
     # of springs on the power law alone, whose pressures do not know each other, and what the rest adds.
-    punch, c, s = state.unworn, jnp.exp(state.unworn.log_c), state.compliance.s
-    image = state.outline.image(c, s)
+    punch, bodies = state.unworn, state.bodies
+    c, s, outline = punch.c, bodies.s, bodies.outline
+    image = outline.image(c, s)
     parts = pieces(1.0 + image.bends, c, logistic(100, 26.0))
     lifted = image.first + image.fallen(-jnp.minimum(parts.left, 1.0 - jnp.finfo(c.dtype).eps))  # T is not 0
-    alone, rest = apart(punch, s, state.outline)
+    alone, rest = apart(bodies, punch)
     own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
-    if rest is not None and punch.flat is not None:
-        bowl, _ = state.outline.moments(c, s, effort.modes)
+    if rest is not None:
+        bowl, _ = outline.moments(c, s, bodies.effort.modes)
         own = own + punch.stiffness / punch.flat[0] * (bowl @ rest)
     return (punch.held - own / punch.depth) / punch.force
 
 
-def gross_slip_aperture_of(effort: Effort, state: State) -> Array:
-    return 2.0 * _sunk(state, _under(effort, state, 0.5)) / _sunk(state, state.unworn) - 1.0
+def gross_slip_aperture_of(state: State) -> Array:
+    return 2.0 * _sunk(state, _under(state, 0.5)) / _sunk(state, state.unworn) - 1.0
 
 
-def _under(effort: Effort, state: State, share: Array | float) -> Punch:
+def _under(state: State, share: Array | float) -> Punch:
     """The unworn contact under a share of the normal force."""
-    return punch_under(effort, state.compliance, share * state.force * state.radius, state.outline)
+    return punch_under(state.bodies, share * state.force * state.bodies.outline.radius)
 
 
-def share_of(effort: Effort, state: State, rig: Array) -> Array:
+def share_of(state: State, rig: Array) -> Array:
     """The share of the contact in the displacement of a rig of this compliance."""
-    (small, first), s = _first(state), _alike(effort, state)
+    (small, first), s = _first(state), _alike(state)
     alone = state.tangential / (state.friction * state.unworn.stiffness) * (1.0 + s) * softness(s, first, None)
-    force = jnp.where(small, 1.0, state.phi * state.friction * state.force)
-    alone = jnp.where(small, alone, _moved(state) / force)
+    alone = ratio_where(~small, _moved(state), state.phi * state.friction * state.force, alone)
     return alone / (alone + rig)
 
 
@@ -326,14 +326,14 @@ def _field(name: str, worn: bool = False) -> Any:
 
     def at(self: "NumericSteady", r: ArrayLike) -> Array:
         r = self._argument("r", r)
-        return over_radii_of((name, self._effort), self._worn if worn else self._solution, r)
+        return over_radii_of(name, self._worn if worn else self._solution, r)
 
     return at
 
 
 def _number(name: str, worn: bool = False) -> Any:
     """A property that is the function of this name of each state."""
-    return property(lambda self: _each_state((name, self._effort), self._worn if worn else self._solution))
+    return property(lambda self: _each_state(name, self._worn if worn else self._solution))
 
 
 def _result(name: str, worn: bool = False) -> Any:
@@ -371,7 +371,7 @@ class NumericSteady(Steady):
         if "solved" in vars(self) or traced(()) or not traced(question):
             return self._solution.results
         # At known numbers the derivatives of the results alone do not need those of all that a state has.
-        return results_of(self.contact, self._applied_force, self._effort)
+        return with_slopes(solved_results)(self._effort, *self._given())
 
     @property
     def _worn(self) -> State:
@@ -401,27 +401,17 @@ class NumericSteady(Steady):
     _aperture = _number("aperture_of")
     _onset_energy_ratio = _number("gross_slip_energy_ratio_of")
     _onset_aperture = _number("gross_slip_aperture_of")
-
-    @property
-    def _onset(self) -> Array:
-        return _most(self._solution)
-
-    @property
-    def _moved(self) -> Array:
-        return _moved(self._solution)
-
-    @property
-    def _worn_moved(self) -> Array:
-        state = self._worn
-        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
+    _onset = _number("_most")
+    _moved = _number("_moved")
+    _worn_moved = _number("_worn_moved", worn=True)
 
     @property
     def _share_of_contact(self) -> Array:
-        return _each_state(("share_of", self._effort), self._solution, self.load.rig_compliance)
+        return _each_state("share_of", self._solution, self.load.rig_compliance)
 
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = self._argument("displacement_amplitude", displacement_amplitude)
-        return _each_state(("_force", self._effort), self._solution, moved, self.load.rig_compliance)
+        return _each_state("_force", self._solution, moved, self.load.rig_compliance)
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)
@@ -435,21 +425,15 @@ class NumericSteady(Steady):
 
     @property
     def _pressed(self) -> Pressed:
-        state, material = self._solution, self.contact.material
-        own, stuck, flat, s = _each_state(("strips_of", self._effort), state)
-        if isinstance(material, PowerLawGraded):
-            body = (jnp.broadcast_to(jnp.asarray(material.k), state.shape),)
-        else:
-            arrays = material.arrays()
-            body = tuple(jnp.broadcast_to(x, (*state.shape, x.shape[-1])) for x in arrays)
-        a_0, nu = jnp.exp(state.unworn.log_c), jnp.broadcast_to(poisson_ratio_of(material), state.shape)
-        return Pressed(state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, s, nu, body)
+        state = self._solution
+        own, stuck, flat, s = _each_state("strips_of", state)
+        a_0, rest = state.unworn.c, half_space_of(self.contact.material, state.unworn.c)
+        return Pressed(self.digits, state.force, a_0, state.c / a_0, state.friction, own, stuck, flat, s, *rest)
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 
     def edge_pressure(self, distance: ArrayLike) -> Array:
-        distance = self._argument("distance", distance)
-        return over_radii_of(("edge_pressure_of", self._effort), self._worn, distance)
+        return over_radii_of("edge_pressure_of", self._worn, self._argument("distance", distance))
 
     initial_displacement = _field("_unworn_displacement")
     steady_displacement = _field("_worn_displacement", worn=True)

@@ -11,16 +11,17 @@ from jax import Array
 
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
-from plgwear_jax.steady.batch import as_numbers, in_turn
-from plgwear_jax.stresses.field import Given, Pressed, Stress, body_of, field
+from plgwear_jax.material import PowerLawGraded, holl_ratio
+from plgwear_jax.special.pchip import Piecewise
+from plgwear_jax.steady.batch import as_numbers, each, in_turn
+from plgwear_jax.stresses.field import Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
-from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
+from plgwear_jax.surfaces.bodies import AnyModulus
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    read = functools.partial(_stress_program, (_given_of(steady.contact.material, steady.digits), worn))
-    return _read(read, steady, (jnp.asarray(x), jnp.asarray(z)))
+    return _read(functools.partial(_stress_program, worn), steady, (jnp.asarray(x), jnp.asarray(z)))
 
 
 def _read(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
@@ -43,62 +44,65 @@ def _pressed_of(steady: Any) -> Pressed:
     return steady._once("pressed", lambda: _pressed_program(as_numbers(steady)))
 
 
-def _given_of(material: Any, digits: int | None) -> Given:
-    if isinstance(material, AnyModulus):
-        return Given(type(material), digits)
-    return Given("homogeneous" if isinstance(material, Elastic) else None, digits)
+def half_space_of(material: Any, radius: Array) -> tuple[Array, Array | None, Piecewise | None]:
+    """The last fields of `Pressed`, from `nu` on, for contacts of these radii."""
+    nu = holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
+    nu, k, table = jnp.broadcast_to(nu, radius.shape), None, None
+
+    def in_radii(material: AnyModulus, radius: Array) -> Piecewise:
+        lengths, moduli = material.arrays()
+        return material.by_depth(lengths / radius, moduli / moduli[0])
+
+    if isinstance(material, PowerLawGraded):
+        k = jnp.broadcast_to(jnp.asarray(material.k), radius.shape)
+    elif isinstance(material, AnyModulus):
+        table = each(in_radii, (material, radius))
+    return nu, k, table
 
 
 @program(static=1, level=1)
-def _stress_program(fixed: tuple[Given, bool], pressed: Pressed, places: tuple[Array, Array]) -> Stress:
-    given, worn = fixed
+def _stress_program(worn: bool, pressed: Pressed, places: tuple[Array, Array]) -> Stress:
     x, z = (jnp.asarray(at, pressed.force.dtype) for at in places)
 
     def one(pressed: Pressed, x: Array, z: Array) -> Stress:
-        return field(pressed, body_of(pressed, given.half), given, worn, x / pressed.radius, z / pressed.radius)
+        return field(pressed, body_of(pressed), worn, x / pressed.radius, z / pressed.radius)
 
     if pressed.shape == () and x.size and z.size:
         return one(pressed, x, z)
     return in_turn(one, pressed.shape, pressed, more=(x, z))
 
 
-@program(static=1, level=2)
-def _searched(given: Given, pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
+@program(level=2)
+def _searched(pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
     """The peaks, in SI units and with their places in units of a_0, without derivatives."""
 
-    def one(pressed: Pressed, *wanted: Array) -> tuple[Peak, Peak]:
-        found = highest(pressed, given, Wanted(*wanted))
-        return in_si(pressed, given, Wanted(*wanted), found), found
+    def one(pressed: Pressed, wanted: Wanted) -> tuple[Peak, Peak]:
+        found = highest(pressed, wanted)
+        return in_si(pressed, wanted, found), found
 
-    return in_turn(one, pressed.shape, pressed, more=wanted)
+    return in_turn(one, pressed.shape, pressed, more=(wanted,))
 
 
-@program(static=1, level=1)
-def _at_known_place(given: Given, pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Peak:
-    def one(pressed: Pressed, mises: Array, least: Array, most: Array, *place: Array) -> Peak:
-        return peak_at(pressed, given, Wanted(mises, least, most), *place)
-
-    wanted, *place = known
-    return in_turn(one, pressed.shape, pressed, more=(*wanted, *place))
+@program(level=1)
+def _at_known_place(pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Peak:
+    return in_turn(peak_at, pressed.shape, pressed, more=known)
 
 
 def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    given = _given_of(steady.contact.material, steady.digits)
     wanted = Wanted(*as_numbers((float(name == "mises"), least, most)))
     if not traced((steady.contact, steady.load, wanted)):
-        return _searched(given, _pressed_of(steady), wanted)[0]
-    return _read(functools.partial(_peak_there, given), steady, wanted)
+        return _searched(_pressed_of(steady), wanted)[0]
+    return _read(_peak_there, steady, wanted)
 
 
-def _peak_there(given: Given, pressed: Any, wanted: Any) -> Any:
+def _peak_there(pressed: Any, wanted: Any) -> Any:
     """The peak by its search, and by a program for the derivatives at its place."""
     known = jax.tree.map(lambda x: jax.lax.stop_gradient(value_of(x)), (pressed, wanted))
-    _, place = _searched(given, *known)
-    return _at_known_place(given, pressed, (wanted, place.x, place.z))
+    _, place = _searched(*known)
+    return _at_known_place(pressed, (wanted, place.x, place.z))
 
 
-def peak_with_slopes(material: Any, pressed: Any, name: str) -> Any:
-    """The largest tension or von Mises stress of what is known with its slopes, to the digits that are the default."""
-    given, wanted = _given_of(material, None), Wanted(*as_numbers((float(name == "peak_mises"), 0.0, np.inf)))
-    return _peak_there(given, pressed, wanted).value
+def peak_with_slopes(pressed: Any, name: str) -> Any:
+    """The largest tension or von Mises stress of what is known with its slopes."""
+    return _peak_there(pressed, Wanted(*as_numbers((float(name == "peak_mises"), 0.0, np.inf)))).value

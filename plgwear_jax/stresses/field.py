@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,10 +10,9 @@ import numpy as np
 from jax import Array
 from scipy.interpolate import CubicSpline
 
-from plgwear_jax.material import holl_ratio
+from plgwear_jax._core.record import record, static
 from plgwear_jax.special.pchip import Piecewise, horner
 from plgwear_jax.stresses.images import Grid, Tractions, grid, on_path, path, strips, transforms
-from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
 
@@ -53,10 +52,6 @@ def _root(square: Array) -> Array:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
-Half = Literal["homogeneous"] | type[AnyModulus] | None
-"""What the half-space is: the class of a table, or None for a power law."""
-
-
 class Fineness(NamedTuple):
     """How finely stresses are divided."""
 
@@ -74,13 +69,6 @@ _FINENESS = {
     5: Fineness(32, 4, 0.37, 0.5, 5),  # at 0.4 the exponentials leave 5e-3 at the edge of a stiff layer
 }
 _SINGLE = Fineness(40, 40, 0.4, 0.6, 4)  # in float32, where the far field of parabolas would cancel
-
-
-class Given(NamedTuple):
-    """What of a contact is known to its programs before they are traced."""
-
-    half: Half
-    digits: int | None
 
 
 def fineness_of(digits: int | None, dtype: Any) -> Fineness:
@@ -101,9 +89,11 @@ def samples(digits: int | None, dtype: Any, alone: bool = False) -> Array:
     return jnp.asarray(strips(*_ALONE if alone else fineness_of(digits, dtype)[:2])[1], dtype)
 
 
-class Pressed(NamedTuple):
+@record
+class Pressed:
     """What the stresses follow from; P, as in `images`, in units of its radius, at `samples`."""
 
+    digits: int | None = static()
     force: Array  # F_N in N
     radius: Array  # a_0 in m
     stick: Array  # c/a_0
@@ -113,16 +103,22 @@ class Pressed(NamedTuple):
     flat: Array  # P of c, what the worn contact adds
     s: Array  # beside the edge `flat` goes as (1 - t^2)^(s - 1/2), and the others with one more factor of 1 - t^2
     nu: Array
-    body: tuple[Array, ...]  # the exponent of a power law, or the two arrays of `AnyModulus`
+    k: Array | None  # the exponent of a power law
+    table: Piecewise | None  # E over that of the surface by z/a_0, of any other half-space that is not homogeneous
 
     @property
     def shape(self) -> tuple[int, ...]:
         """The shape of the contacts, () for one."""
         return self.force.shape
 
-    def tractions(self, given: Given, worn: bool) -> Tractions:
+    @property
+    def fineness(self) -> Fineness:
+        """How finely its stresses are divided."""
+        return fineness_of(self.digits, self.stick.dtype)
+
+    def tractions(self, worn: bool) -> Tractions:
         """The pressure, and the traction along the motion, in units of a_0."""
-        c, fine, graded = self.stick, fineness_of(given.digits, self.stick.dtype), given.half is None
+        c, fine, graded = self.stick, self.fineness, self.k is not None
         alone = self.own.shape[-1] < fine.radii  # there are three samples for each radius
         size = _ALONE if alone else fine[:2]
         b, inside, fit = (jnp.asarray(each, c.dtype) for each in strips(*size))
@@ -151,11 +147,6 @@ class Pressed(NamedTuple):
             flat = c * more[-1:, None] * both if worn and not graded else None
         edges = c * b[None] if worn else jnp.stack([b, c * b])
         return Tractions(size[1], edges, weight, flat, beside)
-
-
-def poisson_ratio_of(material: Any) -> Array:
-    """Poisson's ratio of a half-space, also where it is Holl's."""
-    return holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
 
 
 # --- E(z) -------------------------------------------------------------------------------------------------------------
@@ -199,20 +190,17 @@ def _mean_power(k: Array, x: Array, y: Array) -> Array:
 Body = Piecewise | PowerModulus | None
 
 
-def body_of(pressed: Pressed, half: Half) -> Body:
+def body_of(pressed: Pressed) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    if half == "homogeneous":
-        return None
-    if half is None:
-        (k,), nu = pressed.body, pressed.nu
+    k, nu, table = pressed.k, pressed.nu, pressed.table
+    if k is not None:
         depths = jnp.asarray(_DEPTHS, k.dtype)
         edges, mean = jnp.append(0.0, depths)[:, None], functools.partial(_mean_power, k)
         found = responses(mean, edges, False, depths, jnp.ones_like(k)[None], nu)
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
         return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
-    lengths, moduli = pressed.body
-    return half.by_depth(lengths / pressed.radius, moduli / moduli[0])
+    return table
 
 
 # --- the field --------------------------------------------------------------------------------------------------------
@@ -284,16 +272,16 @@ def _parts(nu: Array) -> Array:
     return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))
 
 
-def field(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: Array) -> Stress:
+def field(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Stress:
     """Stresses in Pa of one contact at x and z in units of a_0, which broadcast; fast where both do so."""
-    return Stress(*jnp.sum(of_each_traction(pressed, body, given, worn, x, z), -1))
+    return Stress(*jnp.sum(of_each_traction(pressed, body, worn, x, z), -1))
 
 
-def of_each_traction(pressed: Pressed, body: Body, given: Given, worn: bool, x: Array, z: Array) -> Array:
+def of_each_traction(pressed: Pressed, body: Body, worn: bool, x: Array, z: Array) -> Array:
     """The stresses by the pressure and by the traction along the motion, (4, ..., 2)."""
     shape = jnp.broadcast_shapes(x.shape, z.shape)
     x, z = (at.reshape((1,) * (len(shape) - at.ndim) + at.shape) for at in (x, z))
-    nu, images = pressed.nu, grid(fineness_of(given.digits, x.dtype).spacing, x.dtype == jnp.float64)
+    nu, images = pressed.nu, grid(pressed.fineness.spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
     near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
@@ -302,7 +290,7 @@ def of_each_traction(pressed: Pressed, body: Body, given: Given, worn: bool, x: 
         places = jnp.append(places, jnp.repeat(x.ravel(), images.zeta.size))
         heights = jnp.append(heights, jnp.tile(jnp.asarray(images.zeta, z.dtype), x.size))
     count = math.prod(shape)
-    found, rate = transforms(pressed.tractions(given, worn), heights, places, count)
+    found, rate = transforms(pressed.tractions(worn), heights, places, count)
     value, rate = found[:, :count].reshape(4, *shape, 2), rate.reshape(4, *shape, 2)
     each = _first_responses(nu)
     if isinstance(body, PowerModulus):

@@ -7,8 +7,7 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.elementary import top_of
-from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.stresses.field import Body, Given, Pressed, Stress, body_of, field, fineness_of, of_each_traction
+from plgwear_jax.stresses.field import Pressed, Stress, body_of, field, of_each_traction
 
 
 class Peak(NamedTuple):
@@ -39,21 +38,24 @@ class Wanted(NamedTuple):
         """The stress that is wanted."""
         return jnp.where(self.mises > 0.0, stress.mises, stress.principal)
 
-    def ends(self, pressed: Pressed, body: Body) -> Array:
+    def ends(self, pressed: Pressed) -> Array:
         """Depths in units of a_0 that do not move with it: both sides of each interface, and last both ends."""
         dtype = pressed.force.dtype
         low = self.least / pressed.radius
         high = jnp.maximum(low, jnp.minimum(self.most, float(_Z[-1]) * pressed.radius) / pressed.radius)
-        return jnp.clip(jnp.append(_sides(body, dtype), jnp.stack([low, high])), low, high)
+        jumps = jnp.zeros(0, dtype) if pressed.table is None else pressed.table.start[1:]
+        sides = jumps * (1.0 - 8.0 * jnp.finfo(dtype).eps), jumps
+        return jnp.clip(jnp.concatenate([*sides, jnp.stack([low, high])]), low, high)
 
 
-def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
+def highest(pressed: Pressed, wanted: Wanted) -> Peak:
     """The largest value in Pa, and its place in units of a_0: on a grid, then on finer ones around the best place."""
-    body = body_of(pressed, given.half)
-    ends = wanted.ends(pressed, body)
+    body = body_of(pressed)
+    ends = wanted.ends(pressed)
     first = jnp.append(jnp.asarray(_X, ends.dtype), pressed.stick)
     edges = _contact_edges(pressed)
-    depths = jnp.asarray(_SHALLOW if given.half is None else _Z, ends.dtype)
+    graded = pressed.k is not None
+    depths = jnp.asarray(_SHALLOW if graded else _Z, ends.dtype)
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
 
     def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -63,7 +65,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
         zs = jnp.append(jnp.clip(zs, ends[-2], ends[-1]), ends)
         # At -x the traction along the motion does what it would do at x if it were reversed.
-        by_pressure, by_traction = jnp.moveaxis(of_each_traction(pressed, body, given, False, xs, zs[:, None]), -1, 0)
+        by_pressure, by_traction = jnp.moveaxis(of_each_traction(pressed, body, False, xs, zs[:, None]), -1, 0)
         found = jnp.stack([wanted.of(Stress(*by_pressure + sign * by_traction)) for sign in (1.0, -1.0)])
         found = jnp.where(jnp.isnan(found), -jnp.inf, found)
         side, z_at, x_at = jnp.unravel_index(jnp.argmax(found), found.shape)
@@ -71,7 +73,7 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         peak = Peak(found[z_at, x_at], jnp.where(side == 0, x, -x), z)
         top = top_of(xs[:-1], found[z_at, :-1]), top_of(zs[: depths.size], found[: depths.size, x_at])
         # Nearer to the surface by smaller steps, on a power law nearer to the edges too.
-        if given.half is not None:
+        if not graded:
             next_z = z + jnp.minimum(step, 0.5 * z + 1e-3 * step) * downwards
             return x + step * sideways, next_z, step / _CLOSER, peak, *top
         low = jnp.maximum(z, _LEAST)
@@ -82,53 +84,44 @@ def highest(pressed: Pressed, given: Given, wanted: Wanted) -> Peak:
         return next_x, next_z, step, peak, *top
 
     none = jnp.zeros_like(pressed.radius)
-    step = jnp.asarray(_REACH if given.half is not None else [jnp.inf, jnp.inf], ends.dtype)
+    step = jnp.asarray([jnp.inf, jnp.inf] if graded else _REACH, ends.dtype)
     begin = first, depths, step, Peak(none, none, none), none, none
-    rounds = fineness_of(given.digits, ends.dtype).rounds
-    rounds = jnp.where(_unbounded(pressed, given, wanted), 0, rounds)
+    rounds = jnp.where(_unbounded(pressed, wanted), 0, pressed.fineness.rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
 
 
-def peak_at(pressed: Pressed, given: Given, wanted: Wanted, x: Array, z: Array) -> Peak:
+def peak_at(pressed: Pressed, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
     It is there in units of a_0 as the derivatives go, but for depths that are ends, and beside an edge, where there may
     be a kink: it moves with that.
     """
-    body = body_of(pressed, given.half)
-    ends = wanted.ends(pressed, body)
+    body = body_of(pressed)
+    ends = wanted.ends(pressed)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
-    if given.half is None:
+    if pressed.k is not None:
         edges = _contact_edges(pressed)
         edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
         beside = abs(abs(x) - edge) < _BESIDE
         x += jnp.where(beside, jnp.sign(x), 0.0) * (edge - lax.stop_gradient(edge))
-    return in_si(pressed, given, wanted, Peak(wanted.of(field(pressed, body, given, False, x, z)), x, z))
+    return in_si(pressed, wanted, Peak(wanted.of(field(pressed, body, False, x, z)), x, z))
 
 
-def in_si(pressed: Pressed, given: Given, wanted: Wanted, peak: Peak) -> Peak:
+def in_si(pressed: Pressed, wanted: Wanted, peak: Peak) -> Peak:
     """The peak with its place in m, at the surface where the modulus is infinite there."""
     value, x, z = peak
-    unbounded = _unbounded(pressed, given, wanted)
+    unbounded = _unbounded(pressed, wanted)
     infinite = jnp.inf + 0.0 * pressed.radius  # NaN where an argument is outside
     value, z = jnp.where(unbounded, infinite, value), jnp.where(unbounded, 0.0, z)
     known = jnp.where(jnp.isnan(value), value, pressed.radius)
     return Peak(value, x * known, z * known)
 
 
-def _unbounded(pressed: Pressed, given: Given, wanted: Wanted) -> Array | bool:
-    return False if given.half is not None else (pressed.body[0] < 0.0) & (wanted.least == 0.0)
+def _unbounded(pressed: Pressed, wanted: Wanted) -> Array | bool:
+    return False if pressed.k is None else (pressed.k < 0.0) & (wanted.least == 0.0)
 
 
 def _contact_edges(pressed: Pressed) -> Array:
     """Of the contact and of the stick area, in units of a_0."""
     return jnp.stack([jnp.ones_like(pressed.stick), pressed.stick])
-
-
-def _sides(body: Body, dtype: jnp.dtype) -> Array:
-    """Depths just above and below interfaces, in units of a_0."""
-    if not isinstance(body, Piecewise):
-        return jnp.zeros(0, dtype)
-    jumps = body.start[1:]
-    return jnp.concatenate([jumps * (1.0 - 8.0 * jnp.finfo(dtype).eps), jumps])

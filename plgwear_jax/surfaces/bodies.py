@@ -25,12 +25,6 @@ from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
 
-def plane_modulus(E: ArrayLike, nu: ArrayLike) -> Array:
-    """E* = E/(1 - nu^2)."""
-    E, nu = guarded("E", E, POSITIVE), guarded("nu", nu, POISSON_RATIO)
-    return E / ((1.0 - nu) * (1.0 + nu))
-
-
 def mindlin_ratio(nu: ArrayLike) -> Array:
     """(2-nu)/(2(1-nu)), the tangential compliance of a homogeneous half-space over its normal one."""
     nu = guarded("nu", nu, POISSON_RATIO)
@@ -67,7 +61,12 @@ class Elastic:
     @property
     def plane_modulus(self) -> Array:
         """E/(1 - nu^2) in Pa."""
-        return plane_modulus(self.E, self.nu)
+        nu = guarded_field(self, "nu")
+        return guarded_field(self, "E") / ((1.0 - nu) * (1.0 + nu))
+
+    def tangential_ratio(self) -> Array:
+        """Tangential over normal compliance, dimensionless."""
+        return mindlin_ratio(self.nu)
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
@@ -95,6 +94,10 @@ class AnyModulus:
     def by_depth(one: Array, other: Array) -> Piecewise:
         """E(z) in Pa from the two arrays, of one half-space each."""
         raise NotImplementedError
+
+    def tangential_ratio(self) -> Array:
+        """Tangential over normal compliance, dimensionless, taken as that of a homogeneous half-space."""
+        return mindlin_ratio(self.nu)
 
     @compiled
     def modulus_at(self, z: ArrayLike) -> Array:
@@ -234,9 +237,8 @@ def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) ->
         material = PowerLawGraded(material.E, 1.0, 0.0, material.nu)
     if indenter is None:
         return material
-    one = 1.0 / plane_modulus(material.E0, material.nu)  # pyright: ignore[reportArgumentType]
-    other = 1.0 / indenter.plane_modulus
-    ratios = mindlin_ratio(material.nu), mindlin_ratio(indenter.nu)  # pyright: ignore[reportArgumentType]
-    theta = (one * ratios[0] + other * ratios[1]) / (one + other)
+    body = Elastic(material.E0, material.nu)  # pyright: ignore[reportArgumentType]
+    one, other = 1.0 / body.plane_modulus, 1.0 / indenter.plane_modulus
+    theta = (one * body.tangential_ratio() + other * indenter.tangential_ratio()) / (one + other)
     nu = (2.0 * theta - 2.0) / (2.0 * theta - 1.0)
     return PowerLawGraded((1.0 - nu) * (1.0 + nu) / (one + other), material.z0, material.k, nu)

@@ -7,11 +7,12 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.xla import materialised
+from plgwear_jax.special.elementary import power_where
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
-_X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(NODES)[0], 0.5 * np.polynomial.legendre.leggauss(NODES)[1])
-_NODE, _WEIGHT = _X**2, 2.0 * _X * _W
+_X, _W = np.polynomial.legendre.leggauss(NODES)
+_NODE, _WEIGHT = (0.5 + 0.5 * _X) ** 2, (0.5 + 0.5 * _X) * _W
 
 
 class Images(NamedTuple):
@@ -34,6 +35,7 @@ class RingCells(NamedTuple):
     first: Array  # the pressure before any wear, the mean over each cell
     swept: Array  # the gap that a flat punch of the radius c leaves, integrated over each cell
     edges: Array  # T/C - 1 at the edges of the cells
+    from_1: Array  # T/C - (a_0/c)^2 there
 
 
 def products_of(share: Array, weight: Array) -> Array:
@@ -68,8 +70,7 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     inwards = -end[:, None] * jnp.expm1(jnp.log1p(-covered[:, None] * node) / s)
     distance = between[:, :, None] + inwards
     beyond = (distance > 0.0) & (size > 0.0)[:, None]
-    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    power = materialised(power)  # or XLA would compute it again for each use
+    power = materialised(power_where(beyond, distance, q))  # or XLA would compute it again for each use
     share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1))
     t = (from_c[1:, None] - inwards).ravel()
     return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel())

@@ -1,4 +1,4 @@
-"""The compliance of both bodies together, G(q), as the contact of radius c sees it.
+"""Two bodies that touch, and their compliance G(q) as the contact of radius c sees it.
 
 Pressures are sums of coefficients y_n times (e/c) times what is J_(2n+s)(x) x^-s in the Hankel domain, x = q c, so that
 
@@ -12,7 +12,6 @@ with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shape
 """
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -20,19 +19,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
+from plgwear_jax._core.record import guarded_field, record, static
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import clamped, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
-from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.special.quadrature import bent
+from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 from plgwear_jax.surfaces.effort import Effort, by_numbers
-from plgwear_jax.surfaces.foundation import foundation, wavenumbers
+from plgwear_jax.surfaces.foundation import Foundation, foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
-
-
-def _front(s: Array) -> Array:
-    return jnp.exp2(-s) / gamma(1.0 + s)
 
 
 def _of_sign(k: Array) -> tuple[Array, Array]:
@@ -41,27 +37,51 @@ def _of_sign(k: Array) -> tuple[Array, Array]:
     return jnp.where(above, k, 0.0), jnp.where(above, k, -k)
 
 
-class OnePower(NamedTuple):
+@record
+class _Touching:
+    """What all bodies have."""
+
+    outline: Outline  # of the indenter
+    effort: Effort = static()  # how finely the contact is divided
+    radius: Array  # an estimate of that of the contact; of any E(z) one over the unit of q_k as well
+
+    enough = 1e-13  # as which roundings of the force count
+
+    @property
+    def never_pulls(self) -> bool:
+        """Whether such bodies only press, whatever their numbers are."""
+        return False
+
+    @property
+    def front(self: Any) -> Any:
+        """The factor e of the pressures."""
+        s = self.s
+        return jnp.exp2(-s) / gamma(1.0 + s)
+
+    @property
+    def abel(self: Any) -> Array:
+        """The exponent of Abel's integral: by the term which leads at large q."""
+        return self.s
+
+
+@record
+class OnePower(_Touching):
     """g q^(k-1), a power law under a rigid indenter: beside the contact v is 0, and G(1) says all of what is inside."""
 
     k: Array
     log_g: Array
-    radius: Array  # an estimate
+
+    enough = 1e-14  # the force is known to all digits
+
+    @property
+    def never_pulls(self) -> bool:
+        """Where r f'(r) nowhere falls."""
+        return self.outline.shape.steepens
 
     @property
     def s(self) -> Array:
         """Edge exponent s of the pressure basis."""
         return 0.5 * (1.0 + self.k)
-
-    @property
-    def front(self) -> Array:
-        """The factor e of the pressures."""
-        return _front(self.s)
-
-    @property
-    def abel(self) -> Array:
-        """The exponent of Abel's integral."""
-        return self.s
 
     def far(self, log_r: Array) -> Array:
         """The logarithm of the displacement far away, up to a constant."""
@@ -78,7 +98,8 @@ class OnePower(NamedTuple):
         return self.k[None], self.log_g[None]
 
 
-class PowerLaw(NamedTuple):
+@record
+class PowerLaw(_Touching):
     """g q^(k-1) + g_h/q, a power law and a homogeneous body."""
 
     k: Array
@@ -87,16 +108,10 @@ class PowerLaw(NamedTuple):
     s: Array
     power_terms: Array  # matrices of both
     homogeneous_terms: Array
-    radius: Array  # an estimate
-
-    @property
-    def front(self) -> Array:
-        """The factor e of the pressures."""
-        return _front(self.s)
 
     @property
     def abel(self) -> Array:
-        """The exponent of Abel's integral: that of the term which leads at large q."""
+        """That of the power law or that of the homogeneous body."""
         return 0.5 * (1.0 + _of_sign(self.k)[0])
 
     def far(self, log_r: Array) -> Array:
@@ -118,22 +133,22 @@ class PowerLaw(NamedTuple):
         """(k, log(g)) of each term, along a first axis."""
         return jnp.stack([self.k, jnp.zeros_like(self.k)]), jnp.stack([self.log_g, jnp.log(self.homogeneous)])
 
-    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+    def matrices(self, c: Array) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
         power = jnp.exp(self.log_g - self.k * jnp.log(c)) * self.power_terms
-        return self.of_indenter(effort) + power, -self.k * power
+        return self.of_indenter + power, -self.k * power
 
-    def of_indenter(self, effort: Effort) -> Array:
+    @property
+    def of_indenter(self) -> Array:
         """M of the indenter."""
-        del effort
         return self.homogeneous * self.homogeneous_terms
 
-    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
+    def beside(self, c: Array, y: Array, coefficients: Array) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
-        found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * _of_sign(self.k)[1]
-        outside = jnp.asarray(bent(4 * effort.nodes)[1], c.dtype)
+        found, lag = _inside(self.effort, jnp.stack([self.k, self.s])), 0.5 * _of_sign(self.k)[1]
+        outside = jnp.asarray(bent(4 * self.effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
         total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
@@ -205,31 +220,28 @@ class OnTheLaw(NamedTuple):
     punches: tuple[Array, Array, Array, Array] | None
 
 
-def _of_surface(effort: Effort, dtype: Any) -> Array:
-    """M of 1/q."""
-    return jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), dtype)
-
-
-class Graded(NamedTuple):
+@record
+class Graded(_Touching):
     """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^4)."""
 
     strength: Array  # g
     coefficients: Array  # m_k
-    scale: Array  # one over the unit of q_k
     indenter: Array  # the indenter's part of g
-    radius: Array  # an estimate
 
-    front = math.sqrt(2.0 / math.pi)  # the factor e of the pressures, for s = 1/2
+    @property
+    def front(self) -> float:
+        """The factor e of the pressures, for s = 1/2."""
+        return math.sqrt(2.0 / math.pi)
+
+    @property
+    def foundation(self) -> Foundation:
+        """Its constants."""
+        return foundation(self.effort)
 
     @property
     def s(self) -> Array:
         """Edge exponent s of the pressure basis."""
         return jnp.full_like(self.strength, 0.5)
-
-    @property
-    def abel(self) -> Array:
-        """The exponent of Abel's integral."""
-        return self.s
 
     def far(self, log_r: Array) -> Array:
         """The logarithm of the displacement far away, up to a constant: next to no pressure gets beyond all layers."""
@@ -240,32 +252,38 @@ class Graded(NamedTuple):
         """(k, log(g)) of the term that leads at large q."""
         return jnp.zeros_like(self.strength), jnp.log(self.strength)
 
-    def excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+    def excess(self, c: Array) -> tuple[Array, Array]:
         """(m at x_k, its slope by log(c))."""
-        q, *_ = wavenumbers(effort)
+        q, *_ = wavenumbers(self.effort)
         # Its fourth power, and what is divided by the square of that, have to be numbers of float32.
-        x = clamped(0.0, jnp.asarray(foundation(effort).x[:, None] / q, c.dtype) * (self.scale / c), 1e4)
+        x = clamped(0.0, jnp.asarray(self.foundation.x[:, None] / q, c.dtype) * (self.radius / c), 1e4)
         part = 1.0 / (1.0 + x**4)
         return part @ self.coefficients, (4.0 * part * (1.0 - part)) @ self.coefficients
 
-    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+    def matrices(self, c: Array) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        constants = foundation(effort)
-        both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c, effort), -1)
+        constants = self.foundation
+        both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c), -1)
         excess, slope = jnp.unstack(jnp.asarray(constants.matrix, c.dtype) @ both, axis=-1)
-        return self.strength * (_of_surface(effort, c.dtype) + excess), self.strength * slope
+        return self.strength * (self._of_surface + excess), self.strength * slope
 
-    def of_indenter(self, effort: Effort) -> Array:
+    @property
+    def _of_surface(self) -> Array:
+        """M of 1/q."""
+        return jnp.asarray(np.diag(1.0 / (4.0 * np.arange(self.effort.modes) + 1.0)), self.strength.dtype)
+
+    @property
+    def of_indenter(self) -> Array:
         """M of the indenter."""
-        return self.indenter * _of_surface(effort, self.indenter.dtype)
+        return self.indenter * self._of_surface
 
-    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> tuple[Array, Array]:
+    def beside(self, c: Array, y: Array, coefficients: Array) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
-        factors = jnp.tensordot(jnp.asarray(foundation(effort).beside, c.dtype), coefficients, 1)
-        return self._beside(self.excess(c, effort)[0], y, factors, effort)
+        factors = jnp.tensordot(jnp.asarray(self.foundation.beside, c.dtype), coefficients, 1)
+        return self._beside(self.excess(c)[0], y, factors)
 
-    def _beside(self, excess: Array, y: Array, factors: Array, effort: Effort) -> tuple[Array, Array]:
-        constants = foundation(effort)
+    def _beside(self, excess: Array, y: Array, factors: Array) -> tuple[Array, Array]:
+        constants = self.foundation
         springs = constants.terms.of(excess)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
         sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
@@ -273,9 +291,7 @@ class Graded(NamedTuple):
         real, imaginary = jnp.unstack(springs[:, None] * factors * (self.front * self.strength))
         return jnp.sum(real, 0), fallen @ real + (jnp.exp(-apart) * sine) @ imaginary
 
-    def beside_edge(
-        self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int, effort: Effort
-    ) -> tuple[Array, Array]:
+    def beside_edge(self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int) -> tuple[Array, Array]:
         """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
 
         A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure
@@ -285,7 +301,7 @@ class Graded(NamedTuple):
 
         (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
         """
-        constants, excess = foundation(effort), self.excess(c, effort)[0]
+        constants, excess = self.foundation, self.excess(c)[0]
         table = jnp.asarray(constants.beside, c.dtype)
         found, own = jnp.tensordot(table, both, 1), table @ law.own
         h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
@@ -303,37 +319,39 @@ class Graded(NamedTuple):
         edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(clamped(-0.999, excess))
         edge, own = (lax.complex(*jnp.unstack(both)) for both in (edge, own))
         # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
-        last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * effort.modes**2))
+        last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * self.effort.modes**2))
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
         size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
         if law.punches is not None:
             size = size * jnp.append(1.0, law.punches[3] / unit)
-        return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1), effort)
+        return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1))
 
 
-Compliance = OnePower | PowerLaw | Graded
+Bodies = OnePower | PowerLaw | Graded
 
 
 def power_law(
-    k: Array, log_stiffness: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
+    k: Array, log_stiffness: Array, indenter: Elastic | None, load: Array, effort: Effort, outline: Outline
 ) -> OnePower | PowerLaw:
-    """That of a power law and of a homogeneous body or a rigid one, for a load F_N R.
+    """A power law and a homogeneous body or a rigid one, for a load F_N R.
 
     Args:
         k: Exponent.
         log_stiffness: Of `PowerLawGraded`.
-        plane_modulus: E* of the homogeneous body; None for a rigid one.
+        indenter: The homogeneous body; None for a rigid one.
         load: Normal force times radius, of which the radius of the contact is estimated.
         effort: How finely it is divided.
         outline: Of the indenter.
     """
     half = 0.5 * (1.0 + k)
     log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * jnp.log(gamma(1.0 + half)) - log_stiffness
-    if plane_modulus is None:  # the estimate, as of a parabola, is enough to look for the radius
-        return OnePower(k, log_g, jnp.exp((jnp.log(load) - log_stiffness + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)))
+    if indenter is None:  # the estimate, as of a parabola, is enough to look for the radius
+        radius = jnp.exp((jnp.log(load) - log_stiffness + jnp.log(0.25 * (3.0 + k))) / (3.0 + k))
+        return OnePower(outline, effort, radius, k, log_g)
     alone = outline.log_radius(jnp.log(load) - log_stiffness, k)
+    plane_modulus = indenter.plane_modulus
     homogeneous = 2.0 / plane_modulus
     hertz = outline.log_radius(jnp.log(load / plane_modulus), 0.0 * k)
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
@@ -342,7 +360,7 @@ def power_law(
     share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
     s = materialised(0.5 + 0.5 * k * share)
     terms = _terms(effort, jnp.stack([k, s]))
-    return PowerLaw(k, log_g, homogeneous, s, terms[0], terms[1], radius)
+    return PowerLaw(outline, effort, radius, k, log_g, homogeneous, s, *terms)
 
 
 @by_numbers
@@ -352,31 +370,23 @@ def _terms(effort: Effort, numbers: Array) -> Array:
     return jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
 
 
-def graded(
-    by_depth: Callable[[Array, Array], Piecewise],
-    lengths: Array,
-    moduli: Array,
-    nu: Array,
-    plane_modulus: Array | None,
-    load: Array,
-    effort: Effort,
-    outline: Outline,
-) -> Graded:
-    """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
+def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: Effort, outline: Outline) -> Graded:
+    """A half-space of any E(z), and a homogeneous body or a rigid one, for a load F_N R."""
+    (lengths, moduli), nu = material.arrays(), guarded_field(material, "nu")
     plane = (1.0 - nu) * (1.0 + nu)
     surface = 2.0 * plane / moduli[0]
-    indenter = jnp.zeros_like(surface) if plane_modulus is None else 2.0 / plane_modulus
+    of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
-    log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load)
+    log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * of_indenter)), 0.0 * load)
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     _, seen, terms = wavenumbers(effort)
     # In these units slopes of cubics by the depth are numbers of float32.
-    unit = by_depth(lengths / scale, moduli / moduli[0])
+    unit = material.by_depth(lengths / scale, moduli / moduli[0])
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
-    strength = surface * (1.0 + excess[-1]) + indenter
+    strength = surface * (1.0 + excess[-1]) + of_indenter
     coefficients = terms.of((excess - excess[-1]) * (surface / strength))
-    return Graded(strength, coefficients, scale, indenter, scale)
+    return Graded(outline, effort, scale, strength, coefficients, of_indenter)

@@ -1,6 +1,6 @@
-"""The ring of a contact that wears, in cells: what their pressures do, where what is inside c sticks.
+"""A contact that wears, in cells of constant pressure: the ring, where what is inside c sticks, or all of the contact.
 
-Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes.
+Pressures inside c are eliminated: there the surfaces touch and no shape changes.
 In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring deforms under its pressures by
 
     H - A p,      A = A_fixed + (pi c^2/K) e e',
@@ -19,49 +19,28 @@ from jax import Array
 
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope, clamped
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.pchip import horner
 from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
-from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
-from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.foundation import foundation
-from plgwear_jax.surfaces.punch import Punch, pressure_inside
-from plgwear_jax.surfaces.ring import Beside, between, sine_of
+from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower, PowerLaw
+from plgwear_jax.surfaces.punch import pressure_inside
+from plgwear_jax.surfaces.ring import Worn, between, sine_of
 
 
-def cells_of(
-    compliance: Compliance,
-    unworn: Punch,
-    punch: Punch,
-    beside: Beside,
-    further: Array,
-    outline: Outline,
-    from_c: Array,
-    from_1: Array,
-    effort: Effort,
-) -> RingCells:
+def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     """The ring in cells; depths in c^2/R, areas in T, pressures in Pa.
 
     Args:
-        compliance: That of both bodies.
-        unworn: The contact of the radius a_0.
-        punch: The contact of the stick radius c.
-        beside: v beside it.
-        further: By which the steady state is deeper than `punch`, in c^2/R.
-        outline: Of the unworn indenter.
+        found: The contact of the radius a_0, that of the stick radius c, and how much deeper it is in the end.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on, T - (a_0/c)^2.
-        effort: How finely the contact is divided.
     """
-    c, a, radius = jnp.exp(punch.log_c), beside.a, outline.radius
-    width = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
-    at = c, width, from_c, from_1, effort
-    at_held_depth, (t, share, weight) = (
-        _graded(compliance, *at) if isinstance(compliance, Graded) else _powers(compliance, *at)
-    )
+    bodies, punch, further, beside = found.bodies, found.punch, found.further, found.beside
+    c, a, radius, width = found.c, beside.a, bodies.outline.radius, found.width
+    at = c, width, from_c, from_1
+    at_held_depth, (t, share, weight) = _graded(bodies, *at) if isinstance(bodies, Graded) else _powers(bodies, *at)
     front = sine_of(a) / (1.0 - a)
     y = clamped(jnp.finfo(t.dtype).tiny, t)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
@@ -82,14 +61,11 @@ def cells_of(
     )
     sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
-    return RingCells(whole, gap, steady, _first_pressure(whole, steady, from_1), swept, from_c)
-
-
-def _first_pressure(whole: Array, steady: Array, from_1: Array) -> Array:
-    """The pressure of the ring before any wear. That of the contact in modes is not known next to a kink."""
+    # The pressure before any wear. That of the contact in modes is not known next to a kink.
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
-    return clamp_keep_slope(0.0, solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
+    pressure = solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0]
+    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), swept, from_c, from_1)
 
 
 # --- powers of the wavenumber -----------------------------------------------------------------------------------------
@@ -97,12 +73,12 @@ def _first_pressure(whole: Array, steady: Array, from_1: Array) -> Array:
 _DISC = {2: 32, 3: 32, 4: 48, 5: 64}  # cells inside c for so many digits
 
 
-def _cells_that_stick(from_c: Array, effort: Effort) -> Array:
+def _cells_that_stick(from_c: Array, digits: int) -> Array:
     """Edges of cells inside c, T - 1, and the same in r inside.
 
     Towards c they become far finer than the first cell of the ring, or what they do to it would be too small.
     """
-    return _towards_c(math.log(400.0) - jnp.log(from_c[1]), _DISC[effort.digits])
+    return _towards_c(math.log(400.0) - jnp.log(from_c[1]), _DISC[digits])
 
 
 def _towards_c(finest: Array, count: int) -> Array:
@@ -120,7 +96,7 @@ class _PowerTerms(NamedTuple):
 
 
 def power_terms(
-    compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
+    bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
 ) -> _PowerTerms:
     """Of cells beside c, as of `cells_of`, and of cells inside c with the edges `inner`, T - 1; there may be none."""
     edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
@@ -137,28 +113,26 @@ def power_terms(
         inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
         return _PowerTerms(images, of_ring, inside[:cells], inside[cells:].T)
 
-    k, log_g = compliance.terms
+    k, log_g = bodies.terms
     return jax.vmap(one)(k, 0.5 * (1.0 + k), log_g)
 
 
-def _powers(
-    compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
-) -> tuple[Array, Images]:
+def _powers(bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
     """The images beside c of each term, less what the pressures inside c take off.
 
     Alone each term would have these take off exactly what the images inside c add. With two terms they have no closed
     form, but of cells inside c only the difference counts.
     """
-    images, of_ring, disc, mixed = power_terms(compliance, c, width, from_c, from_1, _cells_that_stick(from_c, effort))
-    if isinstance(compliance, OnePower):
+    inner = _cells_that_stick(from_c, bodies.effort.digits)
+    images, of_ring, disc, mixed = power_terms(bodies, c, width, from_c, from_1, inner)
+    if isinstance(bodies, OnePower):
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
     def taken(disc: Array, mixed: Array) -> Array:
         return mixed.T @ solve_symmetric(disc, mixed)
 
-    alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
-    total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
-    first = compliance.k >= 0.0
+    total = jnp.sum(of_ring + jax.vmap(taken)(disc, mixed), 0) - taken(disc.sum(0), mixed.sum(0))
+    first = bodies.k >= 0.0
     return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
 
 
@@ -167,22 +141,8 @@ def _powers(
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def springs_of(compliance: Graded, c: Array, effort: Effort) -> tuple[Array, Array]:
-    """Tables over log(u) of a kernel and of its integral from 0 to u, for distances u in units of c.
-
-    The kernel is (1/pi) times the integral of m(q) cos(q u) over q > 0.
-    """
-    x, terms = foundation(effort).x, foundation(effort).terms
-    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
-    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-    # Half of 1 - exp(-x) cos(x), which would cancel.
-    up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
-    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ terms.of(compliance.excess(c, effort)[0])
-    return kernel, integral
-
-
 class _Places(NamedTuple):
-    """Where distances lie in that table."""
+    """Where distances lie in a table over log(u)."""
 
     before: Array  # the number of the cubic
     part: Array  # of a step, from its beginning
@@ -267,12 +227,18 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     return found, half + half.T + _of_each_table(dtable, near, far, share, weight)
 
 
-def directly(compliance: Graded, c: Array, first: Array, last: Array, images: Images, effort: Effort) -> Array:
+def directly(bodies: Graded, c: Array, first: Array, last: Array, images: Images) -> Array:
     """What the cells from the place `first` to `last`, T - 1, do to each other if nothing else moves.
 
-    By the homogeneous half-space of the surface's modulus, and by the kernel of `springs_of`.
+    By the homogeneous half-space of the surface's modulus, and by a kernel: (1/pi) times the integral of m(q) cos(q u)
+    over q > 0, for distances u in units of c. Tables of it and of its integral from 0 to u go over log(u).
     """
-    kernel, integral = springs_of(compliance, c, effort)
+    constants = bodies.foundation
+    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (constants.x * math.sqrt(0.5))
+    springs = constants.x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+    # Half of 1 - exp(-x) cos(x), which would cancel.
+    up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
+    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ constants.terms.of(bodies.excess(c)[0])
     # At the axis the root has no slope.
     root, ends = jnp.sqrt(1.0 + images.t), clamped(jnp.finfo(c.dtype).tiny, 1.0 + jnp.stack([first, last]))
     begin, end = jnp.unstack(jnp.sqrt(ends))
@@ -282,66 +248,74 @@ def directly(compliance: Graded, c: Array, first: Array, last: Array, images: Im
     # Weights of nodes are those of 2 dr.
     added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
     # g c/(2 Gamma(3/2)^2)
-    return compliance.strength * c * (2.0 / math.pi) * (products_of(images.share, images.weight) + 0.5 * added)
+    return bodies.strength * c * (2.0 / math.pi) * (products_of(images.share, images.weight) + 0.5 * added)
 
 
-def _graded(
-    compliance: Graded, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
-) -> tuple[Array, Images]:
+def _graded(bodies: Graded, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
     """What cells do to each other directly, and through the inside."""
-    half = jnp.full_like(c, 0.5)
-    images = images_of(from_c, from_1, width, half, half)
-    moved, caused = _through_inside(compliance, c, images, effort)
-    return directly(compliance, c, jnp.zeros_like(c), from_c[-1], images, effort) - moved @ caused, images
+    images, moved, caused = _through_inside(bodies, c, width, from_c, from_1)
+    return directly(bodies, c, jnp.zeros_like(c), from_c[-1], images) - moved @ caused, images
 
 
-def _through_inside(compliance: Graded, c: Array, images: Images, effort: Effort) -> tuple[Array, Array]:
-    """(What each pressure inside c does in each cell beside it, the pressures inside c against those of each cell).
+def _through_inside(
+    bodies: Graded, c: Array, width: Array, from_c: Array, from_1: Array
+) -> tuple[Images, Array, Array]:
+    """(The images, what each pressure inside c does in each cell beside it, those inside c against those of each cell).
 
     Each of them has the force 2 pi e^2 c = 4 c.
     """
-    modes = jnp.eye(effort.modes, dtype=c.dtype)
-    first, more = compliance.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes, effort)
+    half, modes = jnp.full_like(c, 0.5), jnp.eye(bodies.effort.modes, dtype=c.dtype)
+    images = images_of(from_c, from_1, width, half, half)
+    first, more = bodies.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes)
     moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
-    return moved, (c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
+    return images, moved, (c * math.pi / 4.0) * solve_symmetric(bodies.matrices(c)[0], moved.T)
 
 
 # --- inside c ---------------------------------------------------------------------------------------------------------
 
 
-def inward(
-    compliance: Compliance,
-    punch: Punch,
-    swept: Array,
-    width: Array,
-    from_c: Array,
-    from_1: Array,
-    effort: Effort,
-) -> tuple[Array, Array]:
+def inward(found: Worn, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
     """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there under force control).
 
     Args:
-        compliance: That of both bodies.
-        punch: The contact of the stick radius c.
+        found: The contact of the radius a_0, and that of the stick radius c.
         swept: As of `RingCells`.
-        width: (a_0/c)^2 - 1.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on.
-        effort: How finely the contact is divided.
     """
-    c, power = jnp.exp(punch.log_c), not isinstance(compliance, Graded)
-    # The sums of pressures do not know what is nearer to c than a thousandth of it.
-    edges = _cells_that_stick(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
-    places = -0.5 * (edges[1:] + edges[:-1])
+    bodies, punch, c, at = found.bodies, found.punch, found.c, (found.width, from_c, from_1)
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
-    if not isinstance(compliance, Graded):
-        _, _, disc, mixed = power_terms(compliance, c, width, from_c, from_1, edges)
-        return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
-    half = jnp.full_like(c, 0.5)
-    images = images_of(from_c, from_1, width, half, half)
-    modes = jnp.outer(jnp.asarray(punch.flat), sunk) - _through_inside(compliance, c, images, effort)[1]
+    if not isinstance(bodies, Graded):
+        edges = _cells_that_stick(from_c, bodies.effort.digits)
+        _, _, disc, mixed = power_terms(bodies, c, *at, edges)
+        pressures = solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
+        return -0.5 * (edges[1:] + edges[:-1]), pressures
+    # The sums of pressures do not know what is nearer to c than a thousandth of it.
+    edges = _towards_c(jnp.log(1e3 / jnp.minimum(found.width, 1.0)), 32)
+    places = -0.5 * (edges[1:] + edges[:-1])
+    modes = jnp.outer(punch.flat, sunk) - _through_inside(bodies, c, *at)[2]
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.append(0.0, jnp.sqrt(from_c[1:]))  # the root of 0 has no derivative
     modes = modes.at[0].add(-c * jnp.diff(root))
-    smooth = pressure_inside(compliance, modes.T / c, places).T
+    smooth = pressure_inside(bodies, modes.T / c, places).T
     return places, smooth + (2.0 / math.pi) * jnp.diff(jnp.arctan(root / jnp.sqrt(places)[:, None]), axis=1)
+
+
+# --- the whole contact ------------------------------------------------------------------------------------------------
+
+
+def disc_of(bodies: Bodies, b: Array, edges: Array) -> Array:
+    """A in m/Pa, (cells, cells), of a whole contact in cells, of which no part has to stick.
+
+    Radii are in T = (r/b)^2. Depths, integrated over T in each cell, follow from the pressures by A p.
+
+    Args:
+        bodies: Both bodies.
+        b: Radius of the outer edge in m.
+        edges: Edges of the cells in T, from 0 to 1, (cells + 1,).
+    """
+    from_b, none = edges - 1.0, jnp.zeros_like(b)
+    if not isinstance(bodies, Graded):
+        return jnp.sum(power_terms(bodies, b, none, none[None], none[None], from_b).disc, 0)
+    half = jnp.full_like(b, 0.5)
+    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, from_b, none, half, half))

@@ -10,7 +10,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import whole
 from plgwear_jax._core.startup.programs import along_each
-from plgwear_jax.special.quadrature import Rule, logistic
 
 
 class Effort(NamedTuple):
@@ -35,19 +34,6 @@ def effort_of(digits: int | None) -> Effort:
     """The effort for these digits; 4 by default."""
     known = whole("digits", 4 if digits is None else digits, 1, max(EFFORTS), " of numeric contacts")
     return EFFORTS[max(known, min(EFFORTS))]
-
-
-def rule_of(effort: Effort, alone: bool, bends: int) -> Rule:
-    """The rule of an integral over the ring, in pieces between so many bends.
-
-    Of a power law alone, whose integrands are known to all digits, it goes as far as these do.
-    """
-    if not alone:
-        return logistic(effort.nodes)
-    return logistic(160, 36.0) if bends < _FEW else logistic(100, 26.0)
-
-
-_FEW = 4
 
 
 def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Array], Any]:

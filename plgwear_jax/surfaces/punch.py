@@ -15,41 +15,45 @@ from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, OnePower, OnTheLaw
-from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.compliance import Bodies, OnePower, OnTheLaw
 
 
 class Punch(NamedTuple):
     """The contact of radius c."""
 
     log_c: Array  # of the radius in m
-    flat: Array | None  # y of a flat punch pressed by 1; None on a power law alone
-    bowl: Array | None  # y of the indenter in units of c^2/R, T/2 for the parabola
-    last: Array | None  # what the last pressure does to itself
+    flat: Any  # y of a flat punch pressed by 1; on a power law alone this one and the next two are None
+    bowl: Any  # y of the indenter in units of c^2/R, T/2 for the parabola
+    last: Any  # what the last pressure does to itself
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
     held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
     depth: Array  # d at which the indenter touches up to c and no further, in c^2/R
     force: Array  # its force over c^2/R
 
+    @property
+    def c(self) -> Array:
+        """The radius in m."""
+        return jnp.exp(self.log_c)
 
-def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outline) -> Punch:
+
+def punch_at(bodies: Bodies, log_c: Array) -> Punch:
     """The contact of this radius."""
-    c, s = jnp.exp(log_c), compliance.s
-    if isinstance(compliance, OnePower):
+    c, s, outline, modes = jnp.exp(log_c), bodies.s, bodies.outline, bodies.effort.modes
+    if isinstance(bodies, OnePower):
         # The moment of f is G(1) with the exponent s + 1, and that of r f' is 2 s times what G(1) with s is above it.
         depth, mean = outline.firsts(c, s)
-        stiffness = 4.0 * jnp.pi * s * compliance.front**2 * jnp.exp(2.0 * s * log_c - compliance.log_g)
+        stiffness = 4.0 * jnp.pi * s * bodies.front**2 * jnp.exp(2.0 * s * log_c - bodies.log_g)
         inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
         return Punch(log_c, None, None, None, *inner)
-    matrix, slope = compliance.matrices(c, effort)
-    first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
-    bowl, rising = outline.moments(c, s, effort.modes)
+    matrix, slope = bodies.matrices(c)
+    first = jnp.asarray(np.eye(modes, 1)[:, 0], c.dtype)
+    bowl, rising = outline.moments(c, s, modes)
     found = solve_symmetric(matrix, jnp.stack([first, bowl], -1))
     flat, bowl = jnp.unstack(found, axis=1)
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
-    unit = 2.0 * jnp.pi * compliance.front**2 * c
+    unit = 2.0 * jnp.pi * bodies.front**2 * c
     forces = found[0]
     both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
     stiffness, held, growth, bent = jnp.unstack(both.ravel())
@@ -65,23 +69,21 @@ def surplus(punch: Punch, log_load: Array) -> Array:
     return jnp.where(some, 2.0 * punch.log_c + jnp.log(jnp.where(some, punch.force, 1.0)) - log_load, -1.0)
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Outline) -> Punch:
+@jax.custom_jvp
+def punch_under(bodies: Bodies, load: Array) -> Punch:
     """The contact under a load F_N R, whose radius is that of the unworn indenter."""
     goal = jnp.log(load)
 
     def excess(log_c: Array) -> Array:
-        return surplus(punch_at(compliance, log_c, effort, outline), goal)
+        return surplus(punch_at(bodies, log_c), goal)
 
-    # On a power law alone the force is known to all digits.
-    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-13
-    log_c = root_of(excess, jnp.log(compliance.radius), 3.0, enough=enough)
+    log_c = root_of(excess, jnp.log(bodies.radius), 3.0, enough=bodies.enough)
     # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
     # digits, and the volume fewer, which in single precision counts more.
-    face = jnp.asarray(outline.shape.face, log_c.dtype)
+    face = jnp.asarray(bodies.outline.shape.face, log_c.dtype)
     roundings = 32.0 if face.dtype == jnp.float64 else 8.0
     log_c = jnp.maximum(log_c, jnp.log(face) + roundings * jnp.finfo(face.dtype).eps)
-    return _carrying(punch_at(compliance, log_c, effort, outline), load)
+    return _carrying(punch_at(bodies, log_c), load)
 
 
 def _carrying(punch: Punch, load: Array) -> Punch:
@@ -92,17 +94,21 @@ def _carrying(punch: Punch, load: Array) -> Punch:
 
 
 @punch_under.defjvp
-def _punch_under_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Punch, Punch]:
+def _punch_under_jvp(primals: Any, tangents: Any) -> tuple[Punch, Punch]:
     # By the implicit function theorem: with log(c) held, and what log(c) then adds.
-    (compliance, load, outline), (dcompliance, dload, doutline) = primals, tangents
-    punch = punch_under(effort, compliance, load, outline)
-    log_c = punch.log_c
-    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort, outline), (log_c,), (jnp.ones_like(log_c),))
-    given, along = (compliance, outline), (dcompliance, doutline)
-    _, held = jax.jvp(lambda *given: punch_at(given[0], log_c, effort, given[1]), given, along)
+    (bodies, load), (dbodies, dload) = primals, tangents
+    punch = punch_under(bodies, load)
+    by_c = along_radius(bodies, punch)
+    _, held = jax.jvp(lambda bodies: punch_at(bodies, punch.log_c), (bodies,), (dbodies,))
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
     along = jax.tree.map(lambda one, other: one + moved * other, held, by_c)
     return punch, jax.jvp(_carrying, (punch, load), (along, dload))[1]
+
+
+def along_radius(bodies: Bodies, punch: Punch) -> Punch:
+    """The slopes of a contact by log(c)."""
+    log_c = punch.log_c
+    return jax.jvp(functools.partial(punch_at, bodies), (log_c,), (jnp.ones_like(log_c),))[1]
 
 
 def pressed(punch: Punch, force: Array) -> Array:
@@ -113,20 +119,20 @@ def pressed(punch: Punch, force: Array) -> Array:
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-def flat_pressure(compliance: Compliance, punch: Punch, z: Array, half: float = 0.0) -> Array:
+def flat_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> Array:
     """The pressure of the flat punch pressed by R, over 1/R, at z = 1 - (r/c)^2 > 0, shape (m,).
 
     Args:
-        compliance: Of both bodies.
+        bodies: Both bodies.
         punch: The contact.
         z: Places; with `half` 1 - (t/c)^2 of strips across the contact.
         half: 0.5 for P/c, where the transform of the pressure is the integral over t of P cos(q t): half an integral.
     """
-    c, s = jnp.exp(punch.log_c), compliance.s
+    c, s = punch.c, bodies.s
     if punch.flat is None:
         front = punch.stiffness * s / (jnp.pi * c * c) * _integrated(s, half)
         return front * jnp.exp((s - 1.0 + half) * jnp.log(z))
-    return pressure_inside(compliance, punch.flat, z, half) / c
+    return pressure_inside(bodies, punch.flat, z, half) / c
 
 
 def _integrated(s: Array, half: float) -> Array | float:
@@ -134,17 +140,18 @@ def _integrated(s: Array, half: float) -> Array | float:
     return gamma(s) / gamma(s + half) * math.pi**-half if half else 1.0
 
 
-def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None]:
+def apart(bodies: Bodies, punch: Punch) -> tuple[Array, Any]:
     """(The stiffness of the flat punch on a power law alone, y of the indenter less that on the power law).
 
     The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
     It answers a slope that jumps in closed form, and what is left is smoother.
     """
-    if punch.flat is None or punch.bowl is None or punch.last is None:
+    if punch.flat is None:
         return punch.stiffness, None
+    s = bodies.s
     order = jnp.asarray(2.0 * np.arange(punch.flat.size), s.dtype) + s
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
-    moments, _ = outline.moments(jnp.exp(punch.log_c), s, order.size)
+    moments, _ = bodies.outline.moments(punch.c, s, order.size)
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
 
 
@@ -153,26 +160,23 @@ def resolved(image: Image) -> bool:
     return isinstance(image, Power) and image.power is None
 
 
-def on_the_law(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> OnTheLaw:
+def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:
     """The indenter on the law alone."""
-    assert punch.flat is not None and punch.bowl is not None
-    c, s = jnp.exp(punch.log_c), compliance.s
-    image, (stiffness, rest) = outline.image(c, s), apart(punch, s, outline)
-    assert rest is not None
+    c, s, outline = punch.c, bodies.s, bodies.outline
+    image, (stiffness, rest) = outline.image(c, s), apart(bodies, punch)
     flat = stiffness * punch.flat[0] / punch.stiffness
     own = (rest - punch.bowl).at[0].add(image.first * flat)
     if resolved(image):
         return OnTheLaw(flat, own, None)
-    parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * effort.nodes)
-    faster = grown(compliance, punch, effort, outline, image)
+    parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * bodies.effort.nodes)
+    faster = grown(bodies, punch, image)
     return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s), faster))
 
 
-def grown(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline, image: Image) -> Array:
+def grown(bodies: Bodies, punch: Punch, image: Image) -> Array:
     """How much faster than G the depth rises next to c: the indenter is flat punches of radii up to c."""
-    log_c, one = punch.log_c, jnp.ones_like(punch.log_c)
-    _, rise = jax.jvp(lambda at: punch_at(compliance, at, effort, outline).depth, (log_c,), (one,))
-    return (punch.depth + 0.5 * rise) / image.rate(one[None], inwards(outline.kinks, jnp.exp(log_c))[None])[0]
+    rise, edge = along_radius(bodies, punch).depth, jnp.ones((1,), punch.log_c.dtype)
+    return (punch.depth + 0.5 * rise) / image.rate(edge, inwards(bodies.outline.kinks, punch.c)[None])[0]
 
 
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
@@ -186,10 +190,10 @@ def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tu
     return parts, image.rate((1.0 - z) + z * parts.left, z * ahead)
 
 
-def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array, half: float = 0.0) -> Array:
+def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> Array:
     """The pressure of the indenter that touches up to c and no further, over c^2/R, as `flat_pressure` gives it."""
-    c, s = jnp.exp(punch.log_c), compliance.s
-    (alone, rest), image, power = apart(punch, s, outline), outline.image(c, s), s + half
+    c, s, outline = punch.c, bodies.s, bodies.outline
+    (alone, rest), image, power = apart(bodies, punch), outline.image(c, s), s + half
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
@@ -202,16 +206,15 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
     rise = image.fall / power if resolved(image) else jax.lax.map(jax.checkpoint(at), z)
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jnp.exp(power * jnp.log(z)) * rise
-    if rest is None or punch.flat is None:
+    if rest is None:
         return found
     less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
     y = _without_edge(punch.depth * punch.flat - less)
-    return found + pressure_inside(compliance, y, z, half) / c
+    return found + pressure_inside(bodies, y, z, half) / c
 
 
 def own_pressures(punch: Punch) -> Array:
     """y of the indenter that touches up to c and no further."""
-    assert punch.flat is not None and punch.bowl is not None
     return _without_edge(punch.depth * punch.flat - punch.bowl)
 
 
@@ -223,10 +226,10 @@ def _without_edge(y: Array) -> Array:
     return y - (y @ sign) * sign * share
 
 
-def pressure_inside(compliance: Compliance, y: Array, inside: Array, half: float = 0.0) -> Array:
+def pressure_inside(bodies: Bodies, y: Array, inside: Array, half: float = 0.0) -> Array:
     """The pressure over 1/c at z = 1 - (r/c)^2 > 0, shape (m,), of coefficients along a last axis."""
-    s, count = compliance.s, y.shape[-1]
+    s, count = bodies.s, y.shape[-1]
     end, middle = s + half, jnp.full_like(s, 1.0 - half)
-    front = 2.0 * compliance.front**2 * s * _integrated(s, half)
+    front = 2.0 * bodies.front**2 * s * _integrated(s, half)
     total = (y * ratios(front, middle, end, count)) @ jacobi_table(count, s, middle, 2.0 * inside - 1.0)
     return jnp.exp((end - 1.0) * jnp.log(inside)) * total

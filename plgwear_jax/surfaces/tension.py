@@ -11,9 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import ratio_where
-from plgwear_jax.surfaces.compliance import Compliance, OnePower
 from plgwear_jax.surfaces.punch import own_pressures, pressure_inside
 from plgwear_jax.surfaces.ring import Worn
 
@@ -34,16 +32,13 @@ class Least(NamedTuple):
     pulled: Array  # 1 where it is tension, 0 where it is none
 
 
-def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Outline) -> Least:
+def least_pressures(found: Worn, phi: Array) -> Least:
     """The least pressures of both states. Before any wear not only F_N has to press, but also (1 - phi) F_N."""
-    if isinstance(compliance, OnePower) and outline.shape.steepens:
+    if found.bodies.never_pulls:
         none = 0.0 * jnp.stack([phi, phi])
         return Least(1.0 + none, none, none)
-    compliance, found, outline = jax.lax.stop_gradient((compliance, found, outline))
-    if isinstance(compliance, OnePower):
-        shares, places, usual = _of_springs(compliance, found, jax.lax.stop_gradient(phi))
-    else:
-        shares, places, usual = _of_sums(compliance, found)
+    found, phi = jax.lax.stop_gradient((found, phi))
+    shares, places, usual = _of_springs(found, phi) if found.punch.flat is None else _of_sums(found)
     scaled = shares / usual
     least = jnp.argmin(scaled, -1)
     shares, places, scaled = jnp.stack([shares, places, scaled])[:, np.arange(3), least]
@@ -53,29 +48,30 @@ def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Ou
     return Least(*jnp.stack([shares, places, pulled])[:, which])
 
 
-def _of_sums(compliance: Compliance, found: Worn) -> tuple[Array, Array, Array]:
+def _of_sums(found: Worn) -> tuple[Array, Array, Array]:
     """(Pressures over their mean, radii, what is usual there), of sums of pressures.
 
     Rows are those of F_N and of (1 - phi) F_N before any wear, and that of the steady state.
     """
-    assert found.punch.flat is not None
-    s, own = compliance.s, own_pressures(found.punch)
+    bodies, own = found.bodies, own_pressures(found.punch)
+    s = bodies.s
     worn = own + found.further * found.punch.flat
     y, z = jnp.stack([own_pressures(found.unworn), own, worn]), jnp.asarray(1.0 - _PLACES**2, s.dtype)
-    pressures = pressure_inside(compliance, y, z) / (2.0 * compliance.front**2 * y[:, :1])
+    pressures = pressure_inside(bodies, y, z) / (2.0 * bodies.front**2 * y[:, :1])
     edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
-    c = jnp.exp(jnp.stack([found.unworn.log_c, found.punch.log_c, found.punch.log_c]))
-    return pressures, c[:, None] * jnp.asarray(_PLACES, s.dtype), jnp.stack([edge, edge, jnp.ones_like(edge)])
+    c = found.c
+    radii = jnp.stack([found.unworn.c, c, c])
+    return pressures, radii[:, None] * jnp.asarray(_PLACES, s.dtype), jnp.stack([edge, edge, jnp.ones_like(edge)])
 
 
-def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, Array, Array]:
+def _of_springs(found: Worn, phi: Array) -> tuple[Array, Array, Array]:
     """The same at the inner edges of cells, of a power law alone.
 
     What wears adds the pressure of a flat punch, which is positive everywhere. The pressure before any wear is that of
     flat punches of all radii, each with the share by which G rises there.
     """
-    punch, image, s = found.punch, found.beside.image, compliance.s
-    wide, count = jnp.expm1(2.0 * (found.unworn.log_c - punch.log_c)), _CELLS.size - 1
+    punch, image, s = found.punch, found.beside.image, found.bodies.s
+    wide, count = found.width, _CELLS.size - 1
     edges = jnp.concatenate([jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:]])
     G = jnp.concatenate([-image.first[None], image.fallen(edges[1:] - 1.0)])
     size, inner = jnp.diff(edges), edges[:-1]
@@ -86,4 +82,4 @@ def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> tuple[Array, A
     shares = jnp.stack([(1.0 - phi) * (1.0 + wide) * jnp.sum(parts, -1), own, own])
     areas = jnp.stack([1.0 + wide, jnp.ones_like(wide), jnp.ones_like(wide)])[:, None]
     left = jnp.maximum(1.0 - inner / areas, jnp.finfo(s.dtype).eps)
-    return shares, jnp.broadcast_to(jnp.exp(punch.log_c) * jnp.sqrt(inner), shares.shape), left**s
+    return shares, jnp.broadcast_to(found.c * jnp.sqrt(inner), shares.shape), left**s

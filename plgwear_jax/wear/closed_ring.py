@@ -15,7 +15,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import log_complement, sine_quotient
+from plgwear_jax.special.elementary import log_complement, power_where, ratio_where, sine_quotient
 from plgwear_jax.special.exponents import exponents
 from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.closed import Steady
@@ -48,10 +48,10 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
         # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
         work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
         load = jnp.maximum(-from_1, 0.0)
-        load = jnp.where(load > 0.0, jnp.exp((1.0 + s) * jnp.log(jnp.where(load > 0.0, load, 1.0))), 0.0)
-        first = jnp.where(size > 0.0, -jnp.diff(load) / jnp.where(size > 0.0, size, 1.0), 0.0)
+        load = power_where(load > 0.0, load, 1.0 + s)
+        first = ratio_where(size > 0.0, -jnp.diff(load), size)
         # Depths over C/2, areas over C, pressures over C^s.
-        return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c), work
+        return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c, from_1), work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
     total = jnp.sum(ring.steady[-1])

@@ -9,7 +9,6 @@ slip it does not touch at all. Its gap times mu theta is the slip amplitude. So 
 Forces, friction and loads may differ from step to step.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -19,6 +18,8 @@ from jax import Array
 
 from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
+from plgwear_jax.special.elementary import ratio_where
+from plgwear_jax.wear_laws import WearLaw
 
 
 class Disc(NamedTuple):
@@ -44,6 +45,8 @@ class StageNumbers(NamedTuple):
     displacement_factor: Array  # of `Control`
     force_factor: Array
     value: Array
+
+    tables = "cycles", "normal_force", "friction", "displacement_factor", "force_factor", "value"
 
 
 class Steps(NamedTuple):
@@ -133,7 +136,7 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     whole = inner + outer
     # Below that its derivatives overflow.
     known = whole > jnp.finfo(size.dtype).eps ** 2 * jnp.max(jnp.diagonal(lower) * pressure)
-    part = jnp.where(known, inner / jnp.where(known, whole, 1.0), 0.5)
+    part = ratio_where(known, inner, whole, 0.5)
     radius = middle[ends[0]] + part * (middle[count] - middle[ends[0]])
     return _Pressed(depth, pressure, gap, jnp.where(count == 0, 0.0, radius))
 
@@ -143,14 +146,13 @@ def _depth(control: Control, one: Array, held: Array) -> Array:
     return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
 
 
-def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linear: bool, steps: Steps) -> Moments:
+def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
     """The march.
 
     Args:
         disc: The contact in cells. It has to be larger than the contact ever becomes: the results are NaN from then on.
         theta: The tangential compliance over the normal one.
-        rate: Depth in m worn in a cycle, of a pressure in Pa and the path that slips in a cycle in m.
-        linear: Whether the depth is proportional to the pressure, so that those of a step are computed once.
+        law: The wear law. If it is linear the pressures of a step are computed once.
         steps: What is given in each step.
     """
     size = jnp.diff(disc.edges)
@@ -165,7 +167,7 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
         # step, in cells that have just begun to touch, and where the pressure falls so fast that BDF2 would go beyond
         # the end: the cells outside would lose the contact with those that overshoot.
         touched = pressure_before > 1e-6 * mean
-        change = jax.lax.stop_gradient(jnp.where(touched, pressure / jnp.where(touched, pressure_before, 1.0), _FAST))
+        change = jax.lax.stop_gradient(ratio_where(touched, pressure, pressure_before, _FAST))
         second = jnp.clip(3.0 * change - 1.0, 0.0, 1.0) * jnp.clip(_FAST - change, 0.0, 1.0)
         known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
@@ -179,9 +181,9 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
         # a cell that begins to touch far too much pressure, by p^m with m > 1, or none, with m < 1: the least pressure
         # falls from round to round. A tangent holds to first order wherever it is taken.
         some = mean
-        for _ in range(1 if linear else _ROUNDS):
+        for _ in range(1 if law.linear else _ROUNDS):
             some = jax.lax.stop_gradient(jnp.maximum(found, _FALL * some))
-            worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
+            worn_there, slope = jax.jvp(lambda p: length * size * law.rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
             matrix = disc.compliance + jnp.diag(slope)
             contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, middle, force)
@@ -204,7 +206,7 @@ def march(disc: Disc, theta: Array, rate: Callable[[Array, Array], Array], linea
             pressure=found,
             slip=sliding,
             volume=disc.area * jnp.sum(now),
-            rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
+            rate=disc.area * (size @ law.rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
             energy_per_cycle=disc.area * given.friction * (size @ (found * 4.0 * sliding)),
             contact_radius=radius,
             stick_radius=second.radius,

@@ -19,6 +19,8 @@ class Curve(NamedTuple):
     value: Array  # (steps + 1, ...)
     rate: Array
 
+    tables = "time", "value", "rate"
+
 
 def limited(curve: Curve) -> Curve:
     """The curve with rates limited so that no cubic between two times falls."""

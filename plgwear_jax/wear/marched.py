@@ -20,14 +20,14 @@ from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import quotient
+from plgwear_jax.special.elementary import quotient, ratio_where
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.closed import Steady
-from plgwear_jax.steady.state import Bodies, opens, solver_of
+from plgwear_jax.steady.state import bodies_of, opens, theta_of
 from plgwear_jax.surfaces.cells import mean_over, nodes_of
-from plgwear_jax.surfaces.compliance import Compliance
-from plgwear_jax.surfaces.disc import disc_of
+from plgwear_jax.surfaces.compliance import Bodies
+from plgwear_jax.surfaces.cycles import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
 from plgwear_jax.wear.contact_march import Disc, Moments, StageNumbers, Steps, march, until
@@ -103,12 +103,12 @@ def edges_of_grid(grid: _Grid, count: int) -> Array:
     return jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
 
 
-def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid, count: int) -> Disc:
+def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     edges, b = edges_of_grid(grid, count), grid.end
     size = jnp.diff(edges)
     at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, size), 0.0))
-    unworn = mean_over(outline.height(at.ravel())) * size
-    return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
+    unworn = mean_over(bodies.outline.height(at.ravel())) * size
+    return Disc(edges, disc_of(bodies, b, edges), unworn, jnp.pi * b * b)
 
 
 def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Array]:
@@ -138,9 +138,10 @@ def _flat(outline: Outline, radius: Array) -> Array:
     return jnp.pi * radius**2 * (outline.height(radius[None]) - inside)[0]
 
 
-def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLaw) -> TestHistory:
+def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw) -> TestHistory:
     """The history of a test."""
-    compliance, outline = bodies.compliance, bodies.outline
+    bodies = bodies_of(effort, contact)
+    outline = bodies.outline
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
     begins = np.arange(number) * (count + 1)
@@ -150,10 +151,10 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         return found.force_amplitude[begins] > 1e-9 * blocks.friction * blocks.normal_force
 
     def one_pass(which: Array, grid: _Grid) -> tuple[Array, Array, _Grid, TestHistory]:
-        disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
-        theta = bodies.tangential_ratio(effort, grid.unworn)
+        disc = _disc(bodies, grid, _RING if number == 1 else _RING_OF_BLOCKS)
+        theta = theta_of(contact, bodies, grid.unworn)
         steps, cycles = _in_steps(blocks, grid, count)
-        found = march(disc, theta, law.rate, law.linear, steps)
+        found = march(disc, theta, law, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it. While the normal force
         # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
@@ -182,7 +183,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         gross = (least <= 0.0) & slips
         # Where the rate falls faster than the pressure, as p^m, this dies out as the cycles to the power -1/(m-1).
         rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
-        fall = jnp.where(rates[1] > 0.0, rates[0] / jnp.where(rates[1] > 0.0, rates[1], 1.0), 100.0)
+        fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
         longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
         last = jnp.where(gross, quotient(0.5 * _flat(outline, reach), rate), _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
@@ -199,7 +200,7 @@ def history_of(effort: Effort, bodies: Bodies, blocks: StageNumbers, law: WearLa
         shift = jax.lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
         return which + 1, shift, jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
-    estimate = compliance.radius
+    estimate = bodies.radius
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, estimate, _REACH * estimate, zero, zero)
     known = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype) + zero, jax.eval_shape(one_pass, 0, start)[3])
@@ -227,19 +228,8 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 @program(static=1, level=1, slopes=1)
 def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
-    _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
-    leaves, tree = jax.tree.flatten(law)
-    # Integers: a rule of JAX that closed over blocks or leaves would keep their traced values.
-    count, coefficients = len(blocks), len(leaves)
-
-    def one(*given: Array) -> TestHistory:
-        its_blocks, given = StageNumbers(*given[:count]), given[count:]
-        its_law = jax.tree.unflatten(tree, given[:coefficients])
-        return history_of(effort, bodies(*given[coefficients:]), its_blocks, its_law)
-
-    before = count + coefficients
-    own = *range(count), *(before + table for table in tables)
-    return each(sequential_forward_mode(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
+    one = sequential_forward_mode(functools.partial(history_of, effort))
+    return each(one, (contact, blocks, law))
 
 
 def _moment(history: TestHistory, cycles: Array) -> tuple[Moment, Array]:
@@ -258,8 +248,8 @@ def _amount(name: str, history: TestHistory, cycles: Array) -> Array:
         cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * known.ndim)
         return known * jnp.max(moment.between(moments.depth, cells), 0)
     if name == "volume":
-        curve = history.cycles, moments.volume, moments.rate
-        return known * moment.on(each(lambda *curve: limited(Curve(*curve)), curve, (0, 1, 2)))
+        curve = Curve(history.cycles, moments.volume, moments.rate)
+        return known * moment.on(each(limited, (curve,)))
     return known * moment.between(getattr(moments, name))
 
 
@@ -303,7 +293,7 @@ class MarchedRun(Run):
 
     shares: ClassVar = FOLLOWED
     known: ClassVar = 2, " for this test"
-    amount = staticmethod(_amount)
+    amount, field = staticmethod(_amount), staticmethod(_field)
 
     def _check(self, cycles: Any = None, **given: Any) -> None:
         """Refuse also concrete cycles beyond the last block, or beyond the widest scar."""
@@ -326,9 +316,10 @@ class MarchedRun(Run):
     def _rows(self) -> StageNumbers:
         rows = []
         for stage in self.load.stages():
-            force = self.contact.normal_force if stage.normal_force is None else stage.normal_force
-            mu = self.contact.friction if stage.friction is None else stage.friction
-            force, mu = guarded("normal_force", force, POSITIVE), guarded("friction", mu, POSITIVE)
+            force, mu = (
+                guarded(name, getattr(self.contact if getattr(stage, name) is None else stage, name), POSITIVE)
+                for name in ("normal_force", "friction")
+            )
             held = stage.load.control(mu * force)
             if stage.load.holds_force and self.load.lasts:
                 held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
@@ -376,12 +367,6 @@ class MarchedRun(Run):
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run."""
         return self._solution.cycles[..., -1] + 0.0 * self._solution.moments.rate[..., 0]
-
-    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _field("depth", self._solution, self._argument("r", r), self._argument("cycles", cycles))
-
-    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _field("pressure", self._solution, self._argument("r", r), self._argument("cycles", cycles))
 
     @property
     def steady(self) -> Steady | None:

@@ -1,7 +1,7 @@
 """The worn ring of contacts without closed forms, in cells that `surfaces` computes."""
 
 import functools
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,13 +10,12 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import POSITIVE, guarded
-from plgwear_jax._core.record import record, static
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
-from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
+from plgwear_jax.steady.state import State, refuse_tension, solved_states, state_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -26,62 +25,46 @@ from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
 from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
 
 
-def widths(state: State) -> tuple[Array, Array]:
-    """(Width of the unworn ring, width of the final ring less that of the unworn ring): differences of r^2 over c^2."""
-    unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
-    return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
-
-
-def cells_at(effort: Effort, state: State, edges: tuple[Array, Array]) -> RingCells:
-    """The ring in cells with these edges, T - 1 and T - (a_0/c)^2 with T = (r/c)^2; time is 4 K mu theta N, in 1/Pa."""
-    bodies = state.compliance, state.unworn, state.punch, state.beside
-    return cells_of(*bodies, state.further, state.outline, *edges, effort)
-
-
-def numeric_rings_of(effort: Effort, resolution: MarchResolution, state: State) -> tuple[RingCells, Scales, Array]:
-    """(The ring in the cells of each march, its units, T - (a_0/c)^2 at the edges of the finest march)."""
-    unworn, grown = widths(state)
-    edges = edges_of(unworn, grown, resolution)
+def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCells, Scales]:
+    """(The ring in the cells of each march, its units); time is 4 K mu theta N, in 1/Pa."""
+    unworn, grown = state.widths
     # One march after the other, so that the cells are compiled once and not once for each march.
-    cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
+    cells = jax.lax.map(lambda edges: cells_of(state, *edges), edges_of(unworn, grown, resolution))
     volume = state.c**2 * state.height(state.punch) * state.volume
     # The cells know the first rate to four digits, and the energy of friction knows it to eight.
-    unit = 4.0 * state.friction * state.tangential * volume / energy_of(effort, state)
+    unit = 4.0 * state.friction * state.tangential * volume / energy_of(state)
     scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
-    return in_unit(cells, unit), scales, edges[1][-1]
+    return in_unit(cells, unit), scales
 
 
 # --- the runs of all contacts -----------------------------------------------------------------------------------------
 
-_Runs = tuple[State, RunCurves, Array]  # with T - (a_0/c)^2 at the edges of the cells
+_Runs = tuple[State, RunCurves]
 
 
-@program(static=2, level=1)
-def _rings_of_each(effort: Effort, resolution: MarchResolution, states: State) -> tuple[RingCells, Scales, Array]:
-    return in_turn(functools.partial(numeric_rings_of, effort, resolution), states.shape, states)
+@program(static=1, level=1)
+def _rings_of_each(resolution: MarchResolution, states: State) -> tuple[RingCells, Scales]:
+    return in_turn(functools.partial(numeric_rings_of, resolution), states.shape, states)
 
 
 @program(static=2, level=1)
 def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
     """The runs as differentiable functions of the numbers of the contacts."""
-    one, numbers, tables, _ = solver_of(effort, contact, force)
 
-    def run(*numbers: Array) -> _Runs:
-        state = one(*numbers)
-        ring, scales, from_1 = numeric_rings_of(effort, resolution, state)
-        return state, curves_from(resolution, ring, scales), from_1
+    def run(contact: Any, force: Array) -> _Runs:
+        state = state_of(effort, contact, force)
+        return state, curves_from(resolution, *numeric_rings_of(resolution, state))
 
-    return each(sequential_forward_mode(run), numbers, tables)
+    return each(sequential_forward_mode(run), (contact, force))
 
 
 def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
     """The same, by the programs of known numbers."""
-    return _worn_runs(effort, resolution, solved_states(effort, contact, force))
+    return _worn_runs(resolution, solved_states(effort, contact, force))
 
 
-def _worn_runs(effort: Effort, resolution: MarchResolution, states: State) -> _Runs:
-    rings, scales, from_1 = _rings_of_each(effort, resolution, states)
-    return states, curves_by_parts(resolution, rings, scales), from_1
+def _worn_runs(resolution: MarchResolution, states: State) -> _Runs:
+    return states, curves_by_parts(resolution, *_rings_of_each(resolution, states))
 
 
 @program()
@@ -99,66 +82,47 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
         return with_slopes(_runs, _worn_by_parts if single else None)(effort, resolution, *given)
     states = states_of(contact, force, effort)
     refuse_tension(states, worn=True)
-    return _worn_runs(effort, resolution, states)
+    return _worn_runs(resolution, states)
 
 
 # --- what is read -----------------------------------------------------------------------------------------------------
 
 
-def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[Array, Array, Array]:
-    """(Places inside c, pressures there per pressure of each cell, the radius in m nearest to c)."""
-
-    def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
-        return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
-
-    places, pressures = in_turn(of_run, states.shape, states, curves.swept, curves.edges, from_1)
-    return places, pressures, states.c * jnp.sqrt(1.0 - places[..., -1])
-
-
-def _caused(c: Array, places: Array, pressures: Array, r: Array) -> Array:
-    """The pressures inside c per pressure of each cell, at radii, by linear interpolation between places."""
-    under = jnp.where(r < c, r, 0.5 * c)
-    at = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
-    at = at._replace(part=jnp.clip(at.part, 0.0, 1.0)[..., None])
-    return at.between(pressures)
-
-
-@record
-class NumericRing:
+class NumericRing(NamedTuple):
     """A ring whose fields are integrals."""
 
     states: State
-    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
-    effort: Effort = static()
 
-    def _fields(self, names: tuple[str, ...], r: Array) -> tuple[Array, ...]:
-        return tuple(over_radii_of((name, self.effort), self.states, r) for name in names)
-
-    def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, ...]:
+    def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at radii in the ring."""
         del y
-        return self._fields(("unworn_gap_at", "worn_depth_at"), r)
+        return over_radii_of("unworn_gap_at", self.states, r), over_radii_of("worn_depth_at", self.states, r)
 
     def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
         """The pressures at radii, and a radius in m next to c with those there."""
-        places, caused, near = _inward(self.effort, self.states, run.curves, self.from_1)
+        states, curves, c = self.states, run.curves, run.stick_radius
+        places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, curves.from_1)
+        near = states.c * jnp.sqrt(1.0 - places[..., -1])  # the nearest place to c
 
         def pressures_at(at: Array) -> Pressures:
-            unworn, worn = self._fields(("unworn_pressure_at", "worn_pressure_at"), at)
-            return Pressures(unworn, worn, _caused(run.stick_radius, places, caused, at))
+            under = jnp.where(at < c, at, 0.5 * c)
+            place = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
+            place = place._replace(part=jnp.clip(place.part, 0.0, 1.0)[..., None])
+            unworn, worn = (over_radii_of(name, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
+            return Pressures(unworn, worn, place.between(caused))
 
         return pressures_at(r), (near, pressures_at(near))
 
 
-@program(static=1)
-def _run_in_si(effort: Effort, runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
-    states, curves, from_1 = runs
+@program()
+def _run_in_si(runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
+    states, curves = runs
     phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
     # 4 K mu theta in 1/Pa, the time of one cycle.
     per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
     a_0 = states.results.contact_radius
     stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)
-    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states, from_1, effort))
+    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states))
 
 
 class NumericRun(RingRun):
@@ -168,6 +132,5 @@ class NumericRun(RingRun):
 
     def _solved(self, given: Any) -> RunSolution:
         contact, load, wear_coefficient = given
-        effort, force = effort_of(self.digits), load.amplitude
-        runs = _runs_of(effort, march_resolution_of(self.digits), contact, force)
-        return _run_in_si(effort, runs, contact, force, wear_coefficient)
+        runs = _runs_of(effort_of(self.digits), march_resolution_of(self.digits), contact, load.amplitude)
+        return _run_in_si(runs, contact, load.amplitude, wear_coefficient)

@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.special.elementary import clamped
+from plgwear_jax.special.elementary import clamped, ratio_where
 from plgwear_jax.steady.batch import in_turn
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.wear.curves import Curve, limited, moment_at
@@ -35,6 +35,7 @@ class RunCurves(NamedTuple):
     ratio: Array  # H/g in the cells
     swept: Array  # Q/s integrated over the cells
     edges: Array  # T/C - 1 at the edges of the cells
+    from_1: Array  # T/C - (a_0/c)^2 there
     scales: Scales
 
     @property
@@ -73,7 +74,7 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     limit = jnp.tensordot(jnp.asarray(weights(resolution, 2), dtype), sums, (0, 1))
     finest = sums[:, -1]
     counts = finest > 1e-9 * jnp.max(finest, (1, 2), keepdims=True)  # elsewhere rounding decides
-    ratio = jnp.where(counts, clamped(0.5, limit / jnp.where(counts, finest, 1.0), 1.5), 1.0)
+    ratio = clamped(0.5, ratio_where(counts, limit, finest, 1.0), 1.5)
     *_, to_steps, to_cells = (jnp.asarray(x, dtype) for x in _matrices(resolution, 2))
     last = slice(-resolution.steps, None)
     both = jnp.stack([ring.gap[-1] * jnp.expm1(march.worn[last]), march.pressure[last]])
@@ -153,6 +154,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
         ring.steady / ring.gap,
         ring.swept,
         ring.edges,
+        ring.from_1,
         scales,
     )
 
@@ -179,7 +181,7 @@ def share_at(shares: Shares, time: Array) -> Array:
     rest = 1.0 - shares.volume.value[..., -1]
     a, b = shares.decay[..., 0], shares.decay[..., 1]
     fall = jnp.exp(-a * moment.late)
-    after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
+    after = 1.0 - ratio_where(a > 0.0, a * rest * fall, a + b * rest * (1.0 - fall))
     return jnp.where(moment.late > 0.0, after, moment.on(shares.volume))
 
 

@@ -108,7 +108,6 @@ def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     return inside, ((near - c) / c) * ((near + c) / c), near
 
 
-@program()
 def _depth_of_run(run: RunSolution, r: Array, cycles: Array) -> Array:
     inside, y, near = _in_ring(run, r)
     gap, steady = run.ring.gap_and_depth(y, near)
@@ -165,7 +164,6 @@ _LONG = 1e6  # units of time after which nothing wears any more
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
-@program()
 def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     inside, (nearest, beside) = run.ring.pressures(run, r)
     curves, c, unit = run.curves, run.stick_radius, run.curves.scales.unit
@@ -205,6 +203,12 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
 
 
+@program(static=1)
+def _field_of_run(name: str, run: RunSolution, r: Array, cycles: Array) -> Array:
+    read = _pressure if name == "pressure" and run.phi.size else _depth_of_run  # as empty
+    return read(run, r, cycles)
+
+
 # --- the run ----------------------------------------------------------------------------------------------------------
 
 
@@ -212,7 +216,7 @@ class RingRun(Run):
     """A run of a constant force amplitude under Archard's law: the stick radius stays, and a ring around it wears."""
 
     law: Any  # Archard's
-    amount = staticmethod(_number_of_run)
+    amount, field = staticmethod(_number_of_run), staticmethod(_field_of_run)
 
     def _given(self) -> Any:
         return as_numbers((self.contact, self.load, self.law.wear_coefficient))
@@ -249,11 +253,3 @@ class RingRun(Run):
     @property
     def lasting_cycles(self) -> Array:
         return _lasting(self._solution)
-
-    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _depth_of_run(self._solution, self._argument("r", r), self._argument("cycles", cycles))
-
-    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        run = self._solution
-        read = _pressure if run.phi.size else _depth_of_run  # as empty
-        return read(run, self._argument("r", r), self._argument("cycles", cycles))

@@ -63,7 +63,9 @@ class Run(Solution, abc.ABC):
 
     law: WearLaw
     known: ClassVar[tuple[Any, ...]] = ()  # the most digits, and what is said of more
-    amount: ClassVar[Callable[..., Array]]  # a program that reads one number of this name from the solution
+    # Programs that read one number of this name from the solution, and one field.
+    amount: ClassVar[Callable[..., Array]]
+    field: ClassVar[Callable[..., Array]]
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         digits = None if digits is None else whole("digits", digits, 1, *self.known)
@@ -101,9 +103,6 @@ class Run(Solution, abc.ABC):
     def _solve(self) -> Any:
         return self._solved(self._given())
 
-    def _after(self, program: Callable[[Any, Array], Array], cycles: ArrayLike) -> Array:
-        return self._read(program, self._argument("cycles", cycles))
-
     def _read(self, program: Callable[[Any, Array], Array], at: Array) -> Array:
         """What a program reads from the solution at the numbers `at`."""
         given = self._given()
@@ -126,7 +125,7 @@ class Run(Solution, abc.ABC):
         return jnp.asarray(super()._argument(name, value), dtype_of([getattr(self, one) for one in self.numbers]))
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
-        return self._after(functools.partial(self.amount, name), cycles)
+        return self._read(functools.partial(self.amount, name), self._argument("cycles", cycles))
 
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""
@@ -187,14 +186,17 @@ class Run(Solution, abc.ABC):
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run, after which nothing wears any more or after which it is not followed."""
 
-    @abc.abstractmethod
+    def _over_radii(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return self.field(name, self._solution, self._argument("r", r), self._argument("cycles", cycles))
+
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Depth in m worn off the indenter."""
+        return self._over_radii("depth", r, cycles)
 
     def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Shape of the worn indenter in m above its apex."""
         return self.depth(r, cycles) + unworn_of(self.contact)(jnp.asarray(guarded("r", r, RADIUS)))
 
-    @abc.abstractmethod
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Pressure in Pa, nowhere negative."""
+        return self._over_radii("pressure", r, cycles)

@@ -294,7 +294,7 @@ def test_second_derivatives_of_the_deepest_wear_know_that_its_place_moves():
     image = Outline(Parabola(), jnp.asarray(RADIUS)).image(jnp.asarray(5e-5), jnp.asarray(0.4))
 
     def most(level):  # at a fixed place it would be proportional to it
-        return deepest(Lack(level, image, None), jnp.asarray(0.4), jnp.asarray(0.9), effort_of(4))
+        return deepest(Lack(level, image, None, jnp.asarray(0.4), effort_of(4)), jnp.asarray(0.9))
 
     def along(function):
         return lambda level: jax.jvp(function, (level,), (jnp.ones_like(level),))[1]

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.stresses import Stress
-from plgwear_jax.stresses.field import Given, Pressed, samples
+from plgwear_jax.stresses.field import Pressed, samples
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -132,17 +132,28 @@ def test_stresses_in_power_laws_before_and_after_wear(k):
             assert_allclose(found, want, rtol=0, atol=1e-3)
 
 
+def test_a_homogeneous_half_space_under_any_shape_is_that_of_layers_without_a_layer():
+    x, z = np.array([-1e-4, 0.0, 5e-5]), np.array([[1e-6], [5e-5]])
+    found, expected = (
+        FrettingContact(body, 5e-3, 10.0, 0.4, STEEL, PowerShape(4.0)).steady(2.0)
+        for body in (STEEL, Layered([], [210e9], 0.3))
+    )
+    assert_allclose(found.peak_mises, expected.peak_mises, rtol=1e-9)
+    for worn in (False, True):
+        stresses = np.array(expected.stress(x, z, worn=worn))
+        assert_allclose(found.stress(x, z, worn=worn), stresses, rtol=0.0, atol=1e-9 * abs(stresses).max())
+
+
 # --- powers, and digits -----------------------------------------------------------------------------------------------
 
 
 def test_a_power_among_other_pressures_is_that_power():
-    given, stick = Given(None, 4), jnp.asarray(0.6)
-    s, one = jnp.asarray(0.3), jnp.asarray(1.0)
+    stick, s, one = map(jnp.asarray, (0.6, 0.3, 1.0))
     for worn in (False, True):
         alone, among = (
-            Pressed(one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, ()).tractions(
-                given, worn
-            )
+            Pressed(
+                4, one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, 2.0 * s - 1.0, None
+            ).tractions(worn)
             for z in (samples(4, s.dtype, alone=alone) for alone in (True, False))
         )
         assert_allclose(among.beside[1], alone.beside[1], rtol=1e-12)

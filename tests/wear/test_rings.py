@@ -14,9 +14,9 @@ from reduced import MANY, Reduced, first_rate, unit_of
 
 from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
 from plgwear_jax.steady.state import states_of
+from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.wear.closed_ring import curves_of
-from plgwear_jax.wear.numeric_ring import cells_at, widths
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution, edges_of
 from plgwear_jax.wear.ring_curves import volume_of
 from plgwear_jax.wear.ring_march import _solved, _Step
@@ -230,11 +230,11 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
 
     @jax.jit
     def ring(state):
-        from_c, from_1 = edges_of(*widths(state), steps)
-        return cells_at(effort, state, (from_c[0], from_1[0]))
+        from_c, from_1 = edges_of(*state.widths, steps)
+        return cells_of(state, from_c[0], from_1[0])
 
     cells, count = ring(state), steps.inner * steps.refinements[0]
-    edges = edges_of(*widths(state), steps)[0][0, : count // 2 + 1]
+    edges = edges_of(*state.widths, steps)[0][0, : count // 2 + 1]
     middle = state.c * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
     pressure = one.steady(0.0).initial_pressure(middle)
     assert_allclose(cells.first[: count // 2] / pressure, 1.0, rtol=0.04)
