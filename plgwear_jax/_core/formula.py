@@ -6,7 +6,7 @@ The functions inside receive arrays of one floating dtype and check nothing.
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, ParamSpec
+from typing import Any, ParamSpec
 
 import jax
 import jax.numpy as jnp
@@ -29,18 +29,10 @@ from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
 Signature = ParamSpec("Signature")
 
 
-class _Rules(NamedTuple):
-    """A function of arrays, and what is known of its partial derivatives by the position of the argument."""
-
-    function: Callable[..., Array]
-    slopes: Mapping[int, Callable[..., Array]]
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]]  # the value and the slope together
-
-
 def formula(
     *,
-    slopes: Mapping[str, Callable[..., Array]] | None = None,
-    pairs: Mapping[str, Callable[..., tuple[Array, Array]]] | None = None,
+    slopes: Mapping[str, Callable[..., Array]] = {},
+    pairs: Mapping[str, Callable[..., tuple[Array, Array]]] = {},
     joint: tuple[str, ...] = (),
     **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
@@ -60,44 +52,35 @@ def formula(
             dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
             values = tuple(jnp.asarray(value, dtype) for value in values)
 
-            def given(functions: Mapping[str, Callable[..., Any]] | None) -> dict[int, Any]:
-                found = (functions or {}).items()
+            def given(functions: Mapping[str, Callable[..., Any]]) -> dict[int, Any]:
+                found = functions.items()
                 return {names.index(name): functools.partial(function, digits=digits) for name, function in found}
 
             function, together = functools.partial(plain, digits=digits), given(pairs)
             alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()} | given(slopes)
             together |= {i: functools.partial(_value_and_slope, function, i) for i in map(names.index, joint)}
-            result = _by_forward_mode(_Rules(function, alone, together))(*values)
+            result = _by_forward_mode(function, alone, together)(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
             return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
-        return _public(kernel, _program(run, kernel), domains)
+        program, signature = _program(run, kernel), inspect.signature(kernel)
+
+        @functools.wraps(kernel)
+        def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+            bound = signature.bind(*args, **kwargs)
+            bound.apply_defaults()
+            values = tuple(as_array(bound.arguments[name]) for name in names)
+            check_all(names, values, tuple(domains.values()))
+            dtype = real_dtype(kernel.__name__, values)
+            digits = check_digits(bound.arguments["digits"], dtype)
+            # Half precision is computed in single and handed back as it came.
+            working = jnp.promote_types(dtype, jnp.float32)
+            result = program(digits, *(as_argument(value, working) for value in values))
+            return result if result.dtype == dtype else result.astype(dtype)
+
+        return public
 
     return decorate
-
-
-def _public(
-    kernel: Callable[Signature, Array], program: Callable[..., Array], domains: Mapping[str, Domain]
-) -> Callable[Signature, Array]:
-    """The kernel's program behind checks and promotion of its arguments."""
-    names, signature = tuple(domains), inspect.signature(kernel)
-    bind = signature.bind
-    defaults = {name: one.default for name, one in signature.parameters.items() if name in domains}
-
-    @functools.wraps(kernel)
-    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-        bound: dict[str, Any] = bind(*args, **kwargs).arguments
-        digits: Any = bound.pop("digits", None)
-        values = tuple(as_array(bound.pop(name)) if name in bound else defaults[name] for name in names)
-        check_all(names, values, tuple(domains.values()))
-        dtype = real_dtype(kernel.__name__, values)
-        digits = check_digits(digits, dtype)
-        # Half precision is computed in single and handed back as it came.
-        working = jnp.promote_types(dtype, jnp.float32)
-        result = program(digits, *(as_argument(value, working) for value in values))
-        return result if result.dtype == dtype else result.astype(dtype)
-
-    return public
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
@@ -158,22 +141,40 @@ def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[.
 # --- derivatives of programs ------------------------------------------------------------------------------------------
 
 
-def _by_forward_mode(rules: _Rules) -> Callable[..., Array]:
+def _by_forward_mode(
+    function: Callable[..., Array], slopes: Mapping[int, Any], pairs: Mapping[int, Any] = {}
+) -> Callable[..., Array]:
     """The elementwise function of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
     the same for each higher derivative. Only the partial derivatives that are needed are computed; those in `slopes`
-    (by position of the argument) are taken from there. The first of `pairs` that is needed gives the value as well.
+    (by position of the argument) are taken from there. The first of `pairs`, a value and its slope together, that is
+    needed gives the value as well.
     """
 
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
-        return rules.function(*values)
+        return function(*values)
+
+    def derivative(i: int) -> Callable[..., Array]:
+        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
+        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
+        return _by_forward_mode(slopes.get(i) or _partial(function, i), better)
 
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
-        result, found = _partials(ruled, rules, tuple(wanted), values)
+        first = next((i for i in pairs if i in wanted), None)
+        if first is None:
+            result, found = ruled(*values), {}
+        else:
+            result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
+            found = {first: slope}
+        for i in wanted:
+            if i not in found:
+                found[i] = derivative(i)(*values)
+                if len(wanted) > 1:  # a Jacobian uses it once for every direction
+                    found[i] = materialised(found[i])
         total = jnp.zeros_like(result)
         for i, tangent in wanted.items():
             total = total + found[i] * tangent
@@ -181,31 +182,6 @@ def _by_forward_mode(rules: _Rules) -> Callable[..., Array]:
 
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled
-
-
-def _partials(
-    ruled: Callable[..., Array], rules: _Rules, wanted: tuple[int, ...], values: tuple[Array, ...]
-) -> tuple[Array, dict[int, Array]]:
-    """The value and the partial derivatives that are wanted; `ruled` is the function with its rule."""
-    function, slopes, pairs = rules
-
-    def derivative(i: int) -> Callable[..., Array]:
-        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
-        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
-        return _by_forward_mode(_Rules(slopes.get(i) or _partial(function, i), better, {}))
-
-    first = next((i for i in pairs if i in wanted), None)
-    if first is None:
-        result, found = ruled(*values), {}
-    else:
-        result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
-        found = {first: slope}
-    for i in wanted:
-        if i not in found:
-            found[i] = derivative(i)(*values)
-            if len(wanted) > 1:  # a Jacobian uses it once for every direction
-                found[i] = materialised(found[i])
-    return result, found
 
 
 def _ruled_pair(
