@@ -8,7 +8,7 @@ import sys
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
-from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind
+from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, PEAKS, QUANTITIES, TRANSIENT, Kind
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
 
@@ -77,8 +77,8 @@ def refuse_question(
     objective: str,
     limits: Collection[str],
     *,
-    kind: Kind | None = None,
-    flat: bool = False,
+    kind: Kind,
+    flat: bool,
 ) -> None:
     """Refuse a question whose single values are allowed, but do not go together, by a `WrongKeyError`.
 
@@ -87,7 +87,7 @@ def refuse_question(
         hold: The contact radius is held.
         objective: What is minimised.
         limits: The names of what is limited.
-        kind: The kind of the contact, if it is known.
+        kind: The kind of the contact.
         flat: The exponent of the reference is known to be 0.
     """
     held = 'hold = "contact_radius"' if hold else None
@@ -123,24 +123,22 @@ def refuse_question(
 # --- quantities -------------------------------------------------------------------------------------------------------
 
 
-def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind | None) -> str:
+def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind) -> str:
     """The name in the catalogue of a quantity at places, or a `WrongKeyError` that says why there is none.
 
     Args:
         key: The key under which the quantity is given, for the error.
         name: The quantity; "pressure" at a distance from the stick-slip boundary is `edge_pressure`.
         places: The places that are given, by names such as "r" or "distance".
-        kind: The kind of the contact, if it is known.
+        kind: The kind of the contact.
     """
-    laws = QUANTITIES[kind] if kind is not None else QUANTITIES["gross-slip"] | QUANTITIES["fretting"]
-    if is_after_cycles(name) and kind != "gross-slip":
-        lasting = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
-        laws = lasting if name not in lasting else laws | lasting
+    laws = QUANTITIES[kind]
+    if is_after_cycles(name) and kind == "fretting":
+        laws = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
     if name == "pressure" and "distance" in places:
         name = "edge_pressure"
     if name not in laws:
-        whose = f"a {kind} contact" if kind else "any contact"
-        raise WrongKeyError(key, f"{one_line(name)} is no quantity of {whose}{near_or_all(name, laws)}")
+        raise WrongKeyError(key, f"{one_line(name)} is no quantity of a {kind} contact{near_or_all(name, laws)}")
     needed = [place for place in laws[name].arguments if place in PLACES]
     for place in needed:
         if place not in places:
@@ -158,7 +156,7 @@ def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind |
 _SIDES = ("above", "below", "between")
 
 
-def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> tuple[str, Any, Any, dict[str, Any]]:
+def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind) -> tuple[str, Any, Any, dict[str, Any]]:
     """What a limit such as {"below": 2e-6} limits, or a `WrongKeyError` about its keys. Values are checked elsewhere.
 
     Returns:
@@ -193,7 +191,7 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> 
 
 def limit_form(name: str) -> str:
     """How the limit of a quantity is written."""
-    law = (QUANTITIES["gross-slip"] | QUANTITIES["fretting"]).get(name)
+    law = (GROSS_SLIP | FRETTING).get(name)
     arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
     form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
     unit = law.unit if law is not None and law.unit != "1" else None

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, front, new, regimes, solve, sweep, wear
+from plgwear_jax.cli import cache, coating, design, figures, new, regimes, solve, sweep, wear
 from plgwear_jax.cli.terminal import refusing
 
 __all__ = ["app", "main"]
@@ -74,7 +74,7 @@ for _command in (
     new.new,
     solve.solve,
     design.design,
-    front.front,
+    design.front,
     wear.wear,
     regimes.regimes,
     coating.coating,

@@ -1,11 +1,23 @@
-"""The command `plgwear design`: the best coating for an input file, and a picture of it."""
+"""The commands `plgwear design`, the best coating for an input file, and `plgwear front`, a trade-off curve."""
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, read_scene
-from plgwear_jax.cli.report import Report
+from plgwear_jax._core.catalogue import entry, placed
+from plgwear_jax._core.rules import LARGER
+from plgwear_jax.cli.question import (
+    AsJson,
+    Picture,
+    SceneFile,
+    amplitudes_told,
+    csv_option,
+    option,
+    positive,
+    read_scene,
+)
+from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
 from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
 
@@ -47,4 +59,90 @@ def design(
     if not found.certified:
         for line in doubts:
             warn(f"{scene_file}: {line}")
+        raise typer.Exit(1)
+
+
+def front(
+    scene_file: SceneFile,
+    x: Annotated[
+        str, typer.Option(help="First quantity of the trade-off, with its place in m if it needs one: wear_depth@5e-5.")
+    ] = "edge_pressure",
+    y: Annotated[str | None, option(help="Second quantity; by default what the input file minimises.")] = None,
+    larger: Annotated[str, option(help="Quantities of which a larger value is better: x, y or xy.")] = "",
+    distance: Annotated[
+        float | None,
+        option(help="Distance from the stick-slip boundary of x in m; by default that of its limit in the input file."),
+    ] = None,
+    points: Annotated[int, typer.Option(min=2, max=10_000, help="Number of designs.")] = 21,
+    as_json: AsJson = False,
+    picture: Picture = None,
+    csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,
+) -> None:
+    """Show what less wear costs: the least wear for each pressure, or any two quantities.
+
+    The pressure is that at a critical distance inside the stick-slip boundary, so that singularities of different order
+    are compared. All else is as for `plgwear design`; a limit of x in the input file is ignored. The exit code is 1 if
+    any point of this trade-off curve is not certain to be the best.
+
+    Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
+
+    Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
+    """
+    given = read_scene(scene_file)
+    given.asked()
+    if larger not in LARGER:
+        refuse(f"--larger {larger}: must be x, y or xy")
+    positive("--distance", distance, "in m")
+    given = given if y is None else given.minimising(given.traded("--y", y))
+    given.traded("--x", x, distance)
+    report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
+    with computing("looking for the best y for each x"):
+        import numpy as np
+
+        found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
+    report.draw("front_picture", found)
+    report.doubt(given)
+    # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
+    x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
+    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y, **found.variables}
+    flags = fields(found, "converged", "certified")
+    reference: dict[str, Any] = {x_column: found.reference_x, found.y_name: found.reference_y}
+    report.write_table(columns | flags)
+    report.put(
+        {x_column: entry(found.x_name).unit},
+        x=found.x_name,
+        **fields(found, "x_places", "larger"),
+        objective=found.y_name,
+        objective_places=found.y_places,
+        **columns,
+        **flags,
+        reference=reference,
+    )
+
+    along, certain = found.x, np.asarray(found.certified)
+    same = np.ptp(along) <= 1e-9 * np.max(along)
+    shown = slice(1 if same else None)
+    words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
+    if given.life:
+        words[found.y_name] += f" after {counted(given.life)} cycles"
+    sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
+    cells = (
+        each_with_unit(
+            found.x_name if column == x_column else column,
+            by[shown],
+            words.get(column),
+            reference.get(column),
+            wrap=True,
+        )
+        for column, by in columns.items()
+    )
+    report.say(amplitudes_told(given, found.y_name))
+    report.table(*cells, sure)
+    if not same:
+        report.say(f"what ends the trade-off curve: {found.ends[0]} (first row); {found.ends[1]} (last row)")
+    else:
+        report.say(f"one design has both the {found.best[1]} and the {found.best[0]}: there is nothing to trade")
+    report.end()
+    if not certain.all():
+        warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the trade-off curve are NOT CERTAIN")
         raise typer.Exit(1)

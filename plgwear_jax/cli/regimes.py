@@ -1,8 +1,9 @@
 """The command `plgwear regimes`: partial or gross slip over displacement amplitude and normal force."""
 
+import dataclasses
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.ranges import POSITIVE
@@ -19,12 +20,6 @@ from plgwear_jax.cli.question import (
 )
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, rounded
 from plgwear_jax.cli.terminal import computing, refuse
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from plgwear_jax.contact import SlipRegimes
-    from plgwear_jax.scene import Scene
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
 _CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer
@@ -60,26 +55,48 @@ def regimes(
     Example: plgwear regimes design/electrical_contact.toml --normal-force 1:100
     """
     given = read_scene(scene_file)
-    if given.load is None:
+    load = given.load
+    if load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
     within, form = (0.0, math.inf), "0 < LOWEST < HIGHEST"
     moves = interval("--displacement", displacement, within, f" in m, {form}")
     forces = interval("--normal-force", normal_force, within, f" in N, {form}")
     positive("--rig-stiffness", rig_stiffness, "in N/m")
-    rig = rig_stiffness or given.load.rig_stiffness
+    rig = rig_stiffness or load.rig_stiffness
     report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)
     with computing("computing the loops"):
         import numpy as np
 
-        from plgwear_jax.contact import CRITERIA
+        from plgwear_jax.contact import CRITERIA, is_closed, slip_regimes
+        from plgwear_jax.loads import Force
+        from plgwear_jax.scene.solving import homogeneous
 
-        found, cut, own = _computed(given, moves, forces, rig)
+        contact = homogeneous(given.build_contact())
+        own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
+        own = np.unique(own)
+        own = own[own > 0.0]
+        force = float(contact.normal_force)
+        first, last = forces or (force / _DECADE, force * _DECADE)
+        three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
+        onsets = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
+        refuse_extremes(POSITIVE.contains(onsets).all(), "the loops exceed")
+        if moves is None:
+            # Both ends of the transition stay well inside, and so does the load.
+            inside = np.append(onsets, own)
+            moves = inside.min() / 3.0, 3.0 * inside.max()
+        rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
+        found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
+        refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
+        told = np.unique(np.append(onsets[2] * np.array(_SHARES), own))
+        # Always as many, so that all files need the same program.
+        between = np.linspace(0.0, max(2.5 * onsets[2], 1.1 * told[-1]), max(_CUT - told.size, 2))[1:]
+        cut = slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig)
     report.draw("regimes_picture", found, cut, own, rig)
     names = "normal_force", "displacement_amplitude"
     pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
     columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
     report.write_table({name: np.ravel(values) for name, values in columns.items()})
-    force, onset = cut.normal_force[0], cut.gross_slip_displacement[0]
+    onset = cut.gross_slip_displacement[0]
     report.doubt(given, onset=onset)
     at_onset = dict(zip(CRITERIA, (cut.gross_slip_energy_ratio[0], cut.gross_slip_aperture[0]), strict=True))
     where = {name: cut.displacement_where(name, level)[0] for name, level in CRITERIA.items()}
@@ -90,8 +107,7 @@ def regimes(
         criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
         **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
     )
-    shown = np.unique(np.append(onset * np.array(_SHARES), own))
-    at = np.argmin(abs(cut.displacement_amplitude - shown[:, None]), axis=1)
+    at = np.argmin(abs(cut.displacement_amplitude - told[:, None]), axis=1)
     slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
     heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
     report.table(
@@ -113,41 +129,3 @@ def regimes(
         at = measured("displacement_amplitude", where[name])
         report.say(f"the {entry(name).name} is {level:g} at {at}, {shift} the transition")
     report.end()
-
-
-def _computed(
-    given: "Scene",
-    moves: tuple[float, float] | None,
-    forces: tuple[float, float] | None,
-    rig: float | None,
-) -> "tuple[SlipRegimes, SlipRegimes, np.ndarray]":
-    """(The map, the cut at the file's own normal force, the displacement amplitudes in m of its load but for 0)."""
-    import dataclasses
-
-    import numpy as np
-
-    from plgwear_jax.contact import is_closed, slip_regimes
-    from plgwear_jax.loads import Force
-    from plgwear_jax.scene.solving import homogeneous
-
-    contact, load = homogeneous(given.build_contact()), given.load
-    assert load is not None
-    own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
-    own = np.unique(own)
-    own = own[own > 0.0]
-    force = float(contact.normal_force)
-    first, last = forces or (force / _DECADE, force * _DECADE)
-    rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
-    three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
-    onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
-    refuse_extremes(POSITIVE.contains(onset).all(), "the loops exceed")
-    if moves is None:
-        # Both ends of the transition stay well inside, and so does the load.
-        within = np.append(onset, own)
-        moves = within.min() / 3.0, 3.0 * within.max()
-    told = np.append(onset[2] * np.array(_SHARES), own)
-    # Always as many, so that all files need the same program.
-    between = np.linspace(0.0, max(2.5 * onset[2], 1.1 * told.max()), max(_CUT - told.size, 2))[1:]
-    found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
-    refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
-    return found, slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig), own

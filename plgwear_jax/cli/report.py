@@ -74,9 +74,9 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
 def each_with_unit(
     name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
 ) -> Column:
-    """A column of values of a quantity, NaN for none, each with its own unit, by default below the quantity's name."""
+    """A column of values of a quantity, NaN for none, each with its own unit, by default below the quantity's words."""
     cells = [measured(name, value) if value == value else "" for value in values]
-    return Column(heading or entry(name).name, cells, "" if end is None else measured(name, end), wrap=wrap)
+    return Column(heading or entry(name).words, cells, "" if end is None else measured(name, end), wrap=wrap)
 
 
 def shared(name: str, values: "np.ndarray", end: float | None = None, heading: str | None = None) -> Column:

@@ -351,9 +351,9 @@ def test_the_promised_accuracy_is_that_of_the_tests():
 
 
 def test_a_trade_off_curve_has_as_many_points_everywhere():
-    from plgwear_jax.cli import front
+    from plgwear_jax.cli import design
 
-    functions = front.front, optimise.front, scene.Scene.front
+    functions = design.front, optimise.front, scene.Scene.front
     assert {inspect.signature(function).parameters["points"].default for function in functions} == {21}
 
 
