@@ -57,7 +57,7 @@ def formula(
                 return {names.index(name): functools.partial(function, digits=digits) for name, function in found}
 
             function, together = functools.partial(plain, digits=digits), given(pairs)
-            alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()} | given(slopes)
+            alone = {i: lambda *at, pair=pair: pair(*at)[1] for i, pair in together.items()} | given(slopes)
             together |= {i: functools.partial(_value_and_slope, function, i) for i in map(names.index, joint)}
             result = _by_forward_mode(function, alone, together)(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
@@ -161,6 +161,27 @@ def _by_forward_mode(
         better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
         return _by_forward_mode(slopes.get(i) or _partial(function, i), better)
 
+    def together(i: int) -> Callable[..., tuple[Array, Array]]:
+        """The pair of value and slope, whose derivatives are those of both alone."""
+
+        @jax.custom_jvp
+        def ruled_pair(*values: Array) -> tuple[Array, Array]:
+            value, slope = pairs[i](*values)
+            return one_kernel(value, slope)
+
+        def rule(primals, tangents):
+            moves, steps = steps_of(tangents)
+            moving, whole = parted(primals, moves)
+
+            def both(at: Any) -> tuple[Array, Array]:
+                values = whole(at)
+                return ruled(*values), derivative(i)(*values)
+
+            return ruled_pair(*primals), jax.jvp(both, (moving,), (steps,))[1]
+
+        ruled_pair.defjvp(rule, symbolic_zeros=True)
+        return ruled_pair
+
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
@@ -168,7 +189,7 @@ def _by_forward_mode(
         if first is None:
             result, found = ruled(*values), {}
         else:
-            result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
+            result, slope = together(first)(*values)
             found = {first: slope}
         for i in wanted:
             if i not in found:
@@ -184,25 +205,6 @@ def _by_forward_mode(
     return ruled
 
 
-def _ruled_pair(
-    pair: Callable[..., tuple[Array, Array]], single: Callable[..., tuple[Array, Array]]
-) -> Callable[..., tuple[Array, Array]]:
-    """Value and slope by `pair`; their derivatives are those of `single`."""
-
-    @jax.custom_jvp
-    def ruled(*values: Array) -> tuple[Array, Array]:
-        value, slope = pair(*values)
-        return one_kernel(value, slope)
-
-    def rule(primals, tangents):
-        moves, steps = steps_of(tangents)
-        moving, whole = parted(primals, moves)
-        return ruled(*primals), jax.jvp(lambda at: single(*whole(at)), (moving,), (steps,))[1]
-
-    ruled.defjvp(rule, symbolic_zeros=True)
-    return ruled
-
-
 def _value_and_slope(function: Callable[..., Array], i: int, *values: Array) -> tuple[Array, Array]:
     """The value of a function and its derivative with respect to one argument."""
 
@@ -210,10 +212,6 @@ def _value_and_slope(function: Callable[..., Array], i: int, *values: Array) -> 
         return function(*values[:i], value, *values[i + 1 :])
 
     return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
-
-
-def _slope_of(pair: Callable[..., tuple[Array, Array]], *values: Array) -> Array:
-    return pair(*values)[1]
 
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:

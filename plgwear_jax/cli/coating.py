@@ -9,9 +9,18 @@ import typer
 from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
-from plgwear_jax.cli.question import AsJson, Picture, csv_option, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, each_with_unit, fields
-from plgwear_jax.cli.terminal import computing, refuse, warn
+from plgwear_jax.cli.terminal import (
+    AsJson,
+    Picture,
+    computing,
+    csv_option,
+    option,
+    read_scene,
+    refuse,
+    refuse_extremes,
+    warn,
+)
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import PowerLawFit

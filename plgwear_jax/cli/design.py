@@ -7,18 +7,20 @@ import typer
 
 from plgwear_jax._core.catalogue import entry, placed
 from plgwear_jax._core.rules import LARGER
-from plgwear_jax.cli.question import (
+from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
+from plgwear_jax.cli.terminal import (
     AsJson,
     Picture,
     SceneFile,
-    amplitudes_told,
+    computing,
     csv_option,
     option,
     positive,
     read_scene,
+    refuse,
+    warn,
+    working,
 )
-from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
-from plgwear_jax.cli.terminal import computing, refuse, warn, working
 
 
 def design(
@@ -98,6 +100,8 @@ def front(
     report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
     with computing("looking for the best y for each x"):
         import numpy as np
+
+        from plgwear_jax.cli.design_report import amplitudes_told
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
     report.draw("front_picture", found)

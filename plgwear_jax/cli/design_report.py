@@ -9,11 +9,12 @@ from plgwear_jax import coating, optimise
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
-from plgwear_jax.cli.question import amplitudes_told
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.report import Column, Report, about, by_quantity, by_rows, counted, each_with_unit, fields
 from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
+from plgwear_jax.scene.designing import forces_in_scenarios
 
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
@@ -199,6 +200,43 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[s
         least = -1.0 if is_closed(pair[0]) else 0.0
         both["edge_exponent"] = [0.5 * max(k, least) - 0.5 for k in map(float, both.get("k", (0.0, 0.0)))]
     return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
+
+
+def _part(level: float) -> str:
+    return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
+
+
+def _slipping(given: Scene, rows: Any) -> str:
+    """Which of these rows of scenarios slip as a whole under a displacement, in words."""
+    forces = forces_in_scenarios(given)
+    if forces is None:
+        return ""
+    slip = rows[np.isnan(forces)].tolist()
+    if len(slip) in (0, rows.size):
+        return f", {'all' if slip else 'none'} in gross slip"
+    which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
+    return f", {len(slip)} in gross slip ({which})"
+
+
+def amplitudes_told(given: Scene, objective: str) -> str | None:
+    """Which amplitudes count, and how, if there are several."""
+    load, space, name = given.load, given.asked(), entry(objective).name
+    if space.scatter:
+        rows = space.scatter.row
+        said = (
+            f"the {name} is its {_part(space.level)} over them, limits are for the worst, all else is for the reference"
+        )
+        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{_slipping(given, rows)}; {said}"
+    if load is None:
+        return None
+    if load.cycles is not None and given.life:
+        return f"history {one_line(str(load.history))}: {load.cycles.size} blocks, {given.life:g} cycles in all"
+    if load.table is None:
+        kept = f"; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"
+        return load.remark if load.displacement is None else f"{load.remark}{kept}"
+    count, part = load.amplitudes.size, _part(space.level) if space.level < 1.0 else "value at the largest"
+    told = f"the {name} is its {part}, all else is for the largest, {load.largest:g} N"
+    return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"
 
 
 def _where(values: Iterable[tuple[str, Any]]) -> str:

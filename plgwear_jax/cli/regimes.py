@@ -7,19 +7,20 @@ from typing import Annotated
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax.cli.question import (
+from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, rounded
+from plgwear_jax.cli.terminal import (
     AsJson,
     Picture,
     SceneFile,
+    computing,
     csv_option,
     interval,
     option,
     positive,
     read_scene,
+    refuse,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, each_with_unit, fields, rounded
-from plgwear_jax.cli.terminal import computing, refuse
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
 _CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer

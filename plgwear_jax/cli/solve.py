@@ -6,9 +6,19 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax._core.catalogue import entry, measured
-from plgwear_jax.cli.question import AsJson, Digits, SceneFile, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Report, by_rows
-from plgwear_jax.cli.terminal import computing, message, refuse, warn
+from plgwear_jax.cli.terminal import (
+    AsJson,
+    Digits,
+    SceneFile,
+    computing,
+    message,
+    option,
+    read_scene,
+    refuse,
+    refuse_extremes,
+    warn,
+)
 
 
 def solve(

@@ -12,8 +12,18 @@ import typer
 from plgwear_jax._core.catalogue import AMPLITUDES, AXES
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.question import Digits, Picture, interval, option, read_scene
-from plgwear_jax.cli.terminal import computing, plots, refuse, set_up, warn
+from plgwear_jax.cli.terminal import (
+    Digits,
+    Picture,
+    computing,
+    interval,
+    option,
+    plots,
+    read_scene,
+    refuse,
+    set_up,
+    warn,
+)
 
 _WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 

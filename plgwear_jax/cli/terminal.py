@@ -1,4 +1,4 @@
-"""Common to all commands: refusing bad input in one line, warning, showing work in progress, and setting up JAX."""
+"""Common to all commands: options, refusing bad input in one line, showing work in progress, and setting up JAX."""
 
 import _thread
 import atexit
@@ -6,18 +6,23 @@ import contextlib
 import errno
 import functools
 import gc
+import math
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import ModuleType
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from plgwear_jax._core.words import GivenError, one_line
 from plgwear_jax.cli import cache
+
+if TYPE_CHECKING:
+    from plgwear_jax.scene import Scene
 
 
 def refuse(line: str) -> NoReturn:
@@ -102,6 +107,63 @@ def working(doing: str) -> Iterator[None]:
 
     with Console(stderr=True).status(f"{doing} ..."):
         yield
+
+
+# --- what is given ----------------------------------------------------------------------------------------------------
+
+# An option without a default that is worth showing.
+option = functools.partial(typer.Option, show_default=False)
+
+
+def csv_option(what: str) -> Any:
+    """The option that has a command write a table of this."""
+    return option("--csv", help=f"A .csv file to write {what} to, in SI units.")
+
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The input file.", show_default=False)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
+Digits = Annotated[
+    int | None,
+    option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all there are, 4 if numerical."),
+]
+Picture = Annotated[
+    Path | None,
+    option(help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here."),
+]
+
+
+def read_scene(scene_file: Path) -> "Scene":
+    """The scene of a file."""
+    from plgwear_jax import scene
+
+    return scene.load(scene_file)
+
+
+def refuse_extremes(finite: Any, what: str = "the wear exceeds") -> None:
+    """Refuse a scene whose results are not finite, or nothing where they should be something."""
+    if not finite:
+        from plgwear_jax.scene import SceneError
+
+        raise SceneError(f"{what} the range of numbers: some value in the input file is too extreme")
+
+
+def interval(key: str, text: str | None, ends: tuple[float, float], form: str) -> tuple[float, float] | None:
+    """The numbers of LOWEST:HIGHEST between these ends, or a line that says so, with a form behind it."""
+    if text is None:
+        return None
+    try:
+        lower, upper = map(float, text.split(":"))
+    except ValueError:
+        lower = upper = math.nan
+    if not ends[0] < lower < upper < ends[1]:
+        refuse(f"{key} {one_line(text)}: must be LOWEST:HIGHEST{form}")
+    return lower, upper
+
+
+def positive(key: str, value: float | None, what: str) -> None:
+    """Refuse a number that is not positive, or not finite."""
+    if value is not None and not 0.0 < value < math.inf:
+        refuse(f"{key} = {value:g}: must be a finite number > 0, {what}")
 
 
 # --- JAX and matplotlib -----------------------------------------------------------------------------------------------

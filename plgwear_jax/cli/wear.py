@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.catalogue import entry, measured
-from plgwear_jax.cli.question import (
+from plgwear_jax.cli.report import Column, Report, about, counted, fields, rounded, shared
+from plgwear_jax.cli.terminal import (
     AsJson,
     Digits,
     Picture,
     SceneFile,
+    computing,
     csv_option,
     option,
     positive,
     read_scene,
+    refuse,
     refuse_extremes,
+    warn,
 )
-from plgwear_jax.cli.report import Column, Report, about, counted, fields, rounded, shared
-from plgwear_jax.cli.terminal import computing, refuse, warn
 
 if TYPE_CHECKING:
     import numpy as np

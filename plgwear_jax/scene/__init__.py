@@ -20,8 +20,7 @@ from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limi
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
-from plgwear_jax.scene.complaints import NAMES, OtherFileError, Reading, SceneError
-from plgwear_jax.scene.keys import json_schema
+from plgwear_jax.scene.keys import NAMES, OtherFileError, Reading, SceneError, json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
     Body,

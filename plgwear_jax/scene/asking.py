@@ -21,7 +21,7 @@ from plgwear_jax._core.rules import (
     refuse_question,
 )
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.scene.complaints import Reading
+from plgwear_jax.scene.keys import Reading
 from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
 
 if TYPE_CHECKING:

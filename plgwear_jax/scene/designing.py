@@ -12,7 +12,7 @@ from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.asking import DesignSpace, edge_distance
-from plgwear_jax.scene.complaints import OtherFileError, SceneError
+from plgwear_jax.scene.keys import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
 if TYPE_CHECKING:

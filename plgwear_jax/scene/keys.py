@@ -1,8 +1,10 @@
 """The keys of an input file: `keys.toml` has them all, as a JSON schema, which the reader and the documentation read.
 
-Imports nothing that takes time.
+Each error is told in one line: section, key, value, and what is allowed; the first one ends the reading. Imports
+nothing that takes time.
 """
 
+import contextlib
 import copy
 import functools
 import itertools
@@ -10,14 +12,15 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from plgwear_jax._core.catalogue import QUANTITIES, entry
 from plgwear_jax._core.extras import needs
 from plgwear_jax._core.rules import WrongKeyError, limit_form
-from plgwear_jax._core.words import near, near_or_all
+from plgwear_jax._core.words import GivenError, bare, near, near_or_all, shown
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
@@ -35,8 +38,116 @@ SECTIONS["Limits"]["properties"] |= {
 
 # --- reading --------------------------------------------------------------------------------------------------------
 
+_ABSENT = object()
+NAMES = "material", "contact", "load", "wear", "design", "output"
 
-def definition_of(section: str, given: Mapping[str, Any]) -> str:
+
+class SceneError(GivenError):
+    """An error in a scene, in one line: file, section, key, value, and what is allowed."""
+
+    names_file = False
+
+
+class OtherFileError(SceneError):
+    """An error in the file of a scene, or in another one that it names; its line begins with that file."""
+
+    names_file = True
+
+
+class Reading(SimpleNamespace):
+    """An input file while it is read: its sections as far as they are known.
+
+    Args:
+        file: The name of the file, for messages.
+        document: What it holds.
+        folder: Where names of other files begin.
+
+    Attributes:
+        material, contact, wear, load, design, output: What the sections hold; None where they are absent.
+    """
+
+    def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
+        super().__init__(**dict.fromkeys(NAMES), file=file, document=document, folder=folder)
+
+    def refuse(self, path: Iterable[str], text: str) -> NoReturn:
+        """Refuse the key of this path, or a section: what it must be."""
+        value: Any = self.document
+        for key in path:
+            value = dict(zip(map(str, range(len(value))), value, strict=True)) if isinstance(value, list) else value
+            value = value.get(key, _ABSENT) if isinstance(value, dict) else _ABSENT
+        section, *keys = map(bare, path)
+        told = f"[{section}] {'.'.join(keys)}".rstrip()
+        if value is _ABSENT:
+            text = f"missing; it {text}" if keys else text
+        elif keys:
+            told = f"{told} = {shown(value)}"
+        elif not isinstance(value, dict):
+            told = f"{section} = {shown(value)}"
+        raise OtherFileError(f"{self.file}: {told}: {text}")
+
+    def values_of(self, section: str) -> tuple[str, dict[str, Any]]:
+        """What a section that is there means, as its name in `SECTIONS`, and the values of all its keys."""
+        given = self.document[section]
+        if section not in NAMES:
+            wrong = f"there is no such section{near_or_all(section, NAMES)}"
+            stray = f"stands outside the sections; allowed are {', '.join(NAMES)}"
+            self.refuse((section,), wrong if isinstance(given, dict) else stray)
+        with self.telling(section):
+            if not isinstance(given, dict):
+                raise WrongKeyError("", f"must be a section, written as [{section}]")
+            name = _definition_of(section, given)
+        return name, dict.fromkeys(SECTIONS[name]["properties"]) | self._values(name, given, section)
+
+    def _values(self, section: str, given: Any, *path: str) -> dict[str, Any]:
+        """The values of those keys of a section that are there or have a default, as the library takes them.
+
+        Args:
+            section: Its name in `SECTIONS`.
+            given: What the file has there.
+            path: The path of the section.
+        """
+        schema, found = SECTIONS[section], {}
+        keys = schema["properties"] | {
+            name: key
+            for pattern, key in schema.get("patternProperties", {}).items()
+            for name in given
+            if re.search(pattern, name)
+        }
+        for name in {**given, **keys}:  # as the file has them; what is missing comes last
+            here, value = (*path, name), given.get(name)
+            key = keys[name] if name in keys else self.refuse(here, _stray(section, name))
+            inner, text = _section_of(key), f"must be {key['description']}"
+            if name not in given:
+                if name in schema["required"]:
+                    self.refuse(here, text)
+                elif "default" in key:
+                    found[name] = key["default"]
+            elif inner == "Allowed" and isinstance(value, list) and value and all(isinstance(x, dict) for x in value):
+                found[name] = tuple(self._values(inner, x, *here, str(i)) for i, x in enumerate(value))
+            elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
+                found[name] = self._values(inner, value, *here)
+            elif inner or not _allows(key, value):
+                self.refuse(here, text)
+            else:
+                kinds = [one for one in map(_section_of, key.get("anyOf", ())) if one and _allows(SECTIONS[one], value)]
+                if kinds:  # of a section among others also its name
+                    found[name] = kinds[0], self._values(kinds[0], value, *here)
+                else:
+                    found[name] = value if key.get("type") == "integer" else _with_floats(value)
+        return {name: found[name] for name in keys if name in found}
+
+    @contextlib.contextmanager
+    def telling(self, section: str) -> Iterator[None]:
+        """Tell what is raised within this context because of a section, or of a file that it names."""
+        try:
+            yield
+        except WrongKeyError as error:
+            self.refuse((section, *re.findall(r"material\.\w+\[\d+\]|[^.]+", error.key)), error.text)
+        except GivenError as error:
+            raise OtherFileError(str(error)) from None
+
+
+def _definition_of(section: str, given: Mapping[str, Any]) -> str:
     """The name in `SECTIONS` of what a section of the file means, by its keys; a `WrongKeyError` if it says nothing."""
     if section == "material":
         return next((name for key, name in _BY_KEY.items() if key in given), "Material")
@@ -48,56 +159,9 @@ def definition_of(section: str, given: Mapping[str, Any]) -> str:
     return _CONTACTS[kind]
 
 
-Refuse = Callable[[tuple[str, ...], str], NoReturn]  # raises an error: the path of a wrong key, and what it must be
-
-
-def values_of(section: str, given: Mapping[str, Any], refuse: Refuse, path: tuple[str, ...]) -> dict[str, Any]:
-    """The values of those keys of a section that are there or have a default, as the library takes them.
-
-    Args:
-        section: Its name in `SECTIONS`.
-        given: What the file has there.
-        refuse: Takes the path of a wrong key, and what it must be.
-        path: The path of the section.
-    """
-    schema, found = SECTIONS[section], {}
-    keys = schema["properties"] | {
-        name: key
-        for pattern, key in schema.get("patternProperties", {}).items()
-        for name in given
-        if re.search(pattern, name)
-    }
-    for name in {**given, **keys}:  # as the file has them; what is missing comes last
-        here, value = (*path, name), given.get(name)
-        key = keys[name] if name in keys else refuse(here, _stray(section, name))
-        inner, text = _section_of(key), f"must be {key['description']}"
-        if name not in given:
-            if name in schema["required"]:
-                refuse(here, text)
-            elif "default" in key:
-                found[name] = key["default"]
-        elif inner == "Allowed" and isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
-            found[name] = tuple(values_of(inner, one, refuse, (*here, str(i))) for i, one in enumerate(value))
-        elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
-            found[name] = values_of(inner, value, refuse, here)
-        elif inner or not _allows(key, value):
-            refuse(here, text)
-        else:
-            found[name] = _taken(value, key, refuse, here)
-    return {name: found[name] for name in keys if name in found}
-
-
 def _section_of(schema: Mapping[str, Any]) -> str:
     name = schema.get("$ref", "").rpartition("/")[2]
     return name if name[:1].isupper() else ""
-
-
-def _taken(value: Any, schema: Mapping[str, Any], *where: Any) -> Any:
-    """An allowed value as the library takes it, of a section among others also its name."""
-    for one in schema.get("anyOf", ()):
-        if (inner := _section_of(one)) and _allows(one, value):
-            return inner, values_of(inner, value, *where)
-    return value if schema.get("type") == "integer" else _with_floats(value)
 
 
 def _with_floats(value: Any) -> Any:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line
-from plgwear_jax.scene.complaints import OtherFileError, Reading, SceneError
-from plgwear_jax.scene.keys import MATERIALS, SECTIONS
+from plgwear_jax.scene.keys import MATERIALS, SECTIONS, OtherFileError, Reading, SceneError
 
 if TYPE_CHECKING:
     import numpy as np
