@@ -84,9 +84,7 @@ def shown(value: Any) -> str:
 
 
 def _toml(value: Any, depth: int) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
+    if isinstance(value, bool | str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, int):
         return str(value) if value.bit_length() < 200 else hex(value)

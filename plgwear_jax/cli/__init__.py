@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, new, regimes, solve, sweep, wear
+from plgwear_jax.cli import cache, coating, design, figures, new, solve, sweep, wear
 from plgwear_jax.cli.terminal import refusing
 
 __all__ = ["app", "main"]
@@ -76,7 +76,7 @@ for _command in (
     design.design,
     design.front,
     wear.wear,
-    regimes.regimes,
+    solve.regimes,
     coating.coating,
     sweep.sweep,
     sweep.plot,

@@ -205,34 +205,29 @@ def _subject(
     if designed:
         own = "contact", "load", "weight"  # which a sweep has otherwise
         found["design"] = {name: value for name, value in given.arguments().items() if name not in own}
+    # The load as the library takes it, but for what is an axis; a displacement, and blocks, last in a test or a life.
+    load, forces = given.load, [name for name in ("phi", "tangential_force") if name in axes]
     if loads:
         from plgwear_jax import tables
 
         read = ((str(file), tables.read(file, tables.LOADS)) for file in loads)
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read}
-    elif given.load:
-        found |= _load_of(given.load, axes, followed)
+    elif load is None:
+        pass
+    elif forces:
+        if followed and load.of_displacement:
+            refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
+    elif load.weights is not None:
+        found["loads"] = {str(load.table): (load.force, load.weights)}
+    elif load.displacement is not None or (load.cycles is not None and followed):
+        found["load"] = load.record()
+    elif "displacement" not in axes:
+        from plgwear_jax.loads import Force
+
+        found["load"] = Force(load.force, load.rig_stiffness)
+    elif load.rig_stiffness is not None and "rig_stiffness" not in axes:
+        found["rig_stiffness"] = load.rig_stiffness
     return found
-
-
-def _load_of(load: Any, axes: Mapping[str, Any], lasts: bool) -> dict[str, Any]:
-    """The load of a scene, as the library takes it, but for what is an axis; it lasts in a test or in a life."""
-    forces = [name for name in ("phi", "tangential_force") if name in axes]
-    if forces and lasts and load.of_displacement:
-        from plgwear_jax.scene import SceneError
-
-        raise SceneError(f"[load] displacement: holds no force; sweep displacement, not {forces[0]}")
-    if forces:
-        return {}
-    if load.weights is not None:
-        return {"loads": {str(load.table): (load.force, load.weights)}}
-    if load.displacement is not None or (load.cycles is not None and lasts):
-        return {"load": load.record()}
-    if "displacement" in axes:
-        return {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
-    from plgwear_jax.loads import Force
-
-    return {"load": Force(load.force, load.rig_stiffness)}
 
 
 def plot(

@@ -307,7 +307,7 @@ class Scene:
                 from the edge is larger than the stick radius or that of the punch, or the contact slips as a whole and
                 has nothing of what is asked for.
         """
-        laws, load, output = laws_of_scene(self.contact, self.load, self.wear), self.load, self.output
+        laws, load, output = laws_of_scene(self), self.load, self.output
         distance = edge_distance(self.design_space, output)
         places: dict[str, Any] = {place: getattr(output, place, None) for place in WITHIN} | {"distance": distance}
         if output is not None:

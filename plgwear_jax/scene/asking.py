@@ -22,7 +22,7 @@ from plgwear_jax._core.rules import (
 )
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.scene.keys import Reading
-from plgwear_jax.scene.sections import PRESSED, Body, LoadSection, WearSection, from_table
+from plgwear_jax.scene.sections import PRESSED, from_table
 
 if TYPE_CHECKING:
     from plgwear_jax.tables import Table
@@ -91,8 +91,8 @@ class DesignSpace(SimpleNamespace):
                     raise WrongKeyError(
                         "scenarios", "cannot be combined with a free gradient; only a power law takes it"
                     )
-            self._refuse_other_materials(material)
-            self._refuse_to_vary(material, reading.contact, load)
+            self._refuse_other_materials()
+            self._refuse_to_vary()
             if self.scatter is None and self.over is not None and (load is None or load.table is None):
                 text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
                 raise WrongKeyError("over", text)
@@ -146,8 +146,9 @@ class DesignSpace(SimpleNamespace):
         """The quantity that is minimised."""
         return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise))
 
-    def _refuse_other_materials(self, material: Body) -> None:
+    def _refuse_other_materials(self) -> None:
         """Refuse all that needs a power law at once, and say what to write for this material."""
+        material = self.reading.material
         if self.free or material.kind == "power law":
             return
         kept = [name for name in self.variables if name not in (*OF_POWER_LAW, "modulus")]
@@ -166,9 +167,10 @@ class DesignSpace(SimpleNamespace):
         text = f"needs a power law under [material], not {material.words}{as_do}"
         raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
 
-    def _refuse_to_vary(self, material: Body, contact: Body, load: LoadSection | None) -> None:
+    def _refuse_to_vary(self) -> None:
         """Refuse bounds of what this contact does not have, and of what slips as a whole."""
-        if "nu" in self.variables and isinstance(material.nu, str):
+        contact, load = self.reading.contact, self.reading.load
+        if "nu" in self.variables and isinstance(self.reading.material.nu, str):
             raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
         for name in self.variables:
             if name not in (*self.numbers, "modulus"):
@@ -190,7 +192,7 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
     for name in output.quantities:
         if output.quantities.count(name) > 1:
             raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
-    laws = laws_of_scene(contact, reading.load, reading.wear)
+    laws = laws_of_scene(reading)
     for name in output.quantities:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
@@ -205,11 +207,12 @@ def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleName
     return output
 
 
-def laws_of_scene(contact: Body, load: LoadSection | None, wear: WearSection | None) -> dict[str, Law]:
+def laws_of_scene(scene: Any) -> dict[str, Law]:
     """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
+    load, wear = scene.load, scene.wear
     lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
     given = {*PLACES, "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
-    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
+    return {name: law for name, law in laws_of(scene.contact).items() if given.issuperset(law.arguments)}
 
 
 def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> float | None:
