@@ -201,17 +201,13 @@ def limit_form(name: str) -> str:
 # --- free gradients ---------------------------------------------------------------------------------------------------
 
 
-def refuse_free_question(
-    vary: Collection[str], hold: bool, limits: Collection[str], *, kind: Kind | None = None
-) -> None:
-    """Refuse a question for a free gradient, as `refuse_question`."""
+def refuse_free_question(vary: Collection[str], kind: Kind) -> None:
+    """Refuse what cannot vary of a free gradient, as `refuse_question`, which refuses the rest."""
     for name in vary:
         if name != "modulus":
             raise WrongKeyError(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
     if kind == "gross-slip":
         raise WrongKeyError("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
-    if hold and "contact_radius" in limits:
-        raise WrongKeyError("limits.contact_radius", 'cannot be limited while hold = "contact_radius" fixes it')
 
 
 def exponents_within(at: Any, between: Any) -> tuple[float, float]:

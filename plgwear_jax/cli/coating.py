@@ -1,8 +1,9 @@
 """The command `plgwear coating`: a measured E(z) as a power law, and what the idealisation does."""
 
+import dataclasses
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -22,13 +23,18 @@ from plgwear_jax.cli.terminal import (
     warn,
 )
 
-if TYPE_CHECKING:
-    from plgwear_jax.coating import PowerLawFit
-
 # A section ends with its last key: comments further down belong to the next one.
 _MATERIAL = re.compile(
     r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?:[^\S\n]*(?:#[^\n]*)?\n)*[^\S\n]*[^\s#\[][^\n]*\n?)*\n*", re.MULTILINE
 )
+_SECTION = """\
+[material]                          # a power law fitted to {table}
+E0 = {E0:.6g}  # Pa, the modulus at the depth z0
+z0 = {z0:.6g}  # m, the contact radius on E(z) as measured
+k = {k:.6g}{within}
+nu = {nu:.6g}  # Poisson's ratio
+
+"""
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
 
 
@@ -83,8 +89,6 @@ def coating(
         if _MATERIAL.search(text) is None:
             refuse(f"--out: {scene_file}: has no line [material] after which the power law could be written")
     with computing("computing the contact"):
-        import dataclasses
-
         import numpy as np
 
         from plgwear_jax import coating as mathematics
@@ -106,13 +110,45 @@ def coating(
     report.draw("coating_picture", *study)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
+    law = vars(fit.material)
+    k_within, E_within = _confidence("k", fit.exponent_interval), _confidence("E0", fit.modulus_interval)
     if out:
-        whole = _MATERIAL.sub(lambda _: _section(fit, data.name), text, count=1)
+        section = _SECTION.format(table=data.name, within=k_within and f"  #{k_within}", **law)
+        whole = _MATERIAL.sub(lambda _: section, text, count=1)
         files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
     report.doubt(given, idealisation.quantities["contact_radius"][0])
+    report.put(
+        table=data.name,
+        tangential_force=force,
+        **law,
+        k_interval_95_percent=fit.exponent_interval,
+        E0_interval_95_percent=fit.modulus_interval,
+        covariance_of_k_and_log_E0=fit.covariance,
+        **columns,
+        **fields(fit, "scatter", "felt", "covered"),
+    )
     report.say(load.remark)
-    report.put(table=data.name, tangential_force=force)
-    _tell_fit(report, data.name, fit, columns)
+    fitted = np.where((fit.fitted > 0.0) & np.isfinite(fit.fitted), fit.fitted, np.nan)
+    near = np.round(100.0 * (fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
+    report.table(
+        each_with_unit("depth", fit.depth),
+        each_with_unit("modulus", fit.modulus, "modulus"),
+        each_with_unit("modulus", fitted, "power law"),
+        Column("difference (%)", [f"{x:+.2g}" if x == x else "" for x in near]),
+        Column("counts (%)", [f"{100.0 * share:.2g}" for share in fit.weight]),
+        title=data.name,
+        more="rows",
+    )
+    (variance, covariance), (_, other) = fit.covariance
+    correlated = covariance / np.sqrt(variance * other) if variance else 0.0
+    correlation = f"; correlation of k and log E0: {correlated:.2g}" if k_within else ""
+    E0, z0 = (f"{name} = {measured(name, law[name])}" for name in ("E0", "z0"))
+    felt = measured("depth", fit.felt)
+    report.say(
+        f"power law: k = {law['k']:.4g}{k_within}",
+        f"{E0}{E_within} at {z0}, the contact radius, a free choice{correlation}",
+        f"the depths from {felt} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
+    )
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
     sides = {"as_given": "E(z) as given", "power_law": "power law"}
     report.compare(sides, idealisation.quantities, Column("difference (%)", errors))
@@ -125,56 +161,6 @@ def coating(
         warn(f"{data.name}: {fit.doubt}")
 
 
-def _section(fit: "PowerLawFit", name: str) -> str:
-    """The section [material] of the power law."""
-    law: Any = fit.material
-    within = _confidence("k", fit.exponent_interval)
-    return f"""\
-[material]                          # a power law fitted to {name}
-E0 = {float(law.E0):.6g}  # Pa, the modulus at the depth z0
-z0 = {float(law.z0):.6g}  # m, the contact radius on E(z) as measured
-k = {float(law.k):.6g}{within and f"  #{within}"}
-nu = {float(law.nu):.6g}  # Poisson's ratio
-
-"""
-
-
 def _confidence(name: str, interval: tuple[float, float]) -> str:
     """An interval of confidence; empty if the data tell none."""
     return "" if interval[0] != interval[0] else f" ({measured(name, interval)} with 95 % confidence)"
-
-
-def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:
-    import numpy as np
-
-    law = vars(fit.material)
-    report.put(
-        **law,
-        k_interval_95_percent=fit.exponent_interval,
-        E0_interval_95_percent=fit.modulus_interval,
-        covariance_of_k_and_log_E0=fit.covariance,
-        **columns,
-        **fields(fit, "scatter", "felt", "covered"),
-    )
-    fitted = np.where((fit.fitted > 0.0) & np.isfinite(fit.fitted), fit.fitted, np.nan)
-    near = np.round(100.0 * (fitted / fit.modulus - 1.0), 6) + 0.0  # less is rounding, and no sign
-    report.table(
-        each_with_unit("depth", fit.depth),
-        each_with_unit("modulus", fit.modulus, "modulus"),
-        each_with_unit("modulus", fitted, "power law"),
-        Column("difference (%)", [f"{x:+.2g}" if x == x else "" for x in near]),
-        Column("counts (%)", [f"{100.0 * share:.2g}" for share in fit.weight]),
-        title=name,
-        more="rows",
-    )
-    k_within, E_within = _confidence("k", fit.exponent_interval), _confidence("E0", fit.modulus_interval)
-    (variance, covariance), (_, other) = fit.covariance
-    correlated = covariance / np.sqrt(variance * other) if variance else 0.0
-    correlation = f"; correlation of k and log E0: {correlated:.2g}" if k_within else ""
-    E0, z0 = (f"{name} = {measured(name, law[name])}" for name in ("E0", "z0"))
-    felt = measured("depth", fit.felt)
-    report.say(
-        f"power law: k = {law['k']:.4g}{k_within}",
-        f"{E0}{E_within} at {z0}, the contact radius, a free choice{correlation}",
-        f"the depths from {felt} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
-    )

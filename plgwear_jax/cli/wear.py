@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene import Scene
-    from plgwear_jax.scene.sections import LoadSection
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -159,7 +158,19 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
     if blocks:
         report.draw("blocks_picture", run)
         report.doubt(given)
-        _tell_blocks(report, load, columns, slips)
+        sliding = (slips & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
+        report.put(history=load.history, **columns, blocks_in_gross_slip=sliding)
+        left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
+        report.table(
+            Column("block\n\n", [f"{i + 1}" for i in range(cycles.size)]),
+            Column("cycles\nso far\n", [*map(counted, cycles)]),
+            *(shared(name, values) for name, values in columns.items() if name not in left_out),
+            more="blocks",
+        )
+        if sliding.size:
+            which = f"block{'s' if sliding[1:].size else ''} {', '.join(map(str, sliding[:9]))}"
+            more = f" and {sliding.size - 9} more" if sliding.size > 9 else ""
+            report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
     else:
         drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [end["cycles"] / x for x in (100, 10, 1)]
         report.draw("wear_picture", run, cycles, drawn, life)
@@ -195,22 +206,6 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
     if blocks and wear.cycles:
         report.say("[wear] cycles: the history has cycles of its own, which count here")
     report.end()
-
-
-def _tell_blocks(report: Report, load: "LoadSection", columns: "dict[str, np.ndarray]", still: "np.ndarray") -> None:
-    slips = (still & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
-    report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
-    left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
-    report.table(
-        Column("block\n\n", [f"{i + 1}" for i in range(columns["cycles"].size)]),
-        Column("cycles\nso far\n", [*map(counted, columns["cycles"])]),
-        *(shared(name, values) for name, values in columns.items() if name not in left_out),
-        more="blocks",
-    )
-    if slips.size:
-        which = f"block{'s' if slips[1:].size else ''} {', '.join(map(str, slips[:9]))}"
-        more = f" and {slips.size - 9} more" if slips.size > 9 else ""
-        report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
 
 
 def _unit(exponent: float) -> str:

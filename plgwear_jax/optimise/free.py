@@ -12,7 +12,7 @@ from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import POSITIVE, Numbers, check
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record
-from plgwear_jax._core.rules import refuse_free_question
+from plgwear_jax._core.rules import refuse_question
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.best import certainty, headline, placed_between, printed
 from plgwear_jax.optimise.evaluation import Candidate, Evaluator
@@ -300,7 +300,8 @@ def free_design(
     ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
     vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
     question = question_of(on(modulus.lower), load, vary, **keywords)
-    refuse_free_question((), hold, {one.quantity for one in question.limits})
+    limited = {one.quantity for one in question.limits}
+    refuse_question({}, hold, question.objective, limited, kind="fretting", flat=False)
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
     radius = float(np.asarray(contact.steady(0.0).contact_radius))
     last = Limit(radius, {}, "contact_radius", "contact_radius", False)

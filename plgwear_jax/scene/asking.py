@@ -82,15 +82,13 @@ class DesignSpace(SimpleNamespace):
                         if len(one["at"]) > 2:
                             text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
                             raise WrongKeyError("limits.modulus.at", text)
-            if not self.free:
-                flat = getattr(material, "k", None) == 0.0
-                refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
-            else:
-                refuse_free_question(variables, bool(self.hold), allowed, kind=kind)
-                if self.scenarios is not None:
-                    raise WrongKeyError(
-                        "scenarios", "cannot be combined with a free gradient; only a power law takes it"
-                    )
+            if self.free:
+                refuse_free_question(variables, kind)
+                variables = {}
+            flat = getattr(material, "k", None) == 0.0
+            refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)
+            if self.free and self.scenarios is not None:
+                raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
             self._refuse_other_materials()
             self._refuse_to_vary()
             if self.scatter is None and self.over is not None and (load is None or load.table is None):

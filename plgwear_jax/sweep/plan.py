@@ -23,14 +23,12 @@ from dask.array.core import normalize_chunks, slices_from_chunks
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from plgwear_jax._core.catalogue import BODIES, leaf
+from plgwear_jax._core.catalogue import BODIES
 from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import (
     SweepQuantity,
     SweepTarget,
-    axis_unit,
     label_of,
     resolve,
     variable_name,
@@ -143,18 +141,6 @@ class SweepPlan(SweepTarget):
         shared = {}
         found = (asked.evaluate(values, shared) for asked in self.asked)
         return tuple(jnp.array(x, ndmin=len(rows)) for x in found)
-
-    def coordinate_attributes(self, name: str) -> dict[str, str]:
-        """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
-        if name == LOAD:
-            return {"label": "load", "long_name": "load"}
-        kind, of_punch = leaf(name), name == "radius" and hasattr(self.contact, "depth")
-        return {
-            "units": axis_unit(name, self.contact),
-            "label": "radius of the punch $a$" if of_punch else kind.label,
-            "long_name": kind.description,
-            "spacing": spacing_of(name, self.axes.get(name, np.zeros(1))),
-        }
 
     @functools.cached_property
     def program(self) -> tuple[Any, NamedSharding]:

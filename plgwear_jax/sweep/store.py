@@ -17,9 +17,11 @@ from filelock import FileLock, Timeout
 from zarr.codecs import BloscCodec
 from zarr.errors import ZarrUserWarning
 
+from plgwear_jax._core.catalogue import leaf
 from plgwear_jax._core.words import GivenError, cut, one_line, shown
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.names import variable_name
+from plgwear_jax.sweep.axes import spacing_of
+from plgwear_jax.sweep.names import axis_unit, variable_name
 from plgwear_jax.sweep.plan import LOAD, SweepPlan
 
 _MANIFEST = "plgwear_sweep"
@@ -35,14 +37,26 @@ class UnfinishedWarning(UserWarning):
 
 
 def labelled(plan: SweepPlan) -> xr.Dataset:
-    """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
+    """The axes and single values of a sweep, and its description as attributes.
+
+    Each has its unit and meaning, what it is called in pictures, and how its values are spaced.
+    """
     found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
     for name, value in {**plan.axes, **plan.fixed}.items():
         if isinstance(value, str):
             found.attrs[name] = value
             continue
-        values: Any = np.array(plan.loads, object) if name == LOAD else np.asarray(value)
-        found = found.assign_coords({name: ([name] * values.ndim, values, plan.coordinate_attributes(name))})
+        values: Any = np.asarray(value)
+        kind, of_punch = leaf(name), name == "radius" and hasattr(plan.contact, "depth")
+        about = {
+            "units": axis_unit(name, plan.contact),
+            "label": "radius of the punch $a$" if of_punch else kind.label,
+            "long_name": kind.description,
+            "spacing": spacing_of(name, values),
+        }
+        if name == LOAD:
+            values, about = np.array(plan.loads, object), {"label": "load", "long_name": "load"}
+        found = found.assign_coords({name: ([name] * values.ndim, values, about)})
     found.attrs[_MANIFEST] = json.dumps(plan.manifest)
     return found
 
