@@ -143,8 +143,13 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     columns = {}
     found = Table(name, columns, _frozen(rows[1:]))
     for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
-        if factor is None:
-            _refuse_without_unit(found, column, given)
+        if factor is None and column in _PLAIN:  # implausible numbers: another unit is probably meant
+            least, most, what, example = _PLAIN[column]
+            text = (
+                f"is no {what} in {_COLUMNS[column][0]}, the unit of a column without one; write {column} ({example})"
+            )
+            told = [f"{column} = {value:g}: {text}" for value in given]
+            found.refuse((given > most) | ((given > 0.0) & (given < least)), told.__getitem__)
         # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
         size = factor or 1.0
         columns[column] = _frozen(given / round(1.0 / size) if size < 1.0 else given * size)
@@ -259,16 +264,6 @@ def _allowed(column: str, form: Form) -> Domain:
 def _units_of(column: str) -> Mapping[str, float]:
     """The units that a column may name, with what each is in the SI unit; none for numbers without a unit."""
     return _UNITS.get(_COLUMNS[column][0] if column in _COLUMNS else leaf(column).unit, {})
-
-
-def _refuse_without_unit(table: Table, column: str, given: np.ndarray) -> None:
-    """Refuse numbers that are implausible in m, Pa or m^3, since another unit is probably meant."""
-    if column in _PLAIN:
-        least, most, what, example = _PLAIN[column]
-        unit = _COLUMNS[column][0]
-        text = f"is no {what} in {unit}, the unit of a column without one; write {column} ({example})"
-        wrong = (given > most) | ((given > 0.0) & (given < least))
-        table.refuse(wrong, lambda i: f"{column} = {given[i]:g}: {text}")
 
 
 # --- reading ----------------------------------------------------------------------------------------------------------

@@ -336,16 +336,6 @@ _IN_BLOCKS = {"load": "tangential_force", "displacement_amplitude": "displacemen
 AXES["indenter_E"] = AXES["indenter.E"]  # an older name
 
 
-def element(path: str) -> tuple[str, int | None]:
-    """The leaf of a path and the place in it: of `material.modulus[2]` `material.modulus` and 2, else None.
-
-    Args:
-        path: As in `leaf`.
-    """
-    match = re.fullmatch(r"([^\[]*)\[(\d+)\]", path)
-    return (match[1], int(match[2])) if match else (path, None)
-
-
 def leaf(path: str) -> AxisKind:
     """What a leaf of a contact, or an argument, is called, its symbol, its unit and its range.
 
@@ -358,12 +348,13 @@ def leaf(path: str) -> AxisKind:
     if block:
         own = AXES.get(_IN_BLOCKS.get(block[2], block[2]), AxisKind(path, "", "1", path))
         return dataclasses.replace(own, description=f"{own.description}, of block {int(block[1]) + 1}")
-    stem, place = element(path)
-    unknown = AxisKind(f"{stem} #" if place is not None else stem, "", "1", stem, listed=place is not None)
+    place = re.fullmatch(r"([^\[]*)\[(\d+)\]", path)
+    stem = place[1] if place else path
+    unknown = AxisKind(f"{stem} #" if place else stem, "", "1", stem, listed=place is not None)
     known = AXES.get(stem) or AXES.get(stem.removeprefix("material.")) or unknown
     if not known.listed:
         return known
-    number = "i" if place is None else str(place + 1)
+    number = str(int(place[2]) + 1) if place else "i"
     told = {part: getattr(known, part).replace("#", number) for part in ("words", "symbol", "description")}
     return dataclasses.replace(known, **told)
 

@@ -36,7 +36,7 @@ PLACES = {
 
 WITHIN = "x", "z", "least", "most"  # places in the half-space, which a scene gives once for all quantities
 
-_ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
+ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
 OF_POWER_LAW = ("k", "E0", "z0")
 _DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "depth": RADIUS}
 
@@ -93,10 +93,10 @@ def refuse_question(
     held = 'hold = "contact_radius"' if hold else None
     if kind == "gross-slip":
         if hold:
-            raise WrongKeyError("hold", f"only for a fretting contact: {_ON_K_ALONE}")
+            raise WrongKeyError("hold", f"only for a fretting contact: {ON_K_ALONE}")
         for name in vary:
             if name != "k" and not limits and objective in ("volume_change", "force_drop", "force_ratio"):
-                raise WrongKeyError(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
+                raise WrongKeyError(f"vary.{name}", f"cannot vary: {ON_K_ALONE}")
     others = [name for name in vary if name in OF_POWER_LAW]
     if "modulus" in vary and (held or others):
         text = f"cannot be combined with {held or others[0]}: modulus sets both k and E0/z0^k"
@@ -199,15 +199,6 @@ def limit_form(name: str) -> str:
 
 
 # --- free gradients ---------------------------------------------------------------------------------------------------
-
-
-def refuse_free_question(vary: Collection[str], kind: Kind) -> None:
-    """Refuse what cannot vary of a free gradient, as `refuse_question`, which refuses the rest."""
-    for name in vary:
-        if name != "modulus":
-            raise WrongKeyError(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
-    if kind == "gross-slip":
-        raise WrongKeyError("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
 
 
 def exponents_within(at: Any, between: Any) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from plgwear_jax._core.catalogue import Law, laws_of
 from plgwear_jax._core.rules import (
     BY_THEN,
     OF_POWER_LAW,
+    ON_K_ALONE,
     PLACES,
     WITHIN,
     WrongKeyError,
@@ -17,7 +18,6 @@ from plgwear_jax._core.rules import (
     exponents_within,
     limited_quantity,
     placed_quantity,
-    refuse_free_question,
     refuse_question,
 )
 from plgwear_jax._core.words import near_or_all, one_line
@@ -83,7 +83,11 @@ class DesignSpace(SimpleNamespace):
                             text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
                             raise WrongKeyError("limits.modulus.at", text)
             if self.free:
-                refuse_free_question(variables, kind)
+                for name in variables:
+                    if name != "modulus":
+                        raise WrongKeyError(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
+                if kind == "gross-slip":
+                    raise WrongKeyError("vary.modulus", f"cannot vary: {ON_K_ALONE}")
                 variables = {}
             flat = getattr(material, "k", None) == 0.0
             refuse_question(variables, bool(self.hold), objective, allowed, kind=kind, flat=flat)

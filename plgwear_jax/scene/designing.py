@@ -30,12 +30,33 @@ def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = Non
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     if places is None:
         key, places = "[design] limits.edge_pressure.distance", {"distance": edge_distance(space)}
-    asked, distance = keywords_of(given), places.get("distance")
+    asked, distance, contact = keywords_of(given), places.get("distance"), given.build_contact()
     if distance is not None:
-        widest = float(asked["contact"].steady(given.load.largest).stick_radius)  # pyright: ignore
+        widest = float(contact.steady(given.load.largest).stick_radius)  # pyright: ignore
         if distance >= widest:
             raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
-    return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
+    vary, scatter = dict(space.variables), space.scatter
+    window = vary.pop("modulus", None)
+    if window is not None:  # within it k and E0 vary, as far as it reaches
+        (first, second), (above, below) = np.log(window["at"]), np.log(window["between"])
+        part = (np.log(contact.material.z0) - first) / (second - first)
+        reached = np.exp((1.0 - part) * above[:, None] + part * below)  # at z0, from all bounds of both depths
+        vary = {"k": exponents_within(**window), "E0": (float(reached.min()), float(reached.max())), **vary}
+    asked["vary"] = vary
+    if scatter is None:
+        return asked
+    laws, wear = None, given.wear
+    if "wear_coefficient" in scatter.columns:
+        if wear is None or given.life is None:
+            raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
+        laws = law_of(scatter["wear_coefficient"], wear.exponent)
+    # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
+    forces = None if given.life is not None else forces_in_scenarios(given)
+    if forces is not None and np.isnan(forces).any():
+        text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
+        raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
+    weight = scatter.columns.get("weight")
+    return {**asked, "scenarios": optimise.Scenarios(_in_scenarios(given, scatter), weight, laws, forces)}
 
 
 def keywords_of(given: "Scene") -> dict[str, Any]:
@@ -59,26 +80,6 @@ def keywords_of(given: "Scene") -> dict[str, Any]:
         "limits": {name: several if several[1:] else several[0] for name, several in listed_limits(space).items()},
         **lasting,
     }
-
-
-def _scenarios(given: "Scene") -> dict[str, Any]:
-    """What the contact may turn out to be, if [design] says so, and under which load it then is."""
-    scatter = given.asked().scatter
-    if scatter is None:
-        return {}
-    laws = None
-    if "wear_coefficient" in scatter.columns:
-        wear = given.wear
-        if wear is None or given.life is None:
-            raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        laws = law_of(scatter["wear_coefficient"], wear.exponent)
-    # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
-    forces = None if given.life is not None else forces_in_scenarios(given)
-    if forces is not None and np.isnan(forces).any():
-        text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
-        raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
-    weight = scatter.columns.get("weight")
-    return {"scenarios": optimise.Scenarios(_in_scenarios(given, scatter), weight, laws, forces)}
 
 
 def _in_scenarios(given: "Scene", scatter: "Table") -> Any:
@@ -110,18 +111,6 @@ def listed_limits(space: DesignSpace) -> dict[str, Any]:
         at_depths = ({"z": z, "between": ends} for z, ends in zip(window["at"], window["between"], strict=True))
         limits["modulus_at"] = [*limits.get("modulus_at", ()), *at_depths]
     return limits
-
-
-def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
-    """What varies: within a window k and E0, as far as it reaches."""
-    others = dict(variables)
-    window = others.pop("modulus", None)
-    if window is None:
-        return others
-    (first, second), (above, below) = np.log(window["at"]), np.log(window["between"])
-    part = (np.log(contact.material.z0) - first) / (second - first)
-    reached = np.exp((1.0 - part) * above[:, None] + part * below)  # at z0, from all bounds of both depths
-    return {"k": exponents_within(**window), "E0": (float(reached.min()), float(reached.max())), **others}
 
 
 def answer(question: str, **arguments: Any) -> Any:
