@@ -145,10 +145,8 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
     for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
         if factor is None and column in _PLAIN:  # implausible numbers: another unit is probably meant
             least, most, what, example = _PLAIN[column]
-            text = (
-                f"is no {what} in {_COLUMNS[column][0]}, the unit of a column without one; write {column} ({example})"
-            )
-            told = [f"{column} = {value:g}: {text}" for value in given]
+            unit = f"{_COLUMNS[column][0]}, the unit of a column without one; write {column} ({example})"
+            told = [f"{column} = {value:g}: is no {what} in {unit}" for value in given]
             found.refuse((given > most) | ((given > 0.0) & (given < least)), told.__getitem__)
         # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
         size = factor or 1.0
