@@ -21,7 +21,7 @@ import io
 import os
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -75,8 +75,7 @@ class Table:
             raise TableError(f"{self.name}: row {self.row[place]}: {said(place)}")
 
 
-@dataclasses.dataclass(frozen=True)
-class Form:
+class Form(NamedTuple):
     """What a kind of table holds.
 
     Attributes:
@@ -89,7 +88,7 @@ class Form:
     columns: tuple[tuple[str, ...], ...]
     optional: tuple[tuple[str, ...], ...] = ()
     check: Callable[[Table], None] = lambda _: None
-    domains: Mapping[str, Domain] = dataclasses.field(default_factory=dict)
+    domains: Mapping[str, Domain] = {}
 
     @property
     def known(self) -> list[str]:

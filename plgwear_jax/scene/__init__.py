@@ -416,7 +416,7 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
     Raises:
         SceneError: See `load`.
     """
-    reading = Reading(name, document, folder)
+    reading = Reading(**dict.fromkeys(NAMES), file=name, document=document, folder=folder)
     given = {section: reading.values_of(section) for section in document}
     for section in ("material", "contact"):
         if section not in given:

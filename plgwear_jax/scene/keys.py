@@ -57,17 +57,12 @@ class OtherFileError(SceneError):
 class Reading(SimpleNamespace):
     """An input file while it is read: its sections as far as they are known.
 
-    Args:
+    Attributes:
         file: The name of the file, for messages.
         document: What it holds.
         folder: Where names of other files begin.
-
-    Attributes:
         material, contact, wear, load, design, output: What the sections hold; None where they are absent.
     """
-
-    def __init__(self, file: str, document: dict[str, Any], folder: Path) -> None:
-        super().__init__(**dict.fromkeys(NAMES), file=file, document=document, folder=folder)
 
     def refuse(self, path: Iterable[str], text: str) -> NoReturn:
         """Refuse the key of this path, or a section: what it must be."""

@@ -9,7 +9,7 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -146,8 +146,7 @@ class SweepTarget:
         return str(self.digits or usual)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class SweepQuantity:
+class SweepQuantity(NamedTuple):
     """One quantity.
 
     Attributes:
@@ -209,7 +208,7 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
     asked = _find(name, stem, subject)
     for slope in slopes:
         asked = _differentiated(asked, slope, subject)
-    return dataclasses.replace(asked, name=name)
+    return asked._replace(name=name)
 
 
 def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
@@ -317,8 +316,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
         unit = f"{unit} {below[2:]}"
     elif below != "1":
         unit = f"{f'({unit})' if '/' in unit else unit}/{below}"
-    return dataclasses.replace(
-        asked,
+    return asked._replace(
         name=f"{asked.name}.d{by}",
         evaluate=evaluate,
         unit=unit,
