@@ -27,11 +27,12 @@ from plgwear_jax._core.startup.programs import Program, follows, parted, steps_o
 from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
+Kernel = Callable[..., Array]  # takes arrays of one floating dtype, and perhaps digits, and checks nothing
 
 
 def formula(
     *,
-    slopes: Mapping[str, Callable[..., Array]] = {},
+    slopes: Mapping[str, Kernel] = {},
     pairs: Mapping[str, Callable[..., tuple[Array, Array]]] = {},
     joint: tuple[str, ...] = (),
     **domains: Domain,
@@ -46,7 +47,7 @@ def formula(
     names = tuple(domains)
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        plain: Callable[..., Array] = kernel
+        plain: Kernel = kernel
 
         def run(digits: int | None, *values: Array) -> Array:
             dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
@@ -96,7 +97,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     def run(options: tuple[tuple[str, Any], ...], itself: Any, numbers: dict[str, Any]) -> Array:
         return call(itself, **numbers, **dict(options))
 
-    call: Callable[..., Array] = method
+    call: Kernel = method
     program = _program(run, method)
 
     @functools.wraps(method)
@@ -115,7 +116,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     return public
 
 
-def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[..., Array]:
+def _program(run: Kernel, named: Callable[..., Any]) -> Kernel:
     """The function as a program with the name of another one, which follows derivatives at known numbers.
 
     Its first argument is static, the others are trees of numbers.
@@ -141,9 +142,7 @@ def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[.
 # --- derivatives of programs ------------------------------------------------------------------------------------------
 
 
-def _by_forward_mode(
-    function: Callable[..., Array], slopes: Mapping[int, Any], pairs: Mapping[int, Any] = {}
-) -> Callable[..., Array]:
+def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], pairs: Mapping[int, Any] = {}) -> Kernel:
     """The elementwise function of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
@@ -156,7 +155,7 @@ def _by_forward_mode(
     def ruled(*values: Array) -> Array:
         return function(*values)
 
-    def derivative(i: int) -> Callable[..., Array]:
+    def derivative(i: int) -> Kernel:
         # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
         better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
         return _by_forward_mode(slopes.get(i) or _partial(function, i), better)
@@ -205,7 +204,7 @@ def _by_forward_mode(
     return ruled
 
 
-def _value_and_slope(function: Callable[..., Array], i: int, *values: Array) -> tuple[Array, Array]:
+def _value_and_slope(function: Kernel, i: int, *values: Array) -> tuple[Array, Array]:
     """The value of a function and its derivative with respect to one argument."""
 
     def along(value: Array) -> Array:
@@ -214,5 +213,5 @@ def _value_and_slope(function: Callable[..., Array], i: int, *values: Array) -> 
     return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
 
 
-def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
+def _partial(function: Kernel, i: int) -> Kernel:
     return lambda *values: _value_and_slope(function, i, *separate_kernels(10 + i, *values))[1]

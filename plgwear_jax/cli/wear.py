@@ -143,7 +143,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         columns = {"cycles": cycles, **load.pressed}
         for name in _BLOCKS if blocks else _COURSE:
             columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
-        steady = None if run.final is None else {name: float(value) for name, value in run.final._asdict().items()}
+        steady = run.final and {name: float(value) for name, value in run.final._asdict().items()}
         at_end = cycles.searchsorted(life or cycles[-1])
         end = {name: values[at_end] for name, values in columns.items()}
         worn = steady or end

@@ -20,7 +20,7 @@ from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limi
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
 from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
-from plgwear_jax.scene.keys import NAMES, OtherFileError, Reading, SceneError, json_schema
+from plgwear_jax.scene.keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
     Body,
@@ -431,7 +431,7 @@ def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path(
 
 
 # How each section is made, from those before it, what it means and the values of its keys.
-_BUILT: dict[str, Callable[[Reading, str, dict[str, Any]], Any]] = {
+_BUILT: dict[str, Callable[[Reading, str, KeyValues], Any]] = {
     "material": body_from,
     "contact": body_from,
     "wear": WearSection.of,

@@ -1,7 +1,6 @@
 """The sections of an input file that ask for something, [design] and [output], whose keys `keys` has checked."""
 
 import math
-from collections.abc import Mapping
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
@@ -21,7 +20,7 @@ from plgwear_jax._core.rules import (
     refuse_question,
 )
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.scene.keys import Reading
+from plgwear_jax.scene.keys import KeyValues, Reading
 from plgwear_jax.scene.sections import PRESSED, from_table
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 # --- designs --------------------------------------------------------------------------------------------------------
 
 
-def _refuse_window(key: str, window: Mapping[str, Any]) -> None:
+def _refuse_window(key: str, window: KeyValues) -> None:
     """Refuse what does not go together of the moduli that can be made, at two depths or more."""
     depths = len(window["at"])
     if depths != len(window["between"]):
@@ -101,7 +100,7 @@ class DesignSpace(SimpleNamespace):
         return self
 
     @cached_property
-    def variables(self) -> dict[str, Any]:
+    def variables(self) -> KeyValues:
         """What may vary: bounds by name, such as k and indenter.E.
 
         For "modulus" the window: at two depths of a power law, at three to eight a free gradient.
@@ -113,7 +112,7 @@ class DesignSpace(SimpleNamespace):
         return found
 
     @property
-    def allowed(self) -> dict[str, Any]:
+    def allowed(self) -> KeyValues:
         """The limits by name, of each quantity one or more: above, below or between with the place, or the window."""
         return {name: [given] if isinstance(given, dict) else given for name, given in (self.limits or {}).items()}
 
@@ -188,7 +187,7 @@ class DesignSpace(SimpleNamespace):
 # --- what is asked for ------------------------------------------------------------------------------------------------
 
 
-def output_of(reading: Reading, _: str, values: Mapping[str, Any]) -> SimpleNamespace:
+def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
     """The section [output]: names of quantities of the contact."""
     output, contact = SimpleNamespace(**values), reading.contact
     for name in output.quantities:

@@ -28,6 +28,7 @@ _BY_KEY = {"table": "Tabulated", "thickness": "Layers", "modulus": "Layers"}
 _CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
 SECTIONS: dict[str, Any] = _SCHEMA["$defs"]  # and the forms of values, in lower case
+KeyValues = dict[str, Any]  # what a section holds, by key
 _ALLOWED = {"$ref": "#/$defs/Allowed"}
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
@@ -68,7 +69,7 @@ class Reading(SimpleNamespace):
         """Refuse the key of this path, or a section: what it must be."""
         value: Any = self.document
         for key in path:
-            value = dict(zip(map(str, range(len(value))), value, strict=True)) if isinstance(value, list) else value
+            value = {str(i): one for i, one in enumerate(value)} if isinstance(value, list) else value
             value = value.get(key, _ABSENT) if isinstance(value, dict) else _ABSENT
         section, *keys = map(bare, path)
         told = f"[{section}] {'.'.join(keys)}".rstrip()
@@ -80,7 +81,7 @@ class Reading(SimpleNamespace):
             told = f"{section} = {shown(value)}"
         raise OtherFileError(f"{self.file}: {told}: {text}")
 
-    def values_of(self, section: str) -> tuple[str, dict[str, Any]]:
+    def values_of(self, section: str) -> tuple[str, KeyValues]:
         """What a section that is there means, as its name in `SECTIONS`, and the values of all its keys."""
         given = self.document[section]
         if section not in NAMES:
@@ -93,7 +94,7 @@ class Reading(SimpleNamespace):
             name = _definition_of(section, given)
         return name, dict.fromkeys(SECTIONS[name]["properties"]) | self._values(name, given, section)
 
-    def _values(self, section: str, given: Any, *path: str) -> dict[str, Any]:
+    def _values(self, section: str, given: Any, *path: str) -> KeyValues:
         """The values of those keys of a section that are there or have a default, as the library takes them.
 
         Args:
@@ -142,7 +143,7 @@ class Reading(SimpleNamespace):
             raise OtherFileError(str(error)) from None
 
 
-def _definition_of(section: str, given: Mapping[str, Any]) -> str:
+def _definition_of(section: str, given: KeyValues) -> str:
     """The name in `SECTIONS` of what a section of the file means, by its keys; a `WrongKeyError` if it says nothing."""
     if section == "material":
         return next((name for key, name in _BY_KEY.items() if key in given), "Material")

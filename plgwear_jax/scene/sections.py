@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 from plgwear_jax._core.rules import WrongKeyError
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line
-from plgwear_jax.scene.keys import MATERIALS, SECTIONS, OtherFileError, Reading, SceneError
+from plgwear_jax.scene.keys import MATERIALS, SECTIONS, KeyValues, OtherFileError, Reading, SceneError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,7 +46,7 @@ class Body(SimpleNamespace):
         rows: The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law.
     """
 
-    def __init__(self, record_name: str, kind: str, fields: Mapping[str, Any], file: "Table | None" = None) -> None:
+    def __init__(self, record_name: str, kind: str, fields: KeyValues, file: "Table | None" = None) -> None:
         rows = {name: value for name, value in fields.items() if not isinstance(value, float | str)}
         words = kind if kind == "layers" else f"a {kind}"
         super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file, words=words, rows=rows)
@@ -65,7 +65,7 @@ class Body(SimpleNamespace):
         return pkgutil.resolve_name(f"plgwear_jax.{self.record_name}")(**inner | others)
 
 
-def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body:
+def body_from(reading: Reading, section: str, values: KeyValues) -> Body:
     """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
     material = reading.material
     if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
@@ -89,7 +89,7 @@ def body_from(reading: Reading, section: str, values: Mapping[str, Any]) -> Body
 # --- loads and wear -------------------------------------------------------------------------------------------------
 
 
-def _one_of(values: Mapping[str, Any], names: tuple[str, ...], what: str) -> str:
+def _one_of(values: KeyValues, names: tuple[str, ...], what: str) -> str:
     """The one of some keys that is there."""
     there = [name for name in names if values[name] is not None]
     if not there:
@@ -121,7 +121,7 @@ class LoadSection(SimpleNamespace):
     """
 
     @classmethod
-    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+    def of(cls, reading: Reading, _: str, values: KeyValues) -> Self:
         """The load of the contact; force amplitudes of gross slip are refused."""
         kind, contact = _one_of(values, LOADS, "load"), reading.contact
         if contact.kind != "fretting":
@@ -296,7 +296,7 @@ class WearSection(SimpleNamespace):
     """
 
     @classmethod
-    def of(cls, reading: Reading, _: str, values: Mapping[str, Any]) -> Self:
+    def of(cls, reading: Reading, _: str, values: KeyValues) -> Self:
         """The wear of the contact."""
         kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
         others = [name for name in ("exponent", "half_space_coefficient") if values[name] is not None]

@@ -110,7 +110,7 @@ class SweepTarget:
     design: Mapping[str, Any] | None
     bounds: tuple[float, float]
     digits: int | None
-    fixed: Mapping[str, Any]
+    fixed: Values
     dtype: np.dtype
 
     @property
@@ -257,11 +257,16 @@ def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
                 continue
             parameters = inspect.signature(function).parameters.values()
             needs = tuple(one.name for one in parameters if one.default is one.empty)
-
-            def evaluate(values: Values, _: Any, function: Any = function, needs: Any = needs) -> Array:
-                return function(*(values[name] for name in needs), digits=subject.digits)
-
-            one = SweepQuantity(name, needs, evaluate, law.scale or "1", law.description, law.equation)
+            one = SweepQuantity(
+                name,
+                needs,
+                lambda values, _, function=function, needs=needs: function(
+                    *(values[name] for name in needs), digits=subject.digits
+                ),
+                law.scale or "1",
+                law.description,
+                law.equation,
+            )
             found.setdefault(name, one)
             found[f"{module.__name__.rpartition('.')[2]}.{name}"] = one
     return found
