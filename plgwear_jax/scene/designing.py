@@ -93,12 +93,12 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
 
     None without scenarios, and under other loads than one displacement.
     """
-    space, load = given.design_space, given.load
-    if space is None or space.scatter is None or load is None or load.displacement is None:
+    scatter, load = given.asked().scatter, given.load
+    if scatter is None or load is None or load.displacement is None:
         return None
-    contacts = _in_scenarios(given, space.scatter)
+    contacts = _in_scenarios(given, scatter)
     found = solving.displacement_effect(contacts, np.asarray(load.displacement), load.rig_stiffness)
-    return np.broadcast_to(np.asarray(found.force), space.scatter.row.shape)
+    return np.broadcast_to(np.asarray(found.force), scatter.row.shape)
 
 
 def listed_limits(space: DesignSpace) -> dict[str, Any]:

@@ -164,7 +164,7 @@ def _with_floats(value: Any) -> Any:
     """A value with tuples for lists, and real numbers for whole ones."""
     if isinstance(value, dict):
         return {name: _with_floats(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
+    if isinstance(value, list):
         return tuple(map(_with_floats, value))
     return float(value) if isinstance(value, int) else value
 
@@ -192,7 +192,6 @@ def _validator() -> Any:
         {
             "number": is_number,
             "integer": lambda _, value: type(value) is int,
-            "array": lambda _, value: isinstance(value, list | tuple),
         }
     )
     return validators.extend(Draft202012Validator, {"increasing": increasing}, type_checker=types)
