@@ -422,14 +422,6 @@ def entry(name: str) -> Entry:
     return found or (leaf(name) if {".", "["} & {*name} else AXES[name])
 
 
-def unit_of(name: str) -> str | None:
-    """The SI unit of what `entry` knows under this name; None if it knows nothing."""
-    try:
-        return entry(name).unit
-    except KeyError:
-        return None
-
-
 def measured(name: str, value: Any) -> str:
     """A value of what `entry` knows with its unit, as a person writes it; of several the range."""
     import numpy as np

@@ -3,6 +3,7 @@
 A command says which rows and columns it has. Words and units of quantities come from the catalogue.
 """
 
+import contextlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from plgwear_jax._core import files
-from plgwear_jax._core.catalogue import entry, measured, unit_of
+from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import plots, warn, working
@@ -144,8 +145,9 @@ class Report:
         self._found |= facts
         for name, value in facts.items():
             for one, x in (value if isinstance(value, dict) else {name: value}).items():
-                if not isinstance(x, dict | str | None) and (unit := unit_of(one)):
-                    self._units[one] = unit
+                if not isinstance(x, dict | str | None):
+                    with contextlib.suppress(KeyError):  # of what the catalogue does not have
+                        self._units[one] = entry(one).unit
         self._units |= units
 
     def say(self, *lines: str | None) -> None:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.catalogue import PEAKS, laws_of, read, read_from
+from plgwear_jax._core.catalogue import PEAKS, laws_of, read
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
@@ -63,7 +63,7 @@ def scene_values(
             found[f"{name} beside"], value = value[-1], value[:-1]
         found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
         if name in PEAKS and weights is None:
-            found[f"{name} at"] = jnp.stack(read_from(solved[False, True], f"{name}_at", {}))
+            found[f"{name} at"] = jnp.stack(getattr(solved[False, True], f"{name}_at"))
     return found
 
 

@@ -205,24 +205,16 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
         QuantityError: There is none.
     """
     stem, slopes = derivative(name)
-    asked = _find(name, stem, subject)
-    for slope in slopes:
-        asked = _differentiated(asked, slope, subject)
-    return asked._replace(name=name)
-
-
-def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
     (head, _, tail), contact = stem.partition("."), subject.contact
     if head == ("optimal_exponent" if contact is None else "design"):
-        return _of_optimum(name, head, tail, subject)
-    known = (
-        _functions(subject)
-        if contact is None
-        else {one: _of_contact(one, law, subject) for one, law in laws_of(contact).items()}
-    )
+        known = {stem: _of_optimum(name, head, tail, subject)}
+    elif contact is None:
+        known = _functions(subject)
+    else:
+        known = {one: _of_contact(one, law, subject) for one, law in laws_of(contact).items()}
     if stem == SLIPS and "displacement" in subject.inputs:
         onset = known["gross_slip_displacement"].evaluate
-        return SweepQuantity(
+        known[stem] = SweepQuantity(
             stem,
             subject.inputs,
             lambda values, memo: ~(values["displacement"] < onset(values, memo)),
@@ -239,7 +231,10 @@ def _find(name: str, stem: str, subject: SweepTarget) -> SweepQuantity:
         raise QuantityError(f"{one_line(name)}: there is no such quantity{by}")
     if subject.known.held is not None and needs_force(stem):
         raise QuantityError(f"{stem}: {never_steady(subject.known.held)}")
-    return known[stem]
+    asked = known[stem]
+    for slope in slopes:
+        asked = _differentiated(asked, slope, subject)
+    return asked._replace(name=name)
 
 
 def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
