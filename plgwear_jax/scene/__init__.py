@@ -249,18 +249,20 @@ class Scene:
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        asked, kind, limits = self.traded("x", x, distance), self.contact.kind, {}
+        asked, kind = self.traded("x", x, distance), self.contact.kind
         ((name, places),) = asked.items()
         arguments = designing.arguments_of(given, places)
         if "scenarios" in arguments:
             raise SceneError("[design] scenarios: only plgwear design takes them")
         # A limit of x is replaced by its values; of several limits of one quantity those at other places stay.
-        for one, several in designing.listed_limits(given.asked()).items():
-            limits[one] = [
+        limits = {
+            one: [
                 at
                 for at in several
                 if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
             ]
+            for one, several in designing.listed_limits(given.asked()).items()
+        }
         return designing.answer("front", **arguments | {"limits": limits}, x=asked, larger=larger, points=points)
 
     def free_design(self) -> "FreeDesign":
