@@ -87,31 +87,24 @@ def formula(
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """Make a public method of a record: the record checks concrete values, then one program does the rest.
 
-    `_check` of the record receives the arguments by name, except `digits` and those that are true or false or a word by
-    default.
+    `_check` of the record receives the arguments by name, except `digits`.
     """
-    signature = inspect.signature(method)
-    parameters = signature.parameters.items()
-    static = [name for name, one in parameters if name == "digits" or isinstance(one.default, bool | str)]
 
-    def run(options: tuple[tuple[str, Any], ...], itself: Any, numbers: dict[str, Any]) -> Array:
-        return call(itself, **numbers, **dict(options))
+    def run(digits: int | None, itself: Any, numbers: dict[str, Any]) -> Array:
+        return call(itself, **numbers) if digits is None else call(itself, **numbers, digits=digits)
 
     call: Kernel = method
-    program = _program(run, method)
+    program, signature = _program(run, method), inspect.signature(method)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = {name: as_array(x) for name, x in signature.bind(*args, **kwargs).arguments.items()}
-        itself = bound.pop("self")
-        options = {name: bound.pop(name) for name in static if bound.get(name) is not None}
-        bound.pop("digits", None)
+        itself, digits = bound.pop("self"), bound.pop("digits", None)
         itself._check(**bound)
-        if "digits" in options:
+        if digits is not None:
             # For JAX, True is the same static argument as 1.
-            dtype = real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound))))
-            options["digits"] = check_digits(options["digits"], dtype)
-        return program(tuple(options.items()), itself, bound)
+            digits = check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
+        return program(digits, itself, bound)
 
     return public
 
