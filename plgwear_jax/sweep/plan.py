@@ -158,10 +158,15 @@ class SweepPlan(SweepTarget):
         def one_chunk(*rows: Array) -> list[Array]:
             return [x[None] for x in self.evaluate(*(row[0] for row in rows))]
 
-        with in_precision(self.dtype):  # a worker has not set jax_enable_x64
+        with self._in_precision():  # a worker has not set jax_enable_x64
             shared = jax.shard_map(one_chunk, mesh=sharding.mesh, in_specs=split, out_specs=split, check_vma=False)
             options: Any = compiler_options(1) if self.slow else None  # else XLA compiles for half a minute
             return jax.jit(shared).lower(*rows).compile(options), sharding
+
+    def _in_precision(self) -> Any:
+        """A context manager that sets JAX to the precision of the sweep, for this thread only."""
+        home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
+        return home.enable_x64(self.dtype == np.float64)
 
     def _start(self, numbers: Sequence[int]) -> list[Array]:
         """Start computing as many chunks as there are devices, or fewer."""
@@ -170,7 +175,7 @@ class SweepPlan(SweepTarget):
         for (name, values), size in zip(self.axes.items(), self.chunk, strict=True):
             starts = [self.places[number][name].start for number in filled]
             rows.append(values.take(np.add.outer(starts, np.arange(size)), mode="clip"))
-        with in_precision(self.dtype):
+        with self._in_precision():
             return program(*jax.device_put(rows, sharding))
 
     def computed(self, numbers: Sequence[int]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
@@ -234,9 +239,3 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
     """The shape of chunks of at most so many points, of equal size and as square as possible."""
     parts = normalize_chunks("auto", tuple(shape), limit=points, dtype="u1")  # a byte for each point
     return tuple(-(-length // len(part)) for length, part in zip(shape, parts, strict=True))
-
-
-def in_precision(dtype: Any) -> Any:
-    """A context manager that sets JAX to the precision of a dtype, for this thread only."""
-    home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
-    return home.enable_x64(np.dtype(dtype) == np.float64)
