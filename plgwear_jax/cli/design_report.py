@@ -85,11 +85,9 @@ def _tensions(found: optimise.Design) -> str:
 
 def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:
     """How far it is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without any."""
-    question, load, scenarios = found.question, found.load, found.question.scenarios
+    question, load = found.question, found.load
     if load is None:
         return None
-    if not question.by_force and scenarios is not None and scenarios.tangential_force is not None:
-        return None  # which scenarios slip as a whole would change
     said, loss = f"at a 10 % higher {'force' if question.by_force else 'displacement'} amplitude", None
     if load.amplitudes is None:
         said = "with all amplitudes 10 % higher"
