@@ -121,7 +121,7 @@ def draw_wear(axes: Axes, points: int) -> None:
     stiff = optimise.design(**asked)
     phi = np.concatenate([np.geomspace(0.005, 0.1, points // 4, endpoint=False), np.linspace(0.1, 0.97, points)])
     reference = _volumes(contact, phi * most)
-    depths, rows = given.design_space.allowed["modulus"]["at"], []
+    depths, rows = [depth for depth, *_ in best.windows], []
     curves = (stiff, STIFF, "stiff surface", (0.97, 8.6)), (best, COMPLIANT, "compliant surface", (0.97, -10.8))
     for found, style, words, place in curves:
         assert isinstance(found.contact, FrettingContact)

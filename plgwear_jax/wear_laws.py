@@ -24,6 +24,7 @@ class WearLaw:
         ranges: What fields may be, by their names.
 
     Examples:
+        >>> import jax.numpy as jnp
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw
         >>> class WithThreshold(WearLaw):
         ...     coefficient: float
