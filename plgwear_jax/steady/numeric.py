@@ -148,12 +148,17 @@ def intensity_of(state: State) -> Array:
 # --- displacements ----------------------------------------------------------------------------------------------------
 
 
+def _outside(c: Array, r: Array) -> tuple[Array, Array]:
+    """(Whether radii are outside c, (r/c)^2 - 1 there and anything inside)."""
+    outside = r > c
+    near = jnp.where(outside, r, 1.5 * c)
+    return outside, ((near - c) / c) * ((near + c) / c)
+
+
 def _gap(state: State, further: Array, r: Array) -> Array:
     """What Abel's integral leaves in m at radii (m,) beside c, pressed in further in c^2/R; 0 under the contact."""
     c, lack = state.c, state.beside.lack(further)
-    outside = r > c
-    near = jnp.where(outside, r, 1.5 * c)
-    y = ((near - c) / c) * ((near + c) / c)
+    outside, y = _outside(c, r)
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
     together = lack.v is not None and len(lack.image.bends) <= FEW_KINKS
     found = jax.vmap(lack.depth)(y) if together else jax.lax.map(jax.checkpoint(lack.depth), y)
@@ -178,9 +183,7 @@ def _profile(state: State, r: Array) -> Array:
 
 def _worn_displacement(state: State, r: Array) -> Array:
     c, punch, further = state.c, state.punch, state.further
-    outside = r > c
-    near = jnp.where(outside, r, 1.5 * c)
-    y = ((near - c) / c) * ((near + c) / c)
+    outside, y = _outside(c, r)
     beyond = sunk_beside(state.bodies, punch, state.beside, further, y)
     under = state.height(punch) * (punch.depth + further) - state.bodies.outline.height(jnp.minimum(r, c))
     return jnp.where(outside, state.height(punch) * beyond, under)

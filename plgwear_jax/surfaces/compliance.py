@@ -244,7 +244,7 @@ class Graded(_Touching):
         return jnp.full_like(self.strength, 0.5)
 
     def far(self, log_r: Array) -> Array:
-        """The logarithm of the displacement far away, up to a constant: next to no pressure gets beyond all layers."""
+        """The logarithm of the displacement far away, up to a constant: as on what lies below all layers."""
         return -log_r
 
     @property
