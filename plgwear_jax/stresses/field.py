@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from scipy.interpolate import CubicSpline
 
 from plgwear_jax._core.record import record, static
 from plgwear_jax.special.pchip import Piecewise, horner
@@ -194,6 +193,8 @@ def body_of(pressed: Pressed) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
     k, nu, table = pressed.k, pressed.nu, pressed.table
     if k is not None:
+        from scipy.interpolate import CubicSpline  # late: it takes SciPy longer to import than a contact to be solved
+
         depths = jnp.asarray(_DEPTHS, k.dtype)
         edges, mean = jnp.append(0.0, depths)[:, None], functools.partial(_mean_power, k)
         found = responses(mean, edges, False, depths, jnp.ones_like(k)[None], nu)

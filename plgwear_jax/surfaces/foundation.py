@@ -13,7 +13,6 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
@@ -77,6 +76,8 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Foundation matrices for this accuracy, in x = q c."""
+    from scipy.special import gammaln, ive, kve  # which power laws do without
+
     x = _steps(effort.spacing, _LARGER)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
