@@ -93,20 +93,32 @@ class Program:
         return jax.jit(self.function, static_argnums=range(self.static))
 
     @functools.cached_property
-    def along(self) -> "Program":
-        """(The result, its derivatives along directions, with a first axis).
+    def moved(self):
+        """(The result, how it moves), as a part of another program. JAX alone would trace the function once more.
 
-        The first argument tells which leaves of the numbers move, the last one has the directions of these.
+        The first argument tells which leaves of the numbers move, the last one has the steps of these.
         """
 
+        def moved(moves, *arguments):
+            function, moving = self._of_moving(moves, arguments[:-1])
+            return jax.jvp(function, (moving,), (arguments[-1],))
+
+        return jax.jit(moved, static_argnums=range(1 + self.static))
+
+    @functools.cached_property
+    def along(self) -> "Program":
+        """(The result, its derivatives along directions, with a first axis), of the same arguments."""
+
         def along(moves, *arguments):
-            *given, directions = arguments
-            moving, whole = parted(given[self.static :], moves)
-            return along_each(lambda at: self.function(*given[: self.static], *whole(at)), moving, directions)
+            return along_each(*self._of_moving(moves, arguments[:-1]), arguments[-1])
 
         functools.update_wrapper(along, self.function)
         along.__qualname__ += ".along"
         return Program(along, 1 + self.static, self.slopes)
+
+    def _of_moving(self, moves, given):
+        moving, whole = parted(given[self.static :], moves)
+        return lambda at: self.function(*given[: self.static], *whole(at)), moving
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
@@ -242,6 +254,8 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         moving, whole = parted(primals, moves)
         leaves = jax.tree.leaves(primals)
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
+            if isinstance(wanted, Program):
+                return wanted.moved(tuple(moves), *words, *primals, steps)
             return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
         found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _unit_directions(moving)))))
         return jax.tree.map(value_of, found), _along_steps(found, steps)
