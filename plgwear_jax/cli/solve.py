@@ -143,7 +143,8 @@ def regimes(
         from plgwear_jax.scene.solving import homogeneous
 
         contact = homogeneous(given.build_contact())
-        own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
+        moved = load.of_displacement and not load.pressed
+        own = load.given if moved else contact.steady(Force(load.amplitudes, rig)).displacement_amplitude
         own = np.unique(own)
         own = own[own > 0.0]
         force = float(contact.normal_force)

@@ -1,6 +1,7 @@
 """The command `plgwear regimes`."""
 
 import functools
+from pathlib import Path
 
 import commands
 import numpy as np
@@ -80,6 +81,7 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
 @cases("cli/refused.toml", "regimes")
 def test_refusal(case):
     write(case.get("scene") or SCENE.replace(case.get("old", ""), case.get("new", "")))
+    Path("history.csv").write_text("tangential_force,cycles,friction\n5,1,0.9\n")
     assert is_told(refused(*case.get("arguments", ())), case)
 
 
