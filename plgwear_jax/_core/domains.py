@@ -40,8 +40,8 @@ else:
 
 
 def as_array(value: Any) -> Any:
-    """A list or a tuple of numbers as an array; everything else as it is."""
-    if not isinstance(value, list | tuple):
+    """A list, a tuple or a range of numbers as an array; everything else as it is."""
+    if not isinstance(value, list | tuple | range):
         return value
     try:
         found = np.asarray(value)

@@ -119,7 +119,7 @@ def test_stresses_at_no_place_are_none(worn):
 
 @compiled
 def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
-    steady, other = NUMERIC.steady([1.0, 2.0]), NUMERIC.steady(np.array([1.0, 2.0]))
+    steady, other = NUMERIC.steady(range(1, 3)), NUMERIC.steady(np.array([1.0, 2.0]))
     assert_array_equal(steady.wear_volume, other.wear_volume)
     r = [[2e-5], (8e-5,)]
     assert_array_equal(steady.wear_depth(r), other.wear_depth(np.array(r)))
