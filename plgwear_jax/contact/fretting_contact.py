@@ -35,6 +35,12 @@ def is_closed(contact: Any) -> bool:
     return isinstance(contact.material, Elastic)
 
 
+def check_frets(contact: Any) -> None:
+    """Check that a contact is one of fretting."""
+    if not isinstance(contact, FrettingContact):
+        raise TypeError(f"contact takes a FrettingContact, not {contact!r}")
+
+
 @record
 class FrettingContact:
     """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.

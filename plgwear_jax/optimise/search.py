@@ -143,6 +143,9 @@ def minimise(
             raise ValueError(f"{name} = {number} is below {least}")
     if not space:
         raise ValueError("space is empty: name at least one variable")
+    for name, one in space.items():
+        if not isinstance(one, Interval):
+            raise TypeError(f"space takes an Interval for {name}, not {one!r}")
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
     lower, upper, logarithmic = _box_of(space, jnp, dtype)
 

@@ -8,7 +8,7 @@ from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, refusal
 
-from plgwear_jax import Elastic
+from plgwear_jax import Elastic, GrossSlipContact
 from plgwear_jax.contact import CRITERIA, slip_regimes
 from plgwear_jax.loads import Displacement, Force
 
@@ -92,3 +92,8 @@ def test_criteria_lie_where_the_map_has_their_value(k):
 def test_refusal(case):
     asked = KINDS["closed forms"], case["moves"], case["forces"]
     assert refusal(ValueError, slip_regimes, *asked, **case["more"]) == case["line"]
+
+
+def test_a_punch_has_no_regimes():
+    punch = GrossSlipContact(KINDS["closed forms"].material, 1e-3, 1e-6)
+    assert refusal(TypeError, slip_regimes, punch, [1e-7], [1.0]).startswith("contact takes a FrettingContact, not ")
