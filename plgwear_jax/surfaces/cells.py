@@ -43,9 +43,14 @@ def products_of(share: Array, weight: Array) -> Array:
     return (share * weight) @ share.T
 
 
-def sizes_of(from_c: Array, from_1: Array, unworn: Array) -> Array:
-    """The widths of cells with these edges, T/C - 1 and (T - 1)/C; `unworn` is the width of the unworn ring, in C."""
-    return jnp.where(from_c[1:] < 0.5 * unworn, jnp.diff(from_c), jnp.diff(from_1))
+def sizes_of(from_c: Array, from_1: Array) -> Array:
+    """The widths of cells with these edges, T/C - 1 and T/C less that of another place."""
+    return jnp.where(_nearer(from_c, from_1)[1:], jnp.diff(from_c), jnp.diff(from_1))
+
+
+def _nearer(from_c: Array, from_1: Array) -> Array:
+    """Whether edges are nearer to c, so that less of their differences is rounded away there."""
+    return abs(from_c) < abs(from_1)
 
 
 def nodes_of(from_c: Array, size: Array) -> Array:
@@ -59,18 +64,21 @@ def mean_over(at_nodes: Array) -> Array:
 
 
 def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -> Images:
-    """The Abel transforms, with the exponents s and q = 1 - s, of cells with the edges T/C - 1 and (T - 1)/C."""
+    """The Abel transforms, with the exponents s and q = 1 - s, of cells with the edges T/C - 1 and T/C - 1 - unworn."""
     node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
-    size = sizes_of(from_c, from_1, unworn)
-    between = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
+    size, near = sizes_of(from_c, from_1), _nearer(from_c, from_1)[1:]
+    between = jnp.where(near[:, None], from_c[1:, None] - from_c[1:], from_1[1:, None] - from_1[1:])
     # The nodes are those of T^s: in it the factor T^(s-1) is constant, also in a cell that begins at T = 0.
-    end = 1.0 + from_c[1:]
+    end = jnp.where(near, 1.0 + from_c[1:], (1.0 + unworn) + from_1[1:])
     from_zero = size >= end
     covered = jnp.where(from_zero, 1.0, -jnp.expm1(s * jnp.log1p(-jnp.where(from_zero, 0.5, size / end))))
     inwards = -end[:, None] * jnp.expm1(jnp.log1p(-covered[:, None] * node) / s)
     distance = between[:, :, None] + inwards
     beyond = (distance > 0.0) & (size > 0.0)[:, None]
-    power = materialised(power_where(beyond, distance, q))  # or XLA would compute it again for each use
-    share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1))
+    # A difference of two powers would lose in float32 what is narrow and far away.
+    width = size[:, None, None] / jnp.where(beyond, distance, 1.0)
+    behind = width < 1.0
+    whole = jnp.where(behind, -jnp.expm1(q * jnp.log1p(-jnp.where(behind, width, 0.5))), 1.0)
+    share = materialised((power_where(beyond, distance, q) * whole).reshape(size.size, -1))
     t = (from_c[1:, None] - inwards).ravel()
     return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel())

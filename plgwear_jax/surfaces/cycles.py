@@ -52,7 +52,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
-    size = sizes_of(from_c, from_1, width)
+    size = sizes_of(from_c, from_1)
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.
     last = jnp.sum(size > 0.0) - 1  # behind it are empty cells
@@ -96,11 +96,11 @@ class _PowerTerms(NamedTuple):
 
 
 def power_terms(
-    bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
+    bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: tuple[Array, Array]
 ) -> _PowerTerms:
-    """Of cells beside c, as of `cells_of`, and of cells inside c with the edges `inner`, T - 1; there may be none."""
-    edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
-    cells = inner.size - 1
+    """Of cells beside c, as of `cells_of`, and of cells inside c, whose edges `inner` are T - 1 and T - 1 - width."""
+    edges = jnp.concatenate([inner[0], from_c[1:]]), jnp.concatenate([inner[1], from_1[1:]])
+    cells = inner[0].size - 1
     count = cells * NODES
 
     def one(k: Array, s: Array, log_g: Array) -> _PowerTerms:
@@ -124,7 +124,7 @@ def _powers(bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, 
     form, but of cells inside c only the difference counts.
     """
     inner = _cells_that_stick(from_c, bodies.effort.digits)
-    images, of_ring, disc, mixed = power_terms(bodies, c, width, from_c, from_1, inner)
+    images, of_ring, disc, mixed = power_terms(bodies, c, width, from_c, from_1, (inner, inner - width))
     if isinstance(bodies, OnePower):
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
@@ -287,7 +287,7 @@ def inward(found: Worn, swept: Array, from_c: Array, from_1: Array) -> tuple[Arr
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if not isinstance(bodies, Graded):
         edges = _cells_that_stick(from_c, bodies.effort.digits)
-        _, _, disc, mixed = power_terms(bodies, c, *at, edges)
+        _, _, disc, mixed = power_terms(bodies, c, *at, (edges, edges - found.width))
         pressures = solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
         return -0.5 * (edges[1:] + edges[:-1]), pressures
     # The sums of pressures do not know what is nearer to c than a thousandth of it.
@@ -314,8 +314,8 @@ def disc_of(bodies: Bodies, b: Array, edges: Array) -> Array:
         b: Radius of the outer edge in m.
         edges: Edges of the cells in T, from 0 to 1, (cells + 1,).
     """
-    from_b, none = edges - 1.0, jnp.zeros_like(b)
+    from_b, axis, none = edges - 1.0, jnp.full_like(b, -1.0), jnp.zeros_like(b)[None]
     if not isinstance(bodies, Graded):
-        return jnp.sum(power_terms(bodies, b, none, none[None], none[None], from_b).disc, 0)
+        return jnp.sum(power_terms(bodies, b, axis, none, none, (from_b, edges)).disc, 0)
     half = jnp.full_like(b, 0.5)
-    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, from_b, none, half, half))
+    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, edges, axis, half, half))

@@ -41,7 +41,7 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
 
     def cells(from_c: Array, from_1: Array) -> tuple[RingCells, Array]:
         """(The ring in cells, the frictional work of the first cycle over C^(s+2))."""
-        size, (t, share, weight) = sizes_of(from_c, from_1, unworn), images_of(from_c, from_1, unworn, s, q)
+        size, (t, share, weight) = sizes_of(from_c, from_1), images_of(from_c, from_1, unworn, s, q)
         swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
         of_ring = products_of(share, weight) * (sine * sine / (2.0 * (1.0 + s)))
         compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]

@@ -447,16 +447,16 @@ def test_derivatives_of_all_numbers_and_quantities_are_finite(load):
 
 
 @compiled
-@parametrize("load", [HELD, GROSS], ids=["held", "gross"])
-def test_single_precision_keeps_two_digits(load):
+@parametrize("load", [HELD, GROSS, Displacement(0.05 * ONSET)], ids=["held", "gross", "a narrow ring"])
+def test_single_precision_keeps_three_digits(load):
     double, cycles = (ONE, load, COEFFICIENT), np.array([1e3, 1e5, 1e6])
     single = jax.tree.map(jnp.float32, double)
     one, other = (contact.over_cycles(load, law) for contact, load, law in (single, double))
     volume = one.volume(np.float32(cycles))
     assert volume.dtype == np.float32
-    assert_allclose(volume, other.volume(cycles), rtol=1.5e-2)
+    assert_allclose(volume, other.volume(cycles), rtol=1e-3)
     # Which cell touches last is decided by roundings.
-    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=1e-2)
+    assert_allclose(one.contact_radius(np.float32(cycles)), other.contact_radius(cycles), rtol=1e-3)
     slope = jax.grad(lambda contact, load, law: contact.over_cycles(load, law).volume(1e5))
     for found, known in zip(*(jax.tree.leaves(slope(*each)) for each in (single, double)), strict=True):
-        assert_allclose(found, known, rtol=3e-2)
+        assert_allclose(found, known, rtol=1e-2)
