@@ -3,8 +3,11 @@
 The functions have no poles near the interval, so their Taylor coefficients fall fast and one table is enough.
 """
 
+import textwrap
+
 import mpmath as mp
 
+INDENT = "    "
 TINY = mp.mpf("1e-19")
 
 
@@ -59,7 +62,5 @@ def edge_odd() -> list[float]:
 
 if __name__ == "__main__":
     for table in (reciprocal_gamma, volume_numerator, edge_even, edge_odd):
-        print(f"_{table.__name__.upper()} = (")
-        for coefficient in table():
-            print(f"    {coefficient!r},")
-        print(")")
+        numbers = textwrap.fill(" ".join(map(repr, table())), 118, initial_indent=INDENT, subsequent_indent=INDENT)
+        print(f'_{table.__name__.upper()} = _numbers_in("""\n{numbers}\n""")')

@@ -4,6 +4,7 @@ LAPACK gets one matrix at a time, also under `vmap` (`sequential_vmap`), and non
 threads: on a busy machine these wait for each other a thousand times as long as the work takes.
 """
 
+import functools
 from typing import Any
 
 import jax
@@ -45,17 +46,8 @@ def _cholesky_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array,
     return factor, factor @ (inner - 0.5 * jnp.diag(jnp.diagonal(inner)))
 
 
-def forward(factor: Array, right: Array) -> Array:
-    """L^-1 times right sides of shape (n,) or (n, m)."""
-    return _solved_by_factor(factor, right, False)
-
-
-def backward(factor: Array, right: Array) -> Array:
-    """L^-T times right sides of shape (n,) or (n, m)."""
-    return _solved_by_factor(factor, right, True)
-
-
-def _solved_by_factor(factor: Array, right: Array, transposed: bool) -> Array:
+def _solved_by_factor(transposed: bool, factor: Array, right: Array) -> Array:
+    """L^-1 or L^-T times right sides of shape (n,) or (n, m)."""
     columns = right[:, None] if right.ndim == 1 else right
     fixed = jax.lax.stop_gradient(factor)
     found = jax.lax.custom_linear_solve(
@@ -65,6 +57,9 @@ def _solved_by_factor(factor: Array, right: Array, transposed: bool) -> Array:
         lambda _, right: (_up, _down)[transposed](fixed, right),
     )
     return found.reshape(right.shape)
+
+
+forward, backward = (functools.partial(_solved_by_factor, transposed) for transposed in (False, True))
 
 
 def _substitution(transposed: bool) -> Any:

@@ -24,15 +24,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import (
-    TINY,
-    exponentials,
-    growth,
-    log,
-    quotient,
-    reciprocal,
-    working_digits,
-)
+from plgwear_jax.special.elementary import TINY, exponentials, growth, log, quotient, reciprocal, working_digits
 from plgwear_jax.special.gamma import edge_pair
 
 # t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
@@ -82,19 +74,15 @@ def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Ar
     cross = square * y
     ky = 0.0625 * y - 0.25 * cross
     d_even, d_odd = jnp.ones_like(square), jnp.zeros_like(square)
-    u_even = u_odd = v_even = v_odd = jnp.zeros_like(cross)
+    sums = [(jnp.zeros_like(cross), jnp.zeros_like(cross))] * 2
     for n in range(len(weights), 0, -1):
         w, ratio = weights[n - 1], n * y - (1.0 / n) * ky
-        u_even, u_odd = (
-            ratio * u_even + (cross * u_odd + (w / n) * d_even),
-            ratio * u_odd + (y * u_even + (w / n) * d_odd),
-        )
-        v_even, v_odd = (
-            ratio * v_even + (cross * v_odd + (2.0 * w) * d_even),
-            ratio * v_odd + (y * v_even + (2.0 * w) * d_odd),
-        )
+        sums = [
+            (ratio * even + (cross * odd + weight * d_even), ratio * odd + (y * even + weight * d_odd))
+            for (even, odd), weight in zip(sums, (w / n, 2.0 * w), strict=True)
+        ]
         d_even, d_odd = n * d_even + square * d_odd, n * d_odd + d_even
-    return (u_even, u_odd), (v_even, v_odd), (d_even, d_odd)
+    return *sums, (d_even, d_odd)
 
 
 def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:

@@ -24,14 +24,14 @@ def fold_outside(r: Array, c: Array) -> Fold:
     """
     inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
-    minus, plus = (near - c) / c, (near + c) / c
+    y = ((near - c) / c) * ((near + c) / c)
     # For larger r from c/r and log(r), since products of derivatives must not overflow at a radius of 1e300.
     far = jnp.where(inner, 2.0 * c, r)
     inverse = c / far
     beyond = inverse * inverse
     log_beyond = 2.0 * (jnp.log(c) - jnp.log(far)) - log_complement(beyond)
-    x = jnp.where(inner, minus * plus, beyond / (1.0 - beyond))
-    log_x = jnp.where(inner, jnp.log(minus) + jnp.log(plus), log_beyond)
+    x = jnp.where(inner, y, beyond / (1.0 - beyond))
+    log_x = jnp.where(inner, jnp.log(y), log_beyond)
     return Fold(x, log_x, inner)
 
 
@@ -39,10 +39,8 @@ def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singu
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
     inside = jnp.where(under, r, 0.0)
-    # Near the centre log(1 - r/c) + log(1 + r/c) has slopes that cancel, so log(1 - (r/c)^2) is used.
-    central = inside < 0.5 * c
-    outer = jnp.where(central, 0.5 * c, inside)
-    edgewise = jnp.log((c - outer) / c) + jnp.log((c + outer) / c)
-    log_z = jnp.where(central, log_complement(jnp.where(central, inside / c, 0.0) ** 2), edgewise)
+    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel.
+    edgewise = ((c - inside) / c) * ((c + inside) / c)
+    log_z = jnp.log(jnp.where(inside < 0.5 * c, 1.0 - (inside / c) ** 2, edgewise))
     stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
     return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))

@@ -30,18 +30,15 @@ def fold_at(dtype: DTypeLike) -> float:
     return 2.0 if jnp.finfo(dtype).bits == 32 else 1.5
 
 
-def _levels(digits: int | None, dtype: DTypeLike) -> int:
-    """How many levels below the first keep the error of U below the last digit wanted, for x up to the fold."""
-    root = math.sqrt(1.0 + fold_at(dtype))
-    gain = 1.05 * math.log10((root + 1.0) / (root - 1.0))
-    # The first level and the estimated start below the last level together give a digit and a half.
-    return max(1, math.ceil((working_digits(digits, dtype) - 1.6) / gain))
-
-
 @functools.partial(jax.jit, static_argnames="digits")
 def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive and neither large nor small."""
-    last, fold = _levels(digits, x.dtype) + 1, fold_at(x.dtype)
+    fold = fold_at(x.dtype)
+    # As many levels below the first as keep the error below the last digit wanted, for x up to the fold. The first one
+    # and the estimated start below the last one together give a digit and a half.
+    root = math.sqrt(1.0 + fold)
+    gain = 1.05 * math.log10((root + 1.0) / (root - 1.0))
+    last = 1 + max(1, math.ceil((working_digits(digits, x.dtype) - 1.6) / gain))
     size = 1.0 / _fraction(1.0, 0.5, last, fold)[1]
     numerator, denominator = _fraction(x, a, last, fold)
     return size * numerator, size * denominator
