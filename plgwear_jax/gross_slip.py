@@ -52,9 +52,8 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
         there.
     """
     del digits
-    k = jnp.asarray(k)
     s, q = exponents(k)
-    return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=jnp.zeros_like(k), singular=s)
+    return punch_stress(jnp.asarray(r), jnp.ones_like(s), s, q, smooth=jnp.zeros_like(s), singular=s)
 
 
 @formula(r=RADIUS, k=EXPONENT)
@@ -80,7 +79,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) ->
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (9), (10).
     """
-    return jnp.where(jnp.asarray(r) <= 1.0, _force_ratio(jnp.asarray(k), digits), 0.0)
+    return jnp.where(jnp.asarray(r) <= 1.0, 1.0 / sine_quotient(*exponents(k), digits), 0.0)
 
 
 @formula(r=RADIUS, k=EXPONENT)
@@ -106,9 +105,9 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (3), (4).
     """
-    r, k = jnp.asarray(r), jnp.asarray(k)
+    r = jnp.asarray(r)
     s, q = exponents(k)
-    _, body, _ = arcsine_tail(fold_outside(r, jnp.ones_like(k)), s, q, digits)
+    _, body, _ = arcsine_tail(fold_outside(r, jnp.ones_like(s)), s, q, digits)
     return jnp.where(r <= 1.0, 1.0, body)
 
 
@@ -166,10 +165,6 @@ def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
     return catalan_deficit(q, s, digits)
 
 
-def _force_ratio(k: Array, digits: int | None) -> Array:
-    return 1.0 / sine_quotient(*exponents(k), digits)
-
-
 @formula(k=EXPONENT)
 def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
     """Steady over initial normal force at fixed depth, F_Ninf/F_N0 = pi (1-k^2)/(4 cos(k pi/2)), Eq. (10).
@@ -192,7 +187,7 @@ def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (10).
     """
-    return _force_ratio(jnp.asarray(k), digits)
+    return 1.0 / sine_quotient(*exponents(k), digits)
 
 
 @formula(k=EXPONENT)

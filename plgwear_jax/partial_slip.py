@@ -17,7 +17,7 @@ from jax import Array, lax
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike, Domain
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting import stick_radius
-from plgwear_jax.special.arcsine import arc
+from plgwear_jax.fretting.surface import arc_between
 from plgwear_jax.special.elementary import exponentials, log, log_complement
 from plgwear_jax.special.exponents import exponents
 
@@ -159,10 +159,7 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
     r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
     c = stick_radius(k, phi)
-    slips = (r > c) & (r <= 1.0)
-    near = jnp.where(slips, r, 1.25 * c)
-    y = ((near - c) / c) * ((near + c) / c)
-    at = arc(y, s, q, digits)
+    slips, y, at = arc_between(r, c, 1.0, s, q, digits)
     # The slip is mu theta times the gap outside the contact of radius c.
     return jnp.where(slips, 0.5 * c * c * at.share * y * at.chord, 0.0)
 
@@ -193,10 +190,10 @@ def _power(exponent: Array, x: Array, digits: int | None) -> Array:
     return exponentials(exponent[..., None] * log_complement(x, digits), digits)[0]
 
 
-def _work(s: Array, phi: Array, digits: int | None) -> tuple[Array, Array, Array, Array]:
-    """The integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1: proportional to energy and wear of the first cycle.
+def _work(s: Array, phi: Array, digits: int | None) -> tuple[Array, Array]:
+    """(z = 1 - C, the integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1, divided by z^2).
 
-    It is (z = 1 - C, whether it is small, there the integral over z^3, elsewhere the integral itself).
+    The integral is proportional to energy and wear of the first cycle; its own powers of z might underflow.
     """
     log_c = log_complement(phi, digits) / (1.0 + s)
     z = 0.0 - exponentials(log_c, digits)[1]
@@ -211,7 +208,8 @@ def _work(s: Array, phi: Array, digits: int | None) -> tuple[Array, Array, Array
     some = jnp.where(close, s * log_c, -0.5)[..., None]
     power = _integral(_EXPONENTIAL, lambda x: exponentials(some * x, digits)[0], z)
     falls[0] = jnp.where(close, -log_c * power, falls[0])
-    return z, small, mean, (1.0 + C) * falls[1] - C * falls[0] - falls[2]
+    far, beyond = (1.0 + C) * falls[1] - C * falls[0] - falls[2], jnp.where(small, 0.5, z)
+    return z, jnp.where(small, mean * z, far / (beyond * beyond))
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
@@ -239,9 +237,8 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
         Mechanics 20 (1953) 327.
     """
     s, _ = exponents(k)
-    z, small, mean, far = _work(s, jnp.asarray(phi), digits)
-    near = jnp.where(small, z, 0.5)
-    return 2.0 * (1.0 + s) * jnp.where(small, near * near * near * mean, far)
+    z, work = _work(s, jnp.asarray(phi), digits)
+    return 2.0 * (1.0 + s) * z * z * work
 
 
 # --- the loop of force and displacement -----------------------------------------------------------------------------
@@ -315,11 +312,7 @@ def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.2 as the border of gross slip.
     """
     (s, _), phi = exponents(k), jnp.asarray(phi)
-    z, small, mean, far = _work(s, phi, digits)
-    # The work over z^2 and phi; for small phi without their powers, which would underflow.
-    beyond = jnp.where(small, 0.5, phi)
-    work = jnp.where(small, mean * z * softness(s, phi, digits), far / (beyond * jnp.where(small, 0.5, z)))
-    return s * (1.0 + s) * work
+    return s * (1.0 + s) * _work(s, phi, digits)[1] * softness(s, phi, digits)
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)

@@ -8,16 +8,10 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.fretting.ring import Rise, Root, half_digits, place_in_ring, relative_residual
+from plgwear_jax.fretting.ring import Rise, Root, place_in_ring, relative_residual, stationary, stationary_and_by_k
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
-from plgwear_jax.special.elementary import (
-    exponentials,
-    log_complement,
-    quotient,
-    reciprocal,
-    working_digits,
-)
+from plgwear_jax.special.elementary import exponentials, log_complement, quotient, reciprocal
 from plgwear_jax.special.exponents import exponents
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
@@ -73,13 +67,7 @@ def _depth_near_deepest(y: Array, s: Array, q: Array, phi: Array, digits: int | 
 
 
 def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
-    """d(depth)/dk at constant y, since the depth is stationary in y."""
-    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, half_digits(_DEEPEST, digits, k.dtype), copy=1)
-
-    def depth(k: Array) -> Array:
-        return _depth_near_deepest(y, *exponents(k), phi, digits, second=True)
-
-    return jnp.where(worn, jax.jvp(depth, (k,), (jnp.ones_like(k),))[1], 0.0)
+    return stationary_and_by_k(_DEEPEST, _depth_near_deepest, k, phi, digits=digits)[1]
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
@@ -97,7 +85,7 @@ def _share_jvp(digits: int | None, primals, tangents):
 
 def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(depth)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, with q H/y for q m/y."""
-    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, half_digits(_DEEPEST, digits, k.dtype), copy=2)
+    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, copy=2)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
@@ -134,10 +122,5 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the maximum of Eq. (25) less Eq. (24).
     """
-    k, phi = jnp.asarray(k), jnp.asarray(phi)
-    # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 3e-4,
-    # it gives a depth with an error of 1e-11.
-    few = working_digits(digits, k.dtype) <= 11
-    enough = _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
-    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, enough, copy=0)
-    return jnp.where(worn, _depth_near_deepest(y, *exponents(k), phi, digits, second=few), 0.0)
+    # The starter has an error of 3e-4, which leaves one of 1e-11 in the depth.
+    return stationary(_DEEPEST, _depth_near_deepest, jnp.asarray(k), jnp.asarray(phi), digits, few=11)

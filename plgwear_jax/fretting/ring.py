@@ -7,7 +7,6 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import DTypeLike
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
@@ -86,11 +85,6 @@ def _solve_jvp(root: Root, digits: int | None, root_digits: int | None, primals,
 place_of = jax.jit(_solve, static_argnums=(0, 4, 5))
 
 
-def half_digits(root: Root, digits: int | None, dtype: DTypeLike) -> int:
-    """The digits of y that are enough for a result whose error is the square of the error of y."""
-    return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
-
-
 def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
 
@@ -122,12 +116,44 @@ def _narrow(phi: Array) -> Array:
 
 
 def place_in_ring(
-    root: Root, k: Array, phi: Array, digits: int | None, root_digits: int, copy: int
+    root: Root, k: Array, phi: Array, digits: int | None, copy: int, few: bool = False
 ) -> tuple[Array, Array, Array, Array]:
-    """(Whether there is a worn ring, k, phi, the place y), the last three for a kernel of their own."""
+    """(Whether there is a worn ring, k, phi, the place y), the last three for a kernel of their own.
+
+    y has the digits that are enough for a result whose error is the square of the error of y, or for `few` those of the
+    starter.
+    """
+    start = root.digits[0]
+    root_digits = start if few else max(start + 1, working_digits(digits, k.dtype) // 2)
     worn, phi = phi > 0.0, _narrow(phi)
     y = place_of(root, *exponents(k), phi, digits, root_digits)
     return worn, *separate_kernels(copy, k, phi, y)  # pyright: ignore[reportReturnType]
+
+
+# Volume and largest depth do not change with y at the place where they are read.
+
+
+def stationary(root: Root, function: Callable[..., Array], k: Array, phi: Array, digits: int | None, few: int) -> Array:
+    """What a function of (y, s, q, phi, digits, second) gives at the place y.
+
+    Up to `few` digits its `second` order correction of a y from the starter is cheaper than a Halley step.
+    """
+    second = working_digits(digits, k.dtype) <= few
+    worn, k, phi, y = place_in_ring(root, k, phi, digits, copy=0, few=second)
+    return jnp.where(worn, function(y, *exponents(k), phi, digits, second=second), 0.0)
+
+
+def stationary_and_by_k(
+    root: Root, function: Callable[..., Array], k: Array, phi: Array, *, digits: int | None
+) -> tuple[Array, Array]:
+    """(The same, its derivative by k), at a constant y."""
+    worn, k, phi, y = place_in_ring(root, k, phi, digits, copy=1)
+
+    def at(k: Array) -> Array:
+        return function(y, *exponents(k), phi, digits, second=True)
+
+    value, slope = jax.jvp(at, (k,), (jnp.ones_like(k),))
+    return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 
 @formula(joint=("k",), k=EXPONENT, phi=AMPLITUDE)

@@ -6,12 +6,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.special.elementary import (
-    exponentials,
-    log_complement,
-    quotient,
-    reciprocal,
-)
+from plgwear_jax.special.elementary import exponentials, log_complement, quotient, reciprocal
 
 
 def slip(s: Array, phi: Array) -> Array:

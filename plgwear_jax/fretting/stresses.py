@@ -1,19 +1,12 @@
 """Pressures and tractions, Eqs. (13), (17), (19) and (20)."""
 
-from typing import NamedTuple
-
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import slip, stick, stick_power
-from plgwear_jax.special.elementary import (
-    exponentials,
-    log,
-    quotient,
-    reciprocal,
-)
+from plgwear_jax.special.elementary import exponentials, log, quotient, reciprocal
 from plgwear_jax.special.exponents import exponents, punch_stress
 
 # --- stresses -------------------------------------------------------------------------------------------------------
@@ -43,9 +36,8 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (13).
     """
     del digits
-    k = jnp.asarray(k)
     s, q = exponents(k)
-    return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=1.0 + s, singular=jnp.zeros_like(k))
+    return punch_stress(jnp.asarray(r), jnp.ones_like(s), s, q, smooth=1.0 + s, singular=jnp.zeros_like(s))
 
 
 def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -149,21 +141,13 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
     return s * phi / stick_power(s, phi, 2.0, digits)
 
 
-class _InsideStickEdge(NamedTuple):
-    """The worn contact at a distance inside the stick-slip boundary, or at the centre if it is larger than c."""
-
-    z: Array  # 1 - (r/c)^2
-    radius: Array  # r/c
-    over_c: Array  # 1/c
-    singular: Array  # z^-q
-
-
-def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _InsideStickEdge:
+def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> tuple[Array, ...]:
+    """(1 - (r/c)^2, r/c, 1/c, z^-q) at a distance inside the stick-slip boundary, or at the centre if it is beyond."""
     c = stick_power(s, phi, 1.0, digits)
     inner = (distance > 0.0) & (distance < c)  # callers handle distance = 0
     depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
     z = depth * (2.0 - depth)
-    return _InsideStickEdge(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
+    return z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0]
 
 
 def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:

@@ -9,9 +9,7 @@ from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_tail, over_abscissa
-from plgwear_jax.special.elementary import (
-    sine_quotient,
-)
+from plgwear_jax.special.elementary import sine_quotient
 from plgwear_jax.special.exponents import exponents, fold_outside
 
 
@@ -74,9 +72,8 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (14), (15).
     """
-    r, k = jnp.asarray(r), jnp.asarray(k)
     s, q = exponents(k)
-    return _punch_displacement(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+    return _punch_displacement(jnp.asarray(r), jnp.ones_like(s), jnp.zeros_like(s), s, q, digits)
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -160,6 +157,16 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     return 0.5 * stick_power(s, phi, 2.0, digits) * (1.0 + slip(s, phi)) / s
 
 
+def arc_between(
+    r: Array, c: Array, end: Array | float, s: Array, q: Array, digits: int | None
+) -> tuple[Array, Array, Arc]:
+    """(Whether radii lie between c and an end, y = (r/c)^2 - 1 there and anything elsewhere, the arc up to y)."""
+    inside = (r > c) & (r <= end)
+    near = jnp.where(inside, r, 1.25 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    return inside, y, arc(y, s, q, digits)
+
+
 class _Ring(NamedTuple):
     """A radius, located in the worn ring."""
 
@@ -173,12 +180,8 @@ class _Ring(NamedTuple):
 def _ring_at(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     s, q = exponents(k)
     c, m = stick(k, phi), slip(s, phi)
-    # No ring reaches further than y = m/s. For radii beyond twice the corresponding radius any finite numbers will do.
-    widest = 2.0 * c * jnp.sqrt(1.0 + m / s)
-    inside = (r > c) & (r < widest)
-    near = jnp.where(inside, r, widest)
-    y = ((near - c) / c) * ((near + c) / c)
-    at = arc(y, s, q, digits)
+    # No ring reaches further than y = m/s.
+    inside, y, at = arc_between(r, c, 2.0 * c * jnp.sqrt(1.0 + m / s), s, q, digits)
     lift = m - y * at.chord
     return _Ring(inside & (lift > 0.0), c, at, y, lift)
 
