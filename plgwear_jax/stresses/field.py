@@ -78,11 +78,6 @@ def fineness_of(digits: int | None, dtype: Any) -> Fineness:
 _ALONE = 1, 1  # radii where P is such a power alone
 
 
-def _edge(dtype: Any) -> float:
-    """1 - t^2 so near to the edge that a power is all of P; still nearer roundings count."""
-    return float(jnp.finfo(dtype).eps) ** 0.2
-
-
 def samples(digits: int | None, dtype: Any, alone: bool = False) -> Array:
     """1 - t^2 where `Pressed` has P; few places are enough for a P that is `alone` what it is next to the edge."""
     return jnp.asarray(strips(*_ALONE if alone else fineness_of(digits, dtype)[:2])[1], dtype)
@@ -131,8 +126,9 @@ class Pressed:
 
         pressures, beside, weight, flat = jnp.stack([self.own, self.stuck, self.flat]), None, None, None
         if graded:
-            # Next to an edge a pressure is mostly a power, which no spline can follow.
-            power, at = self.s + jnp.asarray([0.5, 0.5, -0.5], c.dtype), jnp.searchsorted(inside, _edge(c.dtype))
+            # Next to an edge a pressure is mostly a power, which no spline can follow; still nearer roundings count.
+            power = self.s + jnp.asarray([0.5, 0.5, -0.5], c.dtype)
+            at = jnp.searchsorted(inside, float(jnp.finfo(c.dtype).eps) ** 0.2)
             law = jnp.exp(power[:, None] * jnp.log(inside))
             share = (pressures[:, at] / law[:, at])[:, None]
             pressures -= share * law

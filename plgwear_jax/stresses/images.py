@@ -58,13 +58,17 @@ def transforms(tractions: Tractions, zeta: Array, x: Array, count: int) -> tuple
     near, b, weight, flat, beside = tractions
     found: list[tuple[Array, Array]] = []
     if weight is not None:
-        found.append(_of_bowls(near, count, b, weight, zeta, x))
+        (first, second), (steep, steeper) = _bowls(b.ravel(), zeta, x)
+        rate = _total(near, steep[:, :count], steeper[:, :count], weight)
+        found.append((_total(near, first, second, weight), rate))
     if flat is not None:
         wave, rate, *_ = _waves(b[:, -1], zeta[:, None], x[:, None])
         found.append((-wave.imag @ flat, rate.imag[:, :count] @ flat))
     if beside is not None:
         turn, values = beside
-        found.append(_of_values(count, (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1]), zeta, x))
+        places, values = (b[:, -1:] * turn).ravel(), values.reshape(-1, values.shape[-1])
+        _, rate, more, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
+        found.append((-(rate @ values).real, (more[:, :count] @ values).real))
     return jax.tree.map(lambda *parts: sum(parts[1:], parts[0]), *found)
 
 
@@ -138,16 +142,6 @@ def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
     first, second = first.reshape(shape), second.reshape(shape)
     each = jnp.concatenate([second[..., :within], first[..., within:]], -1)
     return each.reshape(*shape[:2], -1) @ weight.reshape(-1, weight.shape[-1])
-
-
-def _of_bowls(near: int, count: int, b: Array, weight: Array, zeta: Array, x: Array) -> tuple[Array, Array]:
-    (first, second), (steep, steeper) = _bowls(b.ravel(), zeta, x)
-    return _total(near, first, second, weight), _total(near, steep[:, :count], steeper[:, :count], weight)
-
-
-def _of_values(count: int, places: Array, values: Array, zeta: Array, x: Array) -> tuple[Array, Array]:
-    _, rate, more, *_ = _waves(places.real, zeta[:, None] - places.imag, x[:, None])
-    return -(rate @ values).real, (more[:, :count] @ values).real
 
 
 # --- responses --------------------------------------------------------------------------------------------------------

@@ -58,8 +58,7 @@ def highest(pressed: Pressed, wanted: Wanted) -> Peak:
     depths = jnp.asarray(_SHALLOW if graded else _Z, ends.dtype)
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
 
-    def closer(count: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
-        del count
+    def closer(_: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
         xs, zs, step, _, *top = state
         # The top of a parabola is one more place, since a stress may also have a kink.
         xs, zs = (jnp.append(each, more) for each, more in zip((xs, zs), top, strict=True))
