@@ -11,7 +11,7 @@ from plgwear_jax.loads import load_of
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.powers import Parabola
-from plgwear_jax.steady.arguments import check_bodies
+from plgwear_jax.shapes.shape import Shape
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plgwear_jax.loads import Block, Load
-    from plgwear_jax.shapes import Shape
     from plgwear_jax.surfaces import Elastic
     from plgwear_jax.wear.run import Run
 
@@ -87,10 +86,20 @@ class FrettingContact:
     normal_force: Numbers
     friction: Numbers
     indenter: "Elastic | None" = None
-    shape: "Shape | None" = None
+    shape: Shape | None = None
 
     def __post_init__(self) -> None:
-        check_bodies(self)
+        if isinstance(self.material, PowerLawGraded) and self.indenter is None and self.shape is None:
+            return
+        from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
+
+        if not isinstance(self.material, PowerLawGraded | AnyModulus | Elastic):
+            kinds = "a PowerLawGraded, a DepthGraded, a Layered or an Elastic"
+            raise TypeError(f"material takes {kinds}, not {self.material!r}")
+        if not isinstance(self.indenter, Elastic | None):
+            raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {self.indenter!r}")
+        if not isinstance(self.shape, Shape | None):
+            raise TypeError(f"shape takes a Shape such as PowerShape(4), or None for a parabola, not {self.shape!r}")
 
     def steady(self, load: "ArrayLike | Load", *, digits: int | None = None) -> Steady:
         """The contact under a load, unworn and worn to its steady state: see `Steady`.
@@ -103,10 +112,10 @@ class FrettingContact:
             digits: Correct digits wanted; by default all that the solver has.
         """
         if is_closed(self):
-            return Steady(self, load_of(load), digits)
+            return Steady(self, load_of(load), digits=digits)
         from plgwear_jax.steady.numeric import NumericSteady
 
-        return NumericSteady(self, load_of(load), digits)
+        return NumericSteady(self, load_of(load), digits=digits)
 
     def over_cycles(
         self, load: "ArrayLike | Load | Sequence[Block]", law: ArrayLike | WearLaw, *, digits: int | None = None

@@ -11,7 +11,6 @@ from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, guar
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.steady.arguments import check_power_law
 from plgwear_jax.steady.solution import Solution
 
 
@@ -45,11 +44,12 @@ class GrossSlipContact:
     depth: Numbers
 
     def __post_init__(self) -> None:
-        check_power_law(self.material)
+        if not isinstance(self.material, PowerLawGraded):
+            raise TypeError(f"material takes a PowerLawGraded, not {self.material!r}")
 
     def steady(self, *, digits: int | None = None) -> "SteadyPunch":
         """The contact before any wear and in its steady state; `digits` are the correct digits wanted."""
-        return SteadyPunch(contact=self, digits=digits)
+        return SteadyPunch(self, digits=digits)
 
 
 class SteadyPunch(Solution):
@@ -71,9 +71,6 @@ class SteadyPunch(Solution):
     """
 
     numbers: ClassVar = ("contact",)
-
-    def __init__(self, contact: GrossSlipContact, digits: int | None = None) -> None:
-        super().__init__(contact=contact, digits=digits)
 
     @property
     @compiled

@@ -1,6 +1,5 @@
 """The shape of a contact's indenter."""
 
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -22,9 +21,3 @@ def outline_of(contact: Any) -> Outline:
     radius = guarded_field(contact, "radius")
     shape = jax.tree.map(lambda x: jnp.asarray(x, radius.dtype), shape_of(contact))
     return Outline(shape.guarded(), radius)
-
-
-def unworn_of(contact: Any) -> Callable[[Any], Any]:
-    """f of a contact, by radii in m."""
-    shape = shape_of(contact)
-    return lambda r: shape.height(r, contact.radius)

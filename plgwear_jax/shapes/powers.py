@@ -1,6 +1,6 @@
 """Indenters that are a power of the radius, in closed form."""
 
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -8,26 +8,17 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Domain, Numbers
-from plgwear_jax.shapes.shape import Shape
+from plgwear_jax._core.record import record
+from plgwear_jax.shapes.shape import Image, Shape
 
 EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
 
 
-class Power(NamedTuple):
+@record
+class Power(Image):
     """G = first T^power."""
 
-    first: Array
     power: Array | None = None  # None for 1
-
-    @property
-    def fall(self) -> Array:
-        """See `Image`."""
-        return self.first if self.power is None else self.power * self.first
-
-    @property
-    def bends(self) -> np.ndarray:
-        """See `Image`."""
-        return np.zeros(0)
 
     def fallen(self, y: Array) -> Array:
         """See `Image`."""
@@ -65,7 +56,8 @@ class Parabola(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Power(0.5 / a)
+        first = 0.5 / a
+        return Power(first, first)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
@@ -73,7 +65,7 @@ class Parabola(Shape):
 
 
 class _OnePower(Shape):
-    """f(r) = size r^n/R, of which a subclass gives n and the logarithm of the size."""
+    """f(r) = size r^n/R, of which a subclass gives n."""
 
     steepens = True
 
@@ -81,7 +73,7 @@ class _OnePower(Shape):
         raise NotImplementedError
 
     def _log_size(self, radius: Array) -> Array:
-        raise NotImplementedError
+        return jnp.log(self.height(radius, radius)) + (1.0 - self._n()) * jnp.log(radius)
 
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
         """Infinite at the tip up to n = 1 - k."""
@@ -107,7 +99,8 @@ class _OnePower(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Power(self._at(c, radius) * jnp.exp(self._log_lifted(a)), 0.5 * self._n())
+        first, power = self._at(c, radius) * jnp.exp(self._log_lifted(a)), 0.5 * self._n()
+        return Power(first, power * first, power)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
@@ -149,9 +142,6 @@ class PowerShape(_OnePower):
     def _n(self) -> Array:
         return jnp.asarray(self.exponent)
 
-    def _log_size(self, radius: Array) -> Array:
-        return (2.0 - self._n()) * jnp.log(radius) - jnp.log(self._n())
-
 
 class Cone(_OnePower):
     """An indenter f(r) = slope r; the radius of the contact is without effect.
@@ -183,6 +173,3 @@ class Cone(_OnePower):
 
     def _n(self) -> Array:
         return jnp.ones_like(self.slope)
-
-    def _log_size(self, radius: Array) -> Array:
-        return jnp.log(jnp.asarray(self.slope)) + jnp.log(radius)

@@ -9,8 +9,7 @@ Radii where f' jumps are ends of the quadrature's pieces.
 """
 
 import dataclasses
-from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol, cast, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import jax
 import jax.numpy as jnp
@@ -24,31 +23,30 @@ from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
 from plgwear_jax.special.root import root_of
 
 
-class Image(Protocol):
-    """G of a shape; a pytree."""
+@record
+class Image:
+    """G of a shape, of which a subclass gives `at` or `fallen`."""
 
-    @property
-    def first(self) -> Array:
-        """G(1)."""
-        ...
-
-    @property
-    def fall(self) -> Array:
-        """About the slope of G at T = 1."""
-        ...
+    first: Array  # G(1)
+    fall: Array  # about the slope of G at T = 1
 
     @property
     def bends(self) -> Array | np.ndarray:
         """T - 1 where G bends, increasing; constants for derivatives, since they only divide an integral."""
-        ...
+        return np.zeros(0)
+
+    def at(self, T: Array) -> Array:
+        """G at T of shape (m,)."""
+        return self.first + self.fallen(T - 1.0)
 
     def fallen(self, y: Array) -> Array:
         """G(1 + y) - G(1) at y of shape (m,)."""
-        ...
+        return self.at(1.0 + y) - self.first
 
     def rate(self, T: Array, above: Array) -> Array:
         """The slope of G by T, which may be singular above a kink: with T come its differences from those of kinks."""
-        ...
+        del above
+        return jax.jvp(self.at, (T,), (jnp.ones_like(T),))[1]
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
@@ -135,9 +133,7 @@ class Shape:
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """G beside the contact of the radius c in m."""
-        outline = Outline(self, radius)
-        first, second = _image_at(outline, c, a, jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
-        return Computed(outline, c, a, first, (second - first) / NEAR)
+        return with_fall(Computed(c, c, c, Outline(self, radius), a))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
@@ -161,11 +157,6 @@ class Outline(NamedTuple):
     shape: Shape
     radius: Array
 
-    @property
-    def kinks(self) -> Sequence[Any]:
-        """Where f' jumps."""
-        return self.shape.kinks
-
     def height(self, r: Array) -> Array:
         """f(r) in m."""
         return self.shape.height(r, self.radius)
@@ -173,10 +164,6 @@ class Outline(NamedTuple):
     def slope(self, r: Array) -> Array:
         """f'(r)."""
         return jax.jvp(self.height, (r,), (jnp.ones_like(r),))[1]
-
-    def moments(self, c: Array, s: Array, count: int) -> tuple[Array, Array]:
-        """See `Shape.moments`."""
-        return self.shape.moments(c, self.radius, s, count)
 
     def image(self, c: Array, a: Array) -> Image:
         """See `Shape.image`."""
@@ -187,16 +174,6 @@ class Outline(NamedTuple):
         depth, mean = jax.vmap(lambda a: self.image(c, a).first)(jnp.stack([s, s + 1.0]))
         return depth, mean
 
-    def unbounded(self, k: Array) -> tuple[Array, Array]:
-        """See `Shape.unbounded`."""
-        return self.shape.unbounded(self.radius, k)
-
-    def log_radius(self, log_load: Array, k: Array) -> Array:
-        """See `Shape.log_radius`."""
-        return self.shape.log_radius(self.radius, log_load, k)
-
-
-NEAR = 0.01  # T - 1 beside which `Image.fall` is a difference
 
 # --- by quadrature ----------------------------------------------------------------------------------------------------
 
@@ -220,36 +197,35 @@ def _places_below(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Arr
     return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))
 
 
-class Computed(NamedTuple):
+_RULE = logistic(80, 26.0)
+
+
+@record
+class Computed(Image):
     """G of any outline, by quadrature."""
 
-    outline: Outline
     c: Array
+    outline: Outline
     a: Array
-    first: Array
-    fall: Array
 
     @property
     def bends(self) -> Array | np.ndarray:
         """See `Image`."""
-        return bends_at(self.outline.kinks, self.c)
+        return bends_at(self.outline.shape.kinks, self.c)
 
-    def fallen(self, y: Array) -> Array:
+    def at(self, T: Array) -> Array:
         """See `Image`."""
-        return _image_at(self.outline, self.c, self.a, 1.0 + y) - self.first
+        outline, c = self.outline, self.c
 
-    def rate(self, T: Array, above: Array) -> Array:
-        """See `Image`."""
-        del above
-        return jax.jvp(lambda T: _image_at(self.outline, self.c, self.a, T), (T,), (jnp.ones_like(T),))[1]
+        def up_to(end: Array) -> Array:
+            x, weights = _places_below(outline.shape.kinks, end, self.a, _RULE)
+            return end * jnp.sum(weights * outline.slope(end * x))
 
-
-_RULE = logistic(80, 26.0)
+        return (outline.radius / (c * c)) * jax.vmap(up_to)(c * jnp.sqrt(T))
 
 
-def _image_at(outline: Outline, c: Array, a: Array, T: Array) -> Array:
-    def at(end: Array) -> Array:
-        x, weights = _places_below(outline.kinks, end, a, _RULE)
-        return end * jnp.sum(weights * outline.slope(end * x))
-
-    return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(T))
+def with_fall(image: Any) -> Image:
+    """The image of a contact of the radius c, with its `first` and `fall`."""
+    near = 0.01  # T - 1 beside which `fall` is a difference
+    first, second = image.at(jnp.asarray([1.0, 1.0 + near], image.c.dtype))
+    return dataclasses.replace(image, first=first, fall=(second - first) / near)

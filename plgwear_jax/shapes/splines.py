@@ -9,7 +9,7 @@ and Abel's integral with the exponent a takes (r - b)^m to r^(m+1) Phi_m(b/r),
 """
 
 import math
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +19,8 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at
+from plgwear_jax._core.record import record
+from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_fall
 from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
 
 _ORDERS = np.arange(3)
@@ -38,27 +39,22 @@ def _series(a: Array) -> Array:
     return jnp.moveaxis(terms.reshape(-1, 8, _ORDERS.size), 0, 1)
 
 
-class Spline(NamedTuple):
+@record
+class Spline(Image):
     """G of such a shape, in units of c^2/R."""
 
+    c: Array
     kinks: Array | np.ndarray  # those of the knots where f' jumps or bends
     knots: Array  # (n,)
     slopes: Array  # A_im, (n, orders)
     series: Array
     a: Array
-    c: Array
     radius: Array
-    first: Array
-    fall: Array
 
     @property
     def bends(self) -> Array | np.ndarray:
         """See `Image`."""
         return bends_at(self.kinks, self.c)
-
-    def fallen(self, y: Array) -> Array:
-        """See `Image`."""
-        return self.at(1.0 + y) - self.first
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
@@ -97,26 +93,15 @@ _MOST = 513  # rows of a table that count; see `Profile`
 _AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
 
 
-class Sampled(NamedTuple):
+@record
+class Sampled(Image):
     """G of a shape with many knots, by cubics in r/c - 1: at once, G at all places would be most of the memory."""
 
     cubics: Piecewise
-    first: Array
-    fall: Array
-
-    @property
-    def bends(self) -> np.ndarray:
-        """See `Image`."""
-        return np.zeros(0)
 
     def fallen(self, y: Array) -> Array:
         """See `Image`."""
         return self.cubics.at(y / (1.0 + jnp.sqrt(1.0 + y)))
-
-    def rate(self, T: Array, above: Array) -> Array:
-        """See `Image`."""
-        del above
-        return jax.jvp(self.fallen, (T - 1.0,), (jnp.ones_like(T),))[1]
 
 
 def _sampled(exact: Any) -> Sampled:
@@ -133,7 +118,7 @@ def _sampled(exact: Any) -> Sampled:
         return jax.jvp(lambda y: exact.fallen(y[None] * (2.0 + y))[0], (apart,), (jnp.ones_like(apart),))
 
     value, slope = jax.lax.map(jax.checkpoint(at), apart, batch_size=16)
-    return Sampled(hermite(apart, value, slope), exact.first, exact.fall)
+    return Sampled(exact.first, exact.fall, hermite(apart, value, slope[:-1], slope[1:]))
 
 
 class _Splined(Shape):
@@ -144,9 +129,8 @@ class _Splined(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
-        given = jnp.asarray(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
-        first, second = Spline(*given, c, c).at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
-        return Spline(*given, first, (second - first) / NEAR)
+        kinks = jnp.asarray(self.kinks, c.dtype)
+        return with_fall(Spline(c, c, c, kinks, *self._spline(radius), _series(a), a, radius))
 
 
 class _Flat(_Splined):
@@ -154,6 +138,7 @@ class _Flat(_Splined):
 
     flat_radius: Numbers
     steepens = True
+    corner: ClassVar[float]  # what the slope f' is at r = b, over b/R
 
     ranges: ClassVar = {"flat_radius": NUMBER}
 
@@ -166,6 +151,20 @@ class _Flat(_Splined):
     def kinks(self) -> Any:
         """The edge of the flat face."""
         return (self.face,)
+
+    def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
+        """Infinite where the face ends in a corner."""
+        corner = (self.corner * jnp.asarray(self.flat_radius) > 0.0) & (k <= 0.0)
+        return jnp.zeros_like(corner), corner
+
+    def height(self, r: Array, radius: Array) -> Array:
+        """f(r) in m."""
+        b = jnp.asarray(self.flat_radius)
+        return 0.5 * jnp.maximum(r - b, 0.0) * (r + (2.0 * self.corner - 1.0) * b) / radius
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        b = jnp.asarray(self.flat_radius)
+        return b[None], jnp.stack([self.corner * b / radius, 1.0 / radius, 0.0 * radius])[None]
 
 
 class RoundedFlat(_Flat):
@@ -188,12 +187,7 @@ class RoundedFlat(_Flat):
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
-    def height(self, r: Array, radius: Array) -> Array:
-        """f(r) in m."""
-        return 0.5 * jnp.maximum(r - self.flat_radius, 0.0) ** 2 / radius
-
-    def _spline(self, radius: Array) -> tuple[Array, Array]:
-        return jnp.asarray(self.flat_radius)[None], jnp.stack([0.0 * radius, 1.0 / radius, 0.0 * radius])[None]
+    corner = 0.0
 
 
 class TruncatedSphere(_Flat):
@@ -216,23 +210,11 @@ class TruncatedSphere(_Flat):
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
-    def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
-        """Infinite at the edge of the flat face."""
-        corner = (jnp.asarray(self.flat_radius) > 0.0) & (k <= 0.0)
-        return jnp.zeros_like(corner), corner
-
-    def height(self, r: Array, radius: Array) -> Array:
-        """f(r) in m."""
-        b = jnp.asarray(self.flat_radius)
-        return 0.5 * jnp.maximum(r - b, 0.0) * (r + b) / radius
-
-    def _spline(self, radius: Array) -> tuple[Array, Array]:
-        b = jnp.asarray(self.flat_radius)
-        return b[None], jnp.stack([b / radius, 1.0 / radius, 0.0 * radius])[None]
+    corner = 1.0
 
 
 class Profile(_Splined):
-    """A measured shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
+    """A with_fall shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
 
     The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.

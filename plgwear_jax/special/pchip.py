@@ -70,15 +70,11 @@ def pchip(x: Array, y: Array) -> Piecewise:
     ends = _end(h, beyond, chord, jnp.stack([right[1:], left[:-1]]))
     inner = jnp.stack([before[:-1], after[1:]]) > 0.0
     begin, end = jnp.unstack(jnp.where(inner, jnp.stack([mean[:-1], mean[1:]]), ends))
-    return _cubics_between(x, y, begin, end)
+    return hermite(x, y, begin, end)
 
 
-def hermite(x: Array, y: Array, slope: Array) -> Piecewise:
-    """The cubics with these values and slopes at x, all of shape (n,)."""
-    return _cubics_between(x, y, slope[:-1], slope[1:])
-
-
-def _cubics_between(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
+def hermite(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
+    """The cubics between values y at x, both of shape (n,), with slopes at both ends of each interval."""
     h, none = jnp.diff(x), jnp.zeros((1,), x.dtype)
     over = _ratio(jnp.ones_like(h), h)
     chord = jnp.diff(y) * over

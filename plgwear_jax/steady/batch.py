@@ -39,24 +39,12 @@ def each(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
     moves[0] |= not any(moves)  # where all axes have the length one
     ends = [x.shape[len(single) :] for x, single in zip(leaves, shapes, strict=True)]
-
-    def of_leaves(*leaves: Array) -> Any:
-        return one(*tree.unflatten(leaves))
-
-    if not count:
-        return _nothing(shape, of_leaves, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in leaves)))
     flat = [
         jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
         for x, last, move in zip(leaves, ends, moves, strict=True)
     ]
-    found = jax.vmap(of_leaves, [0 if move else None for move in moves])(*flat)
+    found = jax.vmap(one, tree.unflatten([0 if move else None for move in moves]))(*tree.unflatten(flat))
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
-
-
-def _nothing(shape: tuple[int, ...], function: Callable[..., Any], *about: Any) -> Any:
-    """What a function gives of a batch of this shape without an element."""
-    found = jax.eval_shape(function, *about)
-    return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), found)
 
 
 def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Any, ...] = ()) -> Any:
@@ -71,7 +59,8 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
         return function(*trees, *more)
     if 0 in whole:
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
-        return _nothing(whole, function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), dtype), more))
+        found = jax.eval_shape(function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), x.dtype), more))
+        return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
     rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 

@@ -4,35 +4,28 @@ They hold for a rigid parabola on a power law, and for two homogeneous bodies, w
 moduli. All other contacts have the same quantities, computed in `steady.numeric`.
 """
 
+import functools
 import math
+import operator
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Self
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import (
-    EXPONENT,
-    RADIUS,
-    ArrayLike,
-    Domain,
-    check,
-    guarded,
-    one_or_nan,
-    real_dtype,
-)
+from plgwear_jax._core.catalogue import FRETTING
+from plgwear_jax._core.domains import EXPONENT, RADIUS, ArrayLike, Domain, check, guarded, one_or_nan
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
 from plgwear_jax._core.startup.programs import follows, program, with_slopes
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force, Load
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
-from plgwear_jax.steady.batch import as_numbers
+from plgwear_jax.steady.batch import as_numbers, dtype_of
 from plgwear_jax.steady.solution import Solution
 
 if TYPE_CHECKING:
@@ -42,10 +35,19 @@ if TYPE_CHECKING:
 _THICKNESS = Domain("> 0", lambda h: h > 0.0)
 
 
+def one_half_space(contact: Any) -> PowerLawGraded:
+    """The half-space, of two homogeneous bodies the one that deforms as both do together."""
+    if isinstance(contact.material, PowerLawGraded):
+        return contact.material
+    from plgwear_jax.surfaces import in_series  # imported here, since a power law does not need it
+
+    return in_series(contact.material, contact.indenter)
+
+
 @program(static=1)
 def _unworn_radius(digits: int | None, contact: Any) -> Array:
     """a_0 in m, Eq. (12)."""
-    material = Steady._unflatten(digits, (contact, None, None))._material
+    material = one_half_space(contact)
     log_stiffness = material.log_stiffness(digits=digits)
     k = jnp.asarray(material.k, log_stiffness.dtype)
     load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
@@ -54,13 +56,24 @@ def _unworn_radius(digits: int | None, contact: Any) -> Array:
     return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)))
 
 
+def _number_in(function: Callable[..., Array], *units: str) -> Any:
+    """A property that is a dimensionless function of the exponent and the load, in the product of these units."""
+
+    def number(self: "Steady") -> Array:
+        return self._scaled(functools.reduce(operator.mul, (getattr(self, unit) for unit in units)), function)
+
+    number.__name__ = number.__qualname__ = function.__name__  # by which programs are told apart
+    law = FRETTING[function.__name__]
+    return property(compiled(number), doc=f"{law.description}, in {law.unit}")
+
+
 class Steady(Solution):
     """A contact under a load, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
 
     What nobody reads is neither computed nor traced. A contact without closed forms is solved once, when the first
     result is read.
 
-    Args:
+    Attributes:
         contact: The contact.
         load: A force amplitude F_x, 0 <= F_x < mu F_N, broadcast against the fields of the contact, or a displacement
             amplitude. The steady state is that under the force amplitude which the load has before any wear.
@@ -87,12 +100,9 @@ class Steady(Solution):
         `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".
     """
 
-    def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
-        super().__init__(contact=contact, load=load, digits=digits)
-        self._check_ahead()
-
-    def _check_ahead(self) -> None:
-        """Refuse what is read later by programs alone, where numbers are traced."""
+    def _check_question(self) -> None:
+        super()._check_question()
+        # What is read later by programs alone, where numbers are traced.
         if not self.load.holds_force:
             with own_numbers():  # whoever reads the force hears the doubt
                 self.load.check_at_rest(self._at_rest)
@@ -114,7 +124,7 @@ class Steady(Solution):
 
     @property
     def _at_rest(self) -> Self:
-        return type(self)(self.contact, Force(0.0, self.load.rig_stiffness), self.digits)
+        return type(self)(self.contact, Force(0.0, self.load.rig_stiffness), digits=self.digits)
 
     @property
     @compiled
@@ -125,23 +135,14 @@ class Steady(Solution):
     @property
     def _limiting_friction(self) -> Array:
         """mu F_N."""
-        return jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
+        return self.contact.friction * self.contact.normal_force
 
     # --- units ------------------------------------------------------------------------------------------------------
 
     @property
-    def _material(self) -> PowerLawGraded:
-        material = self.contact.material
-        if isinstance(material, PowerLawGraded):
-            return material
-        from plgwear_jax.surfaces import in_series  # imported here, since a power law does not need it
-
-        return in_series(material, self.contact.indenter)
-
-    @property
-    def _k(self) -> ArrayLike:
+    def _k(self) -> Any:
         """The exponent of the half-space."""
-        return self._material.k
+        return one_half_space(self.contact).k
 
     def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
@@ -155,12 +156,12 @@ class Steady(Solution):
     @property
     def _mean_pressure(self) -> Array:
         """F_N/(pi a_0^2), the unit of stresses."""
-        return jnp.asarray(self.contact.normal_force) / (jnp.pi * self.contact_radius * self.contact_radius)
+        return self.contact.normal_force / (jnp.pi * self.contact_radius * self.contact_radius)
 
     @property
     def _tangential_ratio(self) -> Array:
         """theta, the tangential compliance over the normal one."""
-        return self._material.tangential_ratio(digits=self.digits)
+        return one_half_space(self.contact).tangential_ratio(digits=self.digits)
 
     @property
     def _tangential_height(self) -> Array:
@@ -184,53 +185,33 @@ class Steady(Solution):
         """Contact radius a_0 before any wear in m, Eq. (12)."""
         return self._solution[0]
 
-    @property
-    @compiled
-    def stick_radius(self) -> Array:
-        """Stick radius c in m, Eqs. (16) and (23)."""
-        return self._scaled(self.contact_radius, fretting.stick_radius)
+    stick_radius: Array = _number_in(fretting.stick_radius, "contact_radius")
+    """Stick radius c in m, Eqs. (16) and (23)."""
+
+    worn_radius: Array = _number_in(fretting.worn_radius, "contact_radius")
+    """Outer radius a_inf of the worn ring in m, Eq. (26)."""
+
+    penetration: Array = _number_in(fretting.penetration, "_height")
+    """Indentation depth d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
+
+    wear_volume: Array = _number_in(fretting.wear_volume, "contact_radius", "contact_radius", "_height")
+    """Volume worn off the indenter in m^3, Eq. (28)."""
+
+    deepest_wear: Array = _number_in(fretting.deepest_wear, "_height")
+    """Largest depth worn off the indenter in m, from Eqs. (24) and (25)."""
+
+    edge_intensity: Array = _number_in(fretting.edge_intensity, "_mean_pressure")
+    """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20).
+
+    Of a power law under an elastic indenter the body that gives way most at the edge decides: for k < 0 the
+    exponent is that of k = 0. At k = 0 both bodies count and the factor jumps, so that its slope by k means nothing
+    there; `edge_pressure` does not jump.
+    """
 
     @property
-    @compiled
-    def worn_radius(self) -> Array:
-        """Outer radius a_inf of the worn ring in m, Eq. (26)."""
-        return self._scaled(self.contact_radius, fretting.worn_radius)
-
-    @property
-    @compiled
-    def penetration(self) -> Array:
-        """Indentation depth d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
-        return self._scaled(self._height, fretting.penetration)
-
-    @property
-    @compiled
-    def wear_volume(self) -> Array:
-        """Volume worn off the indenter in m^3, Eq. (28)."""
-        return self._scaled(self.contact_radius * self.contact_radius * self._height, fretting.wear_volume)
-
-    @property
-    @compiled
-    def deepest_wear(self) -> Array:
-        """Largest depth worn off the indenter in m, from Eqs. (24) and (25)."""
-        return self._scaled(self._height, fretting.deepest_wear)
-
-    @property
-    @compiled
-    def edge_intensity(self) -> Array:
-        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20).
-
-        Of a power law under an elastic indenter the body that gives way most at the edge decides: for k < 0 the
-        exponent is that of k = 0. At k = 0 both bodies count and the factor jumps, so that its slope by k means nothing
-        there; `edge_pressure` does not jump.
-        """
-        return self._scaled(self._mean_pressure, fretting.edge_intensity)
-
-    @property
-    @compiled
     def peak_initial_pressure(self) -> Array:
         """Largest pressure before any wear in Pa, Eq. (13)."""
-        # For every k the largest pressure is at the centre.
-        return self._mean_pressure * fretting.initial_pressure(0.0, self._k, digits=self.digits)
+        return self.initial_pressure(0.0)  # for every k it is the one at the centre
 
     # --- displacements, with those of a rig ---------------------------------------------------------------------------
 
@@ -292,36 +273,24 @@ class Steady(Solution):
     @property
     @compiled
     def _onset(self) -> Array:
-        return self._tangential_height / (1.0 + jnp.asarray(self._k))
+        return self._tangential_height / (1.0 + self._k)
 
-    @property
-    @compiled
-    def _moved(self) -> Array:
-        return self._scaled(self._onset, partial_slip.displacement_amplitude)
+    _moved = _number_in(partial_slip.displacement_amplitude, "_onset")
 
     @property
     @compiled
     def _worn_moved(self) -> Array:
         # mu theta times c^2 Lambda/2, the depth of the steady-state punch beyond a parabola of the same contact radius
         k, phi = self._k, self.amplitude
-        sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
+        sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * k))
         return self._onset * phi * sunk
 
-    @property
-    @compiled
-    def energy_per_cycle(self) -> Array:
-        """Energy in J that friction dissipates in a cycle of the unworn contact."""
-        return self._scaled(self._limiting_friction * self._tangential_height, partial_slip.energy_per_cycle)
+    energy_per_cycle: Array = _number_in(partial_slip.energy_per_cycle, "_limiting_friction", "_tangential_height")
+    """Energy in J that friction dissipates in a cycle of the unworn contact."""
 
-    @property
-    @compiled
-    def _energy_ratio(self) -> Array:
-        return self._scaled(self._one, partial_slip.energy_ratio)
+    _energy_ratio = _number_in(partial_slip.energy_ratio, "_one")
 
-    @property
-    @compiled
-    def _aperture(self) -> Array:
-        return self._scaled(self._one, partial_slip.loop_aperture)
+    _aperture = _number_in(partial_slip.loop_aperture, "_one")
 
     @property
     @compiled
@@ -394,8 +363,7 @@ class Steady(Solution):
     @compiled
     def traction(self, r: ArrayLike) -> Array:
         """Tangential traction tau_inf in Pa, Eq. (19); infinite at r = c."""
-        unit = jnp.asarray(self.contact.friction) * self._mean_pressure
-        return self._scaled(unit, fretting.steady_traction, r=r)
+        return self._scaled(self.contact.friction * self._mean_pressure, fretting.steady_traction, r=r)
 
     @compiled
     def slip_amplitude(self, r: ArrayLike) -> Array:
@@ -462,7 +430,7 @@ class Steady(Solution):
         check("most - least", high - low, _THICKNESS)
         from plgwear_jax.steady.stressed import peak_stress_of
 
-        inside = 16.0 * jnp.finfo(real_dtype("least", tuple(jax.tree.leaves(self.contact)))).eps
+        inside = 16.0 * jnp.finfo(dtype_of(self.contact)).eps
         high = high * (1.0 - inside) * one_or_nan(high > low)
         return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
 
@@ -489,9 +457,8 @@ class Steady(Solution):
         from plgwear_jax.stresses.field import Pressed, samples
 
         contact = self.contact
-        given = self._k, self.amplitude, self._mean_pressure, self.contact_radius
-        given = *given, contact.normal_force, contact.friction
-        k, phi, mean, radius, force, friction = jnp.broadcast_arrays(*map(jnp.asarray, given))
+        units = self._k, self.amplitude, self._mean_pressure, self.contact_radius
+        k, phi, mean, radius, force, friction = jnp.broadcast_arrays(*units, contact.normal_force, contact.friction)
         stick, s = fretting.stick_radius(k, phi, digits=self.digits), 0.5 + 0.5 * k
         inside = samples(self.digits, k.dtype, alone=True)
         # As p = (1 - r^2)^s; what is added is a flat punch, with s - 1.

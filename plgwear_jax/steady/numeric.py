@@ -73,7 +73,8 @@ def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
 
 def _infinite_at(state: State) -> tuple[Array, Array]:
     """Whether the pressure before any wear is infinite at the tip, and on a ring around it."""
-    return state.bodies.outline.unbounded(state.bodies.lead[0])
+    shape, radius = state.bodies.outline
+    return shape.unbounded(radius, state.bodies.lead[0])
 
 
 def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
@@ -220,8 +221,8 @@ def _force(state: State, moved: Array, rig: Array) -> Array:
 
 def _slip(state: State, r: Array) -> Array:
     edge = state.unworn.c
-    slip = -state.tangential * _gap(state, 0.0 * state.further, jnp.minimum(r, edge))
-    return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r * state.c)
+    slip = state.tangential * unworn_gap_at(state, jnp.minimum(r, edge))
+    return jnp.where(r <= edge, slip, 0.0 * r * state.c)
 
 
 def energy_of(state: State) -> Array:
@@ -263,19 +264,15 @@ def _worn_moved(state: State) -> Array:
     return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * state.further)
 
 
-def _alike(state: State) -> Array:
-    """s of the power law whose stiffness grows with the normal force as that of the unworn contact does."""
-    unworn = state.unworn
-    by_c = along_radius(state.bodies, unworn)
+def _first(state: State) -> tuple[Array, Array, Array]:
+    """(Whether the amplitude is so small that displacements cancel, s of a power law, an amplitude for it).
+
+    The stiffness of this law grows with the normal force as that of the unworn contact does.
+    """
+    unworn, few = state.unworn, 1e-3 if state.phi.dtype == jnp.float64 else 0.05
+    by_c, small = along_radius(state.bodies, unworn), state.phi < few
     growth = by_c.stiffness / unworn.stiffness / (2.0 + by_c.force / unworn.force)
-    return growth / (1.0 - growth)
-
-
-def _first(state: State) -> tuple[Array, Array]:
-    """(Whether an amplitude is so small that displacements cancel, some small one for the law that is alike)."""
-    few = 1e-3 if state.phi.dtype == jnp.float64 else 0.05
-    small = state.phi < few
-    return small, jnp.where(small, state.phi, 0.5 * few)
+    return small, growth / (1.0 - growth), jnp.where(small, state.phi, 0.5 * few)
 
 
 def energy_ratio_of(state: State) -> Array:
@@ -284,7 +281,7 @@ def energy_ratio_of(state: State) -> Array:
 
 
 def aperture_of(state: State) -> Array:
-    (small, first), s = _first(state), _alike(state)
+    small, s, first = _first(state)
     half = _under(state, 1.0 - 0.5 * jnp.where(small, 0.5, state.phi))
     # Masing's rule, u(F_x) - 2 u(F_x/2).
     opened = state.tangential * (2.0 * _sunk(state, half) - _sunk(state, state.unworn) - _sunk(state, state.punch))
@@ -302,7 +299,7 @@ def gross_slip_energy_ratio_of(state: State) -> Array:
     alone, rest = apart(bodies, punch)
     own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
     if rest is not None:
-        bowl, _ = outline.moments(c, s, bodies.effort.modes)
+        bowl, _ = outline.shape.moments(c, outline.radius, s, bodies.effort.modes)
         own = own + punch.stiffness / punch.flat[0] * (bowl @ rest)
     return (punch.held - own / punch.depth) / punch.force
 
@@ -318,7 +315,7 @@ def _under(state: State, share: Array | float) -> Punch:
 
 def share_of(state: State, rig: Array) -> Array:
     """The share of the contact in the displacement of a rig of this compliance."""
-    (small, first), s = _first(state), _alike(state)
+    small, s, first = _first(state)
     alone = state.tangential / (state.friction * state.unworn.stiffness) * (1.0 + s) * softness(s, first, None)
     alone = ratio_where(~small, _moved(state), state.phi * state.friction * state.force, alone)
     return alone / (alone + rig)
@@ -341,13 +338,21 @@ def _number(name: str, worn: bool = False) -> Any:
 
 def _result(name: str, worn: bool = False) -> Any:
     """A property that is this scalar result."""
-    return property(lambda self: getattr(self._worn_results if worn else self._results, name))
+
+    def result(self: "NumericSteady") -> Array:
+        results = self._results
+        if worn and "solved" in vars(self):
+            self._check_worn()
+        return getattr(results, name)
+
+    return property(result)
 
 
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
-    def _check_ahead(self) -> None:
+    def _check_question(self) -> None:
+        super(Steady, self)._check_question()
         effort_of(self.digits)  # which refuses more digits than there are
 
     @property
@@ -381,13 +386,6 @@ class NumericSteady(Steady):
         """The state, of which what is worn is read."""
         self._check_worn()
         return self._solution
-
-    @property
-    def _worn_results(self) -> Results:
-        results = self._results
-        if "solved" in vars(self):
-            self._check_worn()
-        return results
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 

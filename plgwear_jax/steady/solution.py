@@ -6,10 +6,11 @@ from typing import Any, ClassVar, Self
 import jax
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, guarded, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, guarded, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax.loads import PARTIAL_SLIP, Load
-from plgwear_jax.steady.arguments import ARGUMENTS, check_arguments
+from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.steady.arguments import ARGUMENTS
 
 
 class Solution:
@@ -29,8 +30,8 @@ class Solution:
     def __init_subclass__(cls) -> None:
         jax.tree_util.register_pytree_with_keys(cls, cls._flatten, cls._unflatten)
 
-    def __init__(self, **question: Any) -> None:
-        vars(self).update({name: as_array(value) for name, value in question.items()})
+    def __init__(self, *question: Any, digits: int | None = None) -> None:
+        vars(self).update(zip(self.numbers, map(as_array, question), strict=True), digits=digits)
         doubt(*of_contact(self.contact))
         self._check_question()
 
@@ -53,7 +54,7 @@ class Solution:
         if name in vars(self):
             return vars(self)[name]
         found = solve()
-        if _traces(found) <= _traces(self.contact) | _traces([getattr(self, one) for one in self.numbers]):
+        if _traces(found) <= _traces([getattr(self, one) for one in self.numbers]):
             vars(self)[name] = found  # kept only if it belongs to no other trace, which would end before the object
         return found
 
@@ -77,7 +78,14 @@ class Solution:
 
     def _check(self, **given: ArrayLike | None) -> None:
         """Check concrete arguments of a method, and the question itself, since JAX rebuilds records without checks."""
-        check_arguments(self.contact, **given)
+        contact = self.contact
+        records: list[Any] = [contact, contact.material, shape_of(contact), getattr(contact, "indenter", None)]
+        for record in records:
+            if record is not None:
+                record.__post_init__()
+        for name, value in given.items():
+            if value is not None:
+                check(name, value, ARGUMENTS[name])
         if "load" in self.numbers:
             self.load.check(self.contact.friction, self.contact.normal_force, self.shares)
 

@@ -130,7 +130,12 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
         force, phi, unworn, punch, end = (factor * x for x in numbers)
         unworn, punch = found.unworn._replace(log_c=unworn), found.punch._replace(log_c=punch)
         found = dataclasses.replace(found, unworn=unworn, punch=punch, end=end)
-    tangential, results = friction * theta, results_in(found)
+    tangential, a_0, c = friction * theta, found.unworn.c, found.c
+    square = c * c
+    height = square / bodies.outline.radius
+    # Both radii are roots of their own, known to some roundings.
+    stick, end = -clamp_keep_slope(-a_0, -c), clamp_keep_slope(a_0, c * jnp.sqrt(1.0 + found.end))
+    results = Results(a_0, stick, end, height * (found.punch.depth + found.further), square * height * found.volume)
     return State(
         **vars(found), force=force, friction=friction, tangential=tangential, phi=phi, results=results, least=least
     )
@@ -148,12 +153,3 @@ def solved_results(effort: Effort, contact: Any, tangential_force: Array) -> Res
     """The results of these states alone, whose derivatives at known numbers are a smaller program."""
     one = sequential_vmap(lambda *given: state_of(effort, *given).results)
     return each(one, (contact, tangential_force))
-
-
-def results_in(found: Worn) -> Results:
-    """The results in SI units."""
-    a_0, c = found.unworn.c, found.c
-    height = c * c / found.bodies.outline.radius
-    # Both radii are roots of their own, known to some roundings.
-    stick, end = -clamp_keep_slope(-a_0, -c), clamp_keep_slope(a_0, c * jnp.sqrt(1.0 + found.end))
-    return Results(a_0, stick, end, height * (found.punch.depth + found.further), c * c * height * found.volume)

@@ -21,7 +21,7 @@ from plgwear_jax.surfaces.bodies import AnyModulus
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:
     """The stresses in Pa at x and z in m."""
-    return _read(functools.partial(_stress_program, worn), steady, (jnp.asarray(x), jnp.asarray(z)))
+    return _read(functools.partial(_stress_program, worn), steady, (x, z))
 
 
 def _read(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
@@ -88,9 +88,13 @@ def _at_known_place(pressed: Pressed, known: tuple[Wanted, Array, Array]) -> Pea
     return in_turn(peak_at, pressed.shape, pressed, more=known)
 
 
-def peak_stress_of(steady: Any, name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Peak:
+def _wanted(name: str, least: ArrayLike = 0.0, most: ArrayLike = np.inf) -> Wanted:
+    return Wanted(*as_numbers((float(name == "mises"), least, most)))
+
+
+def peak_stress_of(steady: Any, name: str, *between: ArrayLike) -> Peak:
     """The largest value of a property of `Stress` before any wear, between two depths in m."""
-    wanted = Wanted(*as_numbers((float(name == "mises"), least, most)))
+    wanted = _wanted(name, *between)
     if not traced((steady.contact, steady.load, wanted)):
         return _searched(_pressed_of(steady), wanted)[0]
     return _read(_peak_there, steady, wanted)
@@ -105,4 +109,4 @@ def _peak_there(pressed: Any, wanted: Any) -> Any:
 
 def peak_with_slopes(pressed: Any, name: str) -> Any:
     """The largest tension or von Mises stress of what is known with its slopes."""
-    return _peak_there(pressed, Wanted(*as_numbers((float(name == "peak_mises"), 0.0, np.inf)))).value
+    return _peak_there(pressed, _wanted(name.removeprefix("peak_"))).value

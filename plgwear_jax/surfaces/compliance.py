@@ -350,10 +350,10 @@ def power_law(
     if indenter is None:  # the estimate, as of a parabola, is enough to look for the radius
         radius = jnp.exp((jnp.log(load) - log_stiffness + jnp.log(0.25 * (3.0 + k))) / (3.0 + k))
         return OnePower(outline, effort, radius, k, log_g)
-    alone = outline.log_radius(jnp.log(load) - log_stiffness, k)
+    alone = outline.shape.log_radius(outline.radius, jnp.log(load) - log_stiffness, k)
     plane_modulus = indenter.plane_modulus
     homogeneous = 2.0 / plane_modulus
-    hertz = outline.log_radius(jnp.log(load / plane_modulus), 0.0 * k)
+    hertz = outline.shape.log_radius(outline.radius, jnp.log(load / plane_modulus), 0.0 * k)
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
@@ -378,7 +378,7 @@ def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: 
     of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
-    log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * of_indenter)), 0.0 * load)
+    log_scale = outline.shape.log_radius(outline.radius, jnp.log(load * (middle + 0.5 * of_indenter)), 0.0 * load)
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))

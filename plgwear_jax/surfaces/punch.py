@@ -48,7 +48,7 @@ def punch_at(bodies: Bodies, log_c: Array) -> Punch:
         return Punch(log_c, None, None, None, *inner)
     matrix, slope = bodies.matrices(c)
     first = jnp.asarray(np.eye(modes, 1)[:, 0], c.dtype)
-    bowl, rising = outline.moments(c, s, modes)
+    bowl, rising = outline.shape.moments(c, outline.radius, s, modes)
     found = solve_symmetric(matrix, jnp.stack([first, bowl], -1))
     flat, bowl = jnp.unstack(found, axis=1)
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
@@ -151,7 +151,8 @@ def apart(bodies: Bodies, punch: Punch) -> tuple[Array, Any]:
     s = bodies.s
     order = jnp.asarray(2.0 * np.arange(punch.flat.size), s.dtype) + s
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
-    moments, _ = bodies.outline.moments(punch.c, s, order.size)
+    shape, radius = bodies.outline
+    moments, _ = shape.moments(punch.c, radius, s, order.size)
     return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
 
 
@@ -176,13 +177,13 @@ def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:
 def grown(bodies: Bodies, punch: Punch, image: Image) -> Array:
     """How much faster than G the depth rises next to c: the indenter is flat punches of radii up to c."""
     rise, edge = along_radius(bodies, punch).depth, jnp.ones((1,), punch.log_c.dtype)
-    return (punch.depth + 0.5 * rise) / image.rate(edge, inwards(bodies.outline.kinks, punch.c)[None])[0]
+    return (punch.depth + 0.5 * rise) / image.rate(edge, inwards(bodies.outline.shape.kinks, punch.c)[None])[0]
 
 
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
     """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
-    ends = inwards(outline.kinks, c) / z
+    ends = inwards(outline.shape.kinks, c) / z
     parts = pieces(ends[::-1], c, logistic(count, 26.0))
     piece, own = np.arange(parts.x.size)[:, None] // parts.places, np.arange(ends.size)[::-1]
     ahead = jnp.where(piece == own, parts.ahead[:, None], ends - parts.x[:, None])

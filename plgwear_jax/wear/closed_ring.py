@@ -139,7 +139,7 @@ _DIGITS = 12  # digits of g and H, which are known in closed form
 @program(static=1)
 def _ring_of(digits: int | None, contact: Any, load: Any) -> tuple[ClosedRing, Array, Array]:
     """(The ring, the stick radius, the time of a cycle of a unit wear coefficient)."""
-    steady = Steady(contact, load, digits)
+    steady = Steady(contact, load, digits=digits)
     mean = steady._mean_pressure
     found = steady._k, steady.amplitude, steady.contact_radius, steady._height, mean, steady.stick_radius
     *ring, stick = jnp.broadcast_arrays(*(jnp.asarray(x, mean.dtype) for x in found))

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import RADIUS, ArrayLike, guarded, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, read_with_slopes, traced
 from plgwear_jax.loads import Load
-from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.solution import Solution
@@ -69,7 +69,7 @@ class Run(Solution, abc.ABC):
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         digits = None if digits is None else whole("digits", digits, 1, *self.known)
-        super().__init__(contact=contact, load=load, law=law, digits=digits)
+        super().__init__(contact, load, law, digits=digits)
 
     def _check(self, **given: Any) -> None:
         super()._check(**given)
@@ -195,7 +195,7 @@ class Run(Solution, abc.ABC):
 
     def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Shape of the worn indenter in m above its apex."""
-        return self.depth(r, cycles) + unworn_of(self.contact)(jnp.asarray(guarded("r", r, RADIUS)))
+        return self.depth(r, cycles) + shape_of(self.contact).height(guarded("r", r, RADIUS), self.contact.radius)
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Pressure in Pa, nowhere negative."""

@@ -21,7 +21,7 @@ from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax._core.catalogue import FRETTING, STRESSES
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
-from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.shapes.of_contact import shape_of
 
 F_X, RIG = 0.5 * FRICTION * FORCE, 3e7
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])  # all ask for so many cycles, by one program
@@ -195,7 +195,7 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
         assert end < 0.99 * steady.wear_volume
     assert_allclose(run.volume(run.cycles_to(SHARES)), SHARES * end, rtol=1e-9)
     r = 0.5 * (steady.stick_radius + steady.worn_radius)
-    assert_allclose(steady.profile(r), unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
+    assert_allclose(steady.profile(r), shape_of(one).height(r, one.radius) + steady.wear_depth(r), rtol=1e-12)
 
 
 # --- what JAX is promised ---------------------------------------------------------------------------------------------
