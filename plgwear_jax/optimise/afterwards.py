@@ -263,7 +263,7 @@ def sensitivities(found: Design) -> Sensitivities:
         slopes_by(name, value, lambda x, name=name: rows(question, {**best, name: x}))[:, 1:]
         for name, value in best.items()
     ]
-    state = conditions(here[:, 0], here[:, 1:], np.stack(curvatures, axis=-1), 1.0 * side, multipliers)
+    state = conditions(here, np.stack(curvatures, axis=-1), 1.0 * side, multipliers)
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
@@ -276,7 +276,7 @@ def sensitivities(found: Design) -> Sensitivities:
         else:
             given = room.get(name, 1.0)
             change = slopes_by(path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), given)
-        left = residual_of(change[:, 0], change[:, 1:], state.side - along, multipliers, state.side, state.active)
+        left = residual_of(change, state.side - along, multipliers, state.side, state.active)
         dx = -solved_by_elimination(state.matrix, left)[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))
         saving[name] = -share * float(change[0, 0] + here[0, 1:] @ dx)

@@ -16,7 +16,7 @@ from plgwear_jax import fretting
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.question import Question
+from plgwear_jax.optimise.question import Question, WearHorizon
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at
 from plgwear_jax.steady.batch import each
 from plgwear_jax.wear.closed_ring import run
@@ -35,16 +35,17 @@ class RunsAlongExponent(NamedTuple):
     log_ratio: Array  # log(theta/(1 + k)), (exponents,)
     shares: Any  # `Shares`, (amplitudes, exponents, ...)
 
-    def log_worn(self, k: Array, log_n: Array) -> Array:
-        """log(V s) of exponents after n = theta exp(log_n) reduced cycles, at each amplitude along a last axis.
-
-        Both arguments have the same shape.
-        """
+    def worn(self, contact: Any, radius: Any, horizon: WearHorizon) -> Array:
+        """The volume that a contact, of this radius before any wear if it is held, wears at each amplitude."""
+        radius = contact.steady(0.0).contact_radius if radius is None else radius
+        pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * horizon.law.wear_coefficient
+        log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)
+        k, log_n = jnp.broadcast_arrays(contact.material.k, log_n)
         among = shares_of_nodes(self.k, k)
         n = jnp.exp(log_n + jnp.log1p(k) + among @ self.log_ratio)
         share = share_at(self.shares, n[..., None, None])
         logs = self.log_volume + jnp.log(jnp.maximum(share, jnp.finfo(share.dtype).tiny))
-        return jnp.sum(logs * among[..., None, :], axis=-1)
+        return radius**4 / jnp.asarray(contact.radius) * jnp.exp(jnp.sum(logs * among[..., None, :], axis=-1))
 
 
 def ends_of(question: Question) -> Any:

@@ -8,11 +8,11 @@ state from the values and slopes, until `state.phase` is `DONE`:
 
     state = begin(plan)
     while state.phase != DONE:
-        state = tell(plan, state, *evaluate(state.points))
+        state = tell(plan, state, evaluate(state.points))
 
 It works on NumPy arrays, where only the solver of optax is compiled, and on JAX arrays, where the loop becomes one
-program. Variables are u in [-1, 1]. Values are those of the objective and of the limits g <= 0, shape (lanes, 1 + m),
-slopes those by u, shape (lanes, 1 + m, n).
+program. Variables are u in [-1, 1]. It is told rows of the objective and of the limits g <= 0, each a value followed by
+its slopes by u, shape (lanes, 1 + m, 1 + n).
 """
 
 import functools
@@ -134,8 +134,7 @@ class Descent(NamedTuple):
     """The state of each descent: the point, its values, the next trial steps, multipliers and penalty of the limits."""
 
     u: Any  # (starts, n)
-    values: Any  # (starts, 1 + m)
-    slopes: Any  # (starts, 1 + m, n)
+    rows: Any  # (starts, 1 + m, 1 + n)
     step: Any  # (starts, n), the longest of the next trial steps
     memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
     multipliers: Any  # (starts, m)
@@ -149,9 +148,13 @@ class Point(NamedTuple):
 
     u: Any  # (n,)
     multipliers: Any  # (m,)
-    values: Any  # (1 + m,)
-    slopes: Any  # (1 + m, n)
+    rows: Any  # (1 + m, 1 + n)
     residual: Any  # of the conditions of a minimum
+
+    @property
+    def values(self) -> Any:
+        """Those of the objective and of the limits, (1 + m,)."""
+        return self.rows[..., 0]
 
 
 class SearchState(NamedTuple):
@@ -160,7 +163,7 @@ class SearchState(NamedTuple):
     phase: Any
     passes: Any  # evaluations so far
     points: Any  # whose values the search needs next, (lanes, n)
-    scanned: Any  # values, (passes, lanes, 1 + m), and of one variable, where the proof needs them, slopes beside them
+    scanned: Any  # rows, (passes, lanes, 1 + m, 1), and of one variable, where the proof needs them, with their slopes
     kept: Point  # the lowest that keeps the limits among all at which there are values; infinite if none does
     scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
     valleys: Any  # the number of valleys that the scan found
@@ -212,38 +215,37 @@ def trial_points(plan: SearchPlan, at: Descent) -> Any:
     return xp.clip(at.u + steps, -1.0, 1.0).reshape(plan.lanes, -1)
 
 
-def _merit(at: Descent, values: Any) -> Any:
-    return values[..., 0] + (_pushed(at, values) ** 2 - at.multipliers**2).sum(-1) / (2.0 * at.penalty)
+def _merit(at: Descent, rows: Any) -> Any:
+    return rows[..., 0, 0] + (_pushed(at, rows) ** 2 - at.multipliers**2).sum(-1) / (2.0 * at.penalty)
 
 
-def _pushed(at: Descent, values: Any) -> Any:
+def _pushed(at: Descent, rows: Any) -> Any:
     """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
-    return namespace(values).maximum(at.multipliers + at.penalty[..., None] * values[..., 1:], 0.0)
+    return namespace(rows).maximum(at.multipliers + at.penalty[..., None] * rows[..., 1:, 0], 0.0)
 
 
 def _merit_slope(at: Descent) -> Any:
-    return inclination(at.slopes, _pushed(at, at.values))
+    return inclination(at.rows, _pushed(at, at.rows))
 
 
-def descended(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
+def descended(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     """All descents a step further; when the last one is done, their ends are polished."""
-    xp, at = namespace(values), state.descent
+    xp, at = namespace(rows), state.descent
     trials = state.points.reshape(plan.trials, plan.starts, plan.variables)
     enough = plan.eps**0.375  # from here on Newton's method is used
 
-    after = _merit(at, values)
+    after = _merit(at, rows)
     wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
-    falls = (after <= _merit(at, at.values) + wanted + plan.noise * xp.abs(after)) & ~at.done
+    falls = (after <= _merit(at, at.rows) + wanted + plan.noise * xp.abs(after)) & ~at.done
     taken, longest = falls.any(0), falls.argmax(0)
-    u, found, inclined = (
-        select(taken, new[longest, np.arange(plan.starts)], old)
-        for new, old in ((trials, at.u), (values, at.values), (slopes, at.slopes))
+    u, rows = (
+        select(taken, new[longest, np.arange(plan.starts)], old) for new, old in ((trials, at.u), (rows, at.rows))
     )
     shortest = plan.lengths()[-1] * at.step
     stuck = ~at.done & ~taken & (xp.abs(shortest).max(1) < 4.0 * plan.eps)
-    at = at._replace(u=u, values=found, slopes=inclined, step=0.25 * shortest, steps=at.steps + ~at.done)
+    at = at._replace(u=u, rows=rows, step=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
-    pushed = _pushed(at, at.values)
+    pushed = _pushed(at, rows)
     violation = xp.abs(pushed - at.multipliers).max(1, initial=0.0) / at.penalty
     # Where a descent settles even under the largest penalty, limits that are broken cannot be kept.
     ends = settled & ((violation < enough) | (at.penalty >= _HEAVIEST))
@@ -304,15 +306,14 @@ def _stencil(plan: SearchPlan, u: Any) -> Any:
     return xp.concatenate([u[None], inward + steps, inward - steps]).reshape(plan.lanes, plan.variables)
 
 
-def polished(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
+def polished(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
-    xp, at, n = namespace(values), state.descent, plan.variables
-    curvatures = xp.moveaxis(slopes[1 : n + 1] - slopes[n + 1 :], 0, -1) / (2.0 * plan.width)
-    values, slopes = values[0], slopes[0]
-    here = conditions(values, slopes, curvatures, at.u, at.multipliers)
-    left = projected(at.u, inclination(slopes, at.multipliers))
+    xp, at, n = namespace(rows), state.descent, plan.variables
+    curvatures = xp.moveaxis(rows[1 : n + 1] - rows[n + 1 :], 0, -1)[..., 1:, :] / (2.0 * plan.width)
+    here = conditions(rows[0], curvatures, at.u, at.multipliers)
+    left = projected(at.u, inclination(rows[0], at.multipliers))
     left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1, initial=0.0))
-    point = Point(at.u, at.multipliers, values, slopes, left)
+    point = Point(at.u, at.multipliers, rows[0], left)
     change = -solved_by_elimination(here.matrix, here.residual)
     goes_on = ~_finished(plan, state)
     moves = xp.isfinite(change).all(1) & goes_on
@@ -339,13 +340,12 @@ def begin(plan: SearchPlan) -> SearchState:
     """The first state of a search, which asks for the first points of its scan."""
     starts, n, functions = plan.starts, plan.variables, 1 + plan.limits
     zeros, one, steps = functools.partial(np.zeros, dtype=plan.dtype), np.ones(starts, plan.dtype), np.int32(0)
-    u, multipliers, slopes = zeros((starts, n)), zeros((starts, plan.limits)), zeros((starts, functions, n))
-    infinite = np.where(np.arange(functions) > 0, slopes[..., 0], np.inf)  # all that is evaluated lies lower
-    best = Point(u, multipliers, infinite, slopes, np.inf * one)
+    u, multipliers, rows = zeros((starts, n)), zeros((starts, plan.limits)), zeros((starts, functions, 1 + n))
+    rows[:, 0, 0] = np.inf  # all that is evaluated lies lower
+    best = Point(u, multipliers, rows, np.inf * one)
     descent = Descent(
         u=u,
-        values=infinite,
-        slopes=slopes,
+        rows=rows,
         step=u,
         memory=_empty_memory(u),
         multipliers=multipliers,
@@ -357,7 +357,7 @@ def begin(plan: SearchPlan) -> SearchState:
         phase=SCAN,
         passes=steps,
         points=plan.mesh()[0],
-        scanned=zeros((plan.passes, plan.lanes, functions * (2 if n == 1 else 1))),
+        scanned=zeros((plan.passes, plan.lanes, functions, 2 if n == 1 else 1)),
         kept=jax.tree.map(lambda x: x[0], best),
         scale=np.ones(functions, plan.dtype),
         valleys=steps,
@@ -367,29 +367,20 @@ def begin(plan: SearchPlan) -> SearchState:
     )
 
 
-def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> SearchState:
-    """The state after the values and slopes at `state.points` are known.
-
-    Args:
-        plan: How the search is done.
-        state: Where it stands.
-        values: At the points, (lanes, 1 + m).
-        slopes: By u, (lanes, 1 + m, n).
-    """
-    xp = namespace(values)
-    new = xp.concatenate([values, slopes[:, :, 0]], axis=1) if plan.variables == 1 else values
-    # After the scan there is no such row, and nothing changes.
-    scanned = xp.where((np.arange(plan.passes) == state.passes)[:, None, None], new, state.scanned)
+def tell(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
+    """The state after the rows at `state.points` are known, (lanes, 1 + m, 1 + n)."""
+    xp = namespace(rows)
+    # After the scan there is no such pass, and nothing changes.
+    now = (np.arange(plan.passes) == state.passes)[:, None, None, None]
+    scanned = xp.where(now, rows[..., : state.scanned.shape[-1]], state.scanned)
     # The scan is kept out of the branches, which would copy it.
-    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, values, slopes))
-    values, slopes = (
-        x.reshape(plan.trials, plan.starts, *x.shape[1:]) for x in (values / state.scale, slopes / state.scale[:, None])
-    )
+    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, rows))
+    rows = (rows / state.scale[:, None]).reshape(plan.trials, plan.starts, *rows.shape[1:])
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
         lambda rest: _descents_from_valleys(plan, rest, scanned),
-        lambda rest: descended(plan, rest, values, slopes),
-        lambda rest: polished(plan, rest, values, slopes),
+        lambda rest: descended(plan, rest, rows),
+        lambda rest: polished(plan, rest, rows),
     )
     which = state.phase + (rest.passes >= plan.passes)
     with np.errstate(all="ignore"):  # values that are not finite are handled below
@@ -397,14 +388,14 @@ def tell(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Sear
     return rest._replace(scanned=scanned)
 
 
-def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Point:
+def _kept(plan: SearchPlan, state: SearchState, rows: Any) -> Point:
     """The lowest point that keeps the limits, with those at which the search has asked last."""
-    xp, old = namespace(values), state.kept
+    xp, old, values = namespace(rows), state.kept, rows[..., 0]
     keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
     # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
     height = xp.where(keeps & ((state.phase == SCAN) | (plan.limits > 0)), values[:, 0], np.inf)
     at = height.argmin()
-    new = old._replace(u=state.points[at], values=values[at], slopes=slopes[at])
+    new = old._replace(u=state.points[at], rows=rows[at])
     return jax.tree.map(lambda this, that: xp.where(height[at] < old.values[0], this, that), new, old)
 
 
@@ -414,7 +405,7 @@ def _kept(plan: SearchPlan, state: SearchState, values: Any, slopes: Any) -> Poi
 def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
     """The search with its descents begun in the deepest valleys of the scan."""
     xp, is_limit = namespace(scanned), np.arange(1 + plan.limits) > 0
-    values = scanned.reshape(-1, scanned.shape[-1])[: plan.samples**plan.variables, : 1 + plan.limits]
+    values = scanned[..., 0].reshape(-1, 1 + plan.limits)[: plan.samples**plan.variables]
     known = xp.isfinite(values).all(1)
     lowest = xp.where(known[:, None], values, np.inf).min(0)
     change = xp.where(known[:, None], values, -np.inf).max(0) - lowest
@@ -466,10 +457,10 @@ def _valleys(plan: SearchPlan, heights: Any) -> Any:
 
 def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, one, scale = namespace(state.scale), state.kept, state.scale
+    xp, one, scale = namespace(state.scale), state.kept, state.scale[:, None]
     # A point that keeps limits is a design, also where no descent has ended in one as low.
-    slopes = one.slopes / scale[:, None]
-    one = one._replace(values=one.values / scale, slopes=slopes, residual=projected(one.u, slopes[0]))
+    rows = one.rows / scale
+    one = one._replace(rows=rows, residual=projected(one.u, rows[0, 1:]))
     points = jax.tree.map(lambda ends, x: xp.concatenate([ends, x[None]]), state.best, one)
     used = xp.append(np.arange(plan.starts) < state.valleys, plan.limits > 0) & xp.isfinite(points.values[:, 0])
     good = used & (points.residual < plan.tolerance)
@@ -489,7 +480,7 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     certified = good[best] & (state.valleys <= plan.starts) & (value[best] <= one.values[0])
     scan_found_nothing_better = xp.zeros((), bool)
     if plan.variables == 1:
-        rows = state.scanned.reshape(-1, 2, 1 + plan.limits)[: plan.samples] / scale
+        rows = state.scanned.reshape(-1, *one.rows.shape)[: plan.samples] / scale
         with np.errstate(all="ignore"):
             nothing_hides = _nothing_hides(plan, rows, Point(*(x[best] for x in points)), slack[best])
         scan_found_nothing_better = certified & nothing_hides
@@ -497,9 +488,8 @@ def conclude(plan: SearchPlan, state: SearchState) -> SearchResult:
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
     points = Point(
         points.u[pair],
-        points.multipliers[pair] * scale[0] / scale[1:],
-        points.values[pair] * scale,
-        points.slopes[pair] * scale[:, None],
+        points.multipliers[pair] * scale[0] / scale[1:, 0],
+        points.rows[pair] * scale,
         points.residual[pair],
     )
     ended = {
@@ -518,14 +508,14 @@ def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> A
     Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
     bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
 
-    The scan has values and slopes of the objective and the limits, (samples, 2, 1 + m). A point may be lower by the
-    slack.
+    The scan has rows of the objective and the limits, (samples, 1 + m, 2). A point may be lower by the slack.
     """
     xp, axis = namespace(scanned), plan.axis_points()
     step = axis[1] - axis[0]
-    weights = xp.append(1.0, best.multipliers)
+    weights = xp.append(1.0, best.multipliers)[:, None]
     # the objective, the limits, and last the Lagrangian
-    values, slopes = xp.moveaxis(xp.concatenate([scanned, (weights * scanned).sum(2, keepdims=True)], axis=2), 1, 0)
+    rows = xp.concatenate([scanned, (weights * scanned).sum(1, keepdims=True)], axis=1)
+    values, slopes = rows[..., 0], rows[..., 1]
 
     # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
     # interval and its neighbours, minus the larger difference between the means of neighbours.

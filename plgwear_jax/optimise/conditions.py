@@ -1,6 +1,7 @@
 """The conditions of Karush, Kuhn and Tucker for a minimum under limits.
 
-Arrays may have further leading axes, and may be of NumPy or of JAX.
+Arrays may have further leading axes, and may be of NumPy or of JAX. A row is a value followed by its slopes; the rows
+of a point, (1 + m, 1 + n), are those of the objective and of the limits.
 """
 
 from typing import Any, NamedTuple
@@ -32,9 +33,9 @@ class Conditions(NamedTuple):
     matrix: Any
 
 
-def inclination(slopes: Any, multipliers: Any) -> Any:
-    """Slopes of the Lagrangian, objective plus multipliers times limits, (n,); slopes (1 + m, n), multipliers (m,)."""
-    return slopes[..., 0, :] + (multipliers[..., None] * slopes[..., 1:, :]).sum(-2)
+def inclination(rows: Any, multipliers: Any) -> Any:
+    """Slopes of the Lagrangian, objective plus multipliers times limits, (n,), from its rows and (m,) multipliers."""
+    return rows[..., 0, 1:] + (multipliers[..., None] * rows[..., 1:, 1:]).sum(-2)
 
 
 def projected(u: Any, gradient: Any) -> Any:
@@ -43,21 +44,21 @@ def projected(u: Any, gradient: Any) -> Any:
     return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
 
 
-def residual_of(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
+def residual_of(rows: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
     """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
-    xp = namespace(values, u)
-    of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
-    return xp.concatenate([of_variables, xp.where(active, values[..., 1:], multipliers)], axis=-1)
+    xp = namespace(rows, u)
+    of_variables = xp.where(side == 0.0, inclination(rows, multipliers), u - side)
+    return xp.concatenate([of_variables, xp.where(active, rows[..., 1:, 0], multipliers)], axis=-1)
 
 
-def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
+def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
     """The conditions at a point u in [-1, 1], (n,), with the multipliers of the limits there, (m,).
 
-    The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
+    The objective and the limits have rows, (1 + m, 1 + n), and second derivatives, (1 + m, n, n).
     """
-    xp = namespace(values, u)
-    side = xp.trunc(xp.clip(u - inclination(slopes, multipliers), -1.0, 1.0))  # 0 between the bounds
-    active, limits = multipliers + values[..., 1:] > 0.0, slopes[..., 1:, :]
+    xp = namespace(rows, u)
+    side = xp.trunc(xp.clip(u - inclination(rows, multipliers), -1.0, 1.0))  # 0 between the bounds
+    active, limits = multipliers + rows[..., 1:, 0] > 0.0, rows[..., 1:, 1:]
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
     # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
     small = np.finfo(u.dtype).eps ** 0.75 * np.eye(multipliers.shape[-1], dtype=u.dtype)
@@ -65,7 +66,7 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     matrix = xp.block([[hessian, xp.swapaxes(limits, -1, -2)], [limits, corner]])
     counts = xp.concatenate([side == 0.0, active], axis=-1)
     matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
-    return Conditions(side, active, residual_of(values, slopes, u, multipliers, side, active), matrix)
+    return Conditions(side, active, residual_of(rows, u, multipliers, side, active), matrix)
 
 
 def solved_by_elimination(matrix: Any, right: Any) -> Any:

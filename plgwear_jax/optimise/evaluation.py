@@ -36,7 +36,7 @@ from plgwear_jax.optimise.question import (
     with_variables,
 )
 from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
-from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, values_and_jacobian
+from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, rows_of
 
 
 class Shared(NamedTuple):
@@ -100,29 +100,20 @@ class Candidate:
         forced = any(needs_force(one.quantity) for one in self.question.limits)
         return self._steady(self._amplitudes[0][0] if forced else 0.0)
 
-    def _by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
-        """A quantity after the cycles, at each amplitude at which it is solved."""
-        horizon, load, runs = self.question.horizon, self.question.load, self.shared.runs
-        if runs is not None:
-            contact, radius = self.free, self.shared.radius
-            radius = contact.steady(0.0).contact_radius if radius is None else radius
-            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * horizon.law.wear_coefficient
-            log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)
-            log_worn = runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
-            return radius**4 / jnp.asarray(contact.radius) * jnp.exp(log_worn)
-        given = {**places, "cycles": jnp.asarray(horizon.cycles), "wear_coefficient": horizon.law}
-        under = load if load.amplitudes is None else load.with_amplitudes(self._amplitudes[0], None)
-        return read(self.contact, name, under.load, given, solved=self._runs)
-
     # --- what is minimised, and the limits ----------------------------------------------------------------------------
 
     def _read(self, name: str, places: Mapping[str, ArrayLike], at_largest: bool) -> Any:
         """A quantity in SI units, at each amplitude at which it is solved or at the largest, first of an axis."""
-        if self.question.load is None or name == "modulus_at":
+        load, horizon, shared = self.question.load, self.question.horizon, self.shared
+        if load is None or name == "modulus_at":
             return read(self.contact, name, None, places)
-        if is_after_cycles(name):
-            return self._by_then(name, places)
-        return read_from(self.largest if at_largest else self.steady, name, places)
+        if not is_after_cycles(name):
+            return read_from(self.largest if at_largest else self.steady, name, places)
+        if shared.runs is not None:
+            return shared.runs.worn(self.free, shared.radius, horizon)
+        given = {**places, "cycles": jnp.asarray(horizon.cycles), "wear_coefficient": horizon.law}
+        under = load if load.amplitudes is None else load.with_amplitudes(self._amplitudes[0], None)
+        return read(self.contact, name, under.load, given, solved=self._runs)
 
     def amounts(self) -> Array:
         """What is minimised at each amplitude of the load, in SI units; its mean is not taken."""
@@ -240,9 +231,11 @@ Known = dict[Any, Any]  # what is known of questions, and of points that are sol
 class Evaluation(NamedTuple):
     """The objective and the limits at several choices of the variables; of scenarios over all of them."""
 
-    rows: Any  # of `Candidate.rows` with their slopes, (points, 1 + m, 1 + n)
-    scale: Any = 1.0  # the objective of the reference in SI units
-    held: Any = None  # E0 that holds the contact radius, by name, if it is held
+    rows: Any  # of `Candidate.rows`, each followed by its slopes on the scale of the search, (points, 1 + m, 1 + n)
+    held: dict[str, Any]  # E0 that holds the contact radius, by name, if it is held
+    state: Any  # the solution at the largest amplitude, if it `tells_states`
+    pressed: Any  # the rows of this one, if limits are left out
+    scale: Any = None  # the objective of the reference in SI units
     weights: Any = None  # with which scenarios and amplitudes count, (points, scenarios * amplitudes)
     scenario: Any = None  # where a limit is broken the most, (points, m)
 
@@ -257,21 +250,6 @@ class Evaluation(NamedTuple):
         return np.exp(self.values[:, 0]) * self.scale
 
 
-class Told(NamedTuple):
-    """What a program tells of each point."""
-
-    values: Any  # of `Candidate.rows`
-    slopes: Any  # of them by the variables on the scale on which they are searched
-    held: dict[str, Any]  # E0 that holds the contact radius, if it is held
-    state: Any  # the solution at the largest amplitude, if it `tells_states`
-    pressed: Any = ()  # of this one and its slopes, if rows are left out
-
-    @property
-    def rows(self) -> np.ndarray:
-        """Each value followed by its slopes."""
-        return np.concatenate([self.values[..., None], self.slopes], axis=-1)
-
-
 def tells_states(question: Question) -> bool:
     """Whether the state of each contact at the largest amplitude is solved, and told besides the rows."""
     return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
@@ -282,7 +260,7 @@ def _left_out(question: Question) -> tuple[int, ...]:
     return tuple(i for i, one in enumerate(question.limits) if one.quantity in PEAKS and tells_states(question))
 
 
-def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Told:
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Evaluation:
     here, held, left_out = by_name(names, point), {}, _left_out(question)
     limits = tuple(one for i, one in enumerate(question.limits) if i not in left_out)
     question = dataclasses.replace(question, limits=limits)
@@ -292,7 +270,7 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here, shared = here | held, shared._replace(radius=None)
 
-    def rows_at(steps: Array) -> tuple[Any, Any]:
+    def moved_by(steps: Array) -> tuple[Any, Any]:
         there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
         candidate = Candidate(question, there, shared)
         rows = candidate.rows()
@@ -304,27 +282,21 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
         pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
         return (rows, pressed), state
 
-    (values, pressed), by_steps, state = values_and_jacobian(rows_at, jnp.zeros(len(here), point.dtype))
+    (rows, pressed), state = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
-        along = by_steps[0][-1, :-1] / by_steps[0][-1, -1]
-        by_steps = jax.tree.map(lambda x: x[..., :-1] - x[..., -1:] * along, by_steps)
-        values = values[:-1]
-    slopes, moved_pressed = by_steps
-    return Told(values, slopes[: len(values)], held, state, (pressed, moved_pressed))
+        along = rows[-1, 1:-1] / rows[-1, -1]
+        rows, pressed = jax.tree.map(
+            lambda x: jnp.append(x[..., :1], x[..., 1:-1] - x[..., -1:] * along, axis=-1), (rows[:-1], pressed)
+        )
+    return Evaluation(rows, held, state, pressed)
 
 
-@program(static=1)
-def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
-    return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
+def _at_points(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Evaluation:
+    at = functools.partial(_at_point, names, question, shared)
+    return jax.vmap(at)(points) if len(points) > 1 else jax.tree.map(lambda x: x[None], at(points[0]))
 
 
-def _at_one_point(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> Told:
-    """At a single point, of a contact that is solved numerically."""
-    return jax.tree.map(lambda x: x[None], _at_point(names, question, shared, points[0]))
-
-
-# A search along one variable ends sooner if it is not optimised: it needs some 150 states.
-_along_one, _in_turn = (program(static=1, level=level)(_at_one_point) for level in (0, 1))
+_at_level = [program(static=1, level=level)(_at_points) for level in (0, 1)]
 
 
 def concrete(tree: Any) -> Any:
@@ -353,7 +325,7 @@ class Evaluator:
             question = self.question
             shared = Shared(concrete(_held_radius(question)), self._runs(), concrete(1.0))
             told = self._solved(self.points(reference_variables(question)), shared)
-            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told.rows).values[0, 0]))
+            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told).values[0, 0]))
         return self.known[self.key]
 
     def _runs(self) -> Any:
@@ -366,23 +338,24 @@ class Evaluator:
             self.known[key] = runs_of(self.question)
         return self.known[key]
 
-    def _solved(self, points: np.ndarray, shared: Shared) -> Told:
+    def _solved(self, points: np.ndarray, shared: Shared) -> Evaluation:
         """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
         lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
+        # A search along one variable ends sooner if its program is not optimised: it needs some 150 states.
         few = tells_states(self.question) and len(self.names) == 1
-        program = _at_once if not self.in_turn else _along_one if few else _in_turn
-        found = jax.device_get(program(self.names, self.question, shared, lanes))
+        found = jax.device_get(_at_level[self.in_turn and not few](self.names, self.question, shared, lanes))
         for i in _left_out(self.question):
             from plgwear_jax.steady.stressed import peak_with_slopes  # which few designs need
 
             one = self.question.limits[i]
-            pressed = jax.tree.map(lambda x, by: NumbersWithSlopes(x[0], np.moveaxis(by[0], -1, 0)), *found.pressed)
+            pressed = jax.tree.map(
+                lambda x: NumbersWithSlopes(x[0, ..., 0], np.moveaxis(x[0, ..., 1:], -1, 0)), found.pressed
+            )
             row = _how_far_broken(one, peak_with_slopes(pressed, one.quantity))
-            both = zip(found[:2], (row.value, row.slopes), strict=True)
-            found = Told(*(np.insert(x, 1 + i, new, 1) for x, new in both), *found[2:])
+            found = found._replace(rows=np.insert(found.rows, 1 + i, np.append(row.value, row.slopes), 1))
         return jax.tree.map(lambda x: x[: len(points)], found)
 
-    def told(self, variables: Mapping[str, ArrayLike]) -> Told:
+    def told(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
         """What `_at_point` tells at concrete choices of the variables, each a number or an array of shape (points,).
 
         Of contacts that are solved numerically it is kept.
@@ -423,8 +396,7 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
     material uses it again. Of scenarios the values are those over all of them.
     """
     evaluator = Evaluator(question, known)
-    told = evaluator.told(variables)
-    return over_scenarios(evaluator.question, told.rows)._replace(scale=evaluator.shared.scale, held=told.held)
+    return over_scenarios(evaluator.question, evaluator.told(variables))._replace(scale=evaluator.shared.scale)
 
 
 def search(
@@ -445,11 +417,8 @@ def search(
     plan = plan_for(question)
     evaluator = Evaluator(question, known)
 
-    def at(variables: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        rows = changed(evaluator.told(variables).rows)
-        return rows[..., 0], rows[..., 1:]
-
-    return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
+    plan = plan if limits is None else plan._replace(limits=limits)
+    return found_by(lambda variables: changed(evaluator.told(variables).rows), space(question), plan)
 
 
 # --- scenarios --------------------------------------------------------------------------------------------------------
@@ -474,17 +443,17 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
 
 
-def over_scenarios(question: Question, rows: np.ndarray) -> Evaluation:
+def over_scenarios(question: Question, told: Evaluation) -> Evaluation:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and each limit where it is worst."""
     if question.scenarios is None:
-        return Evaluation(rows)
-    amounts, excess = _of_scenarios(question, rows)
+        return told
+    amounts, excess = _of_scenarios(question, told.rows)
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
     worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
     rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
-    return Evaluation(rows, weights=weights, scenario=at)
+    return told._replace(rows=rows, weights=weights, scenario=at)
 
 
 def valued(value: Any, question: Question, contact: Any) -> Any:

@@ -29,7 +29,7 @@ from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, slopes_at
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, rows_at
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.root import first_at
 
@@ -134,9 +134,9 @@ def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalEx
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
-    """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
-    return slopes_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)
+def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> Array:
+    """The wear volume at several exponents and its slope, (lanes, 1, 2)."""
+    return rows_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)
 
 
 def _noise(digits: int | None) -> float | None:

@@ -167,18 +167,18 @@ def minimise(
     count = jax.eval_shape(function, lower, params).size - 1
     plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
-    evaluate = functools.partial(slopes_at, function, params=jax.lax.stop_gradient(params))
+    evaluate = functools.partial(rows_at, function, params=jax.lax.stop_gradient(params))
     found = conclude(
         plan,
         jax.lax.while_loop(  # whose program contains the objective once
             lambda state: state.phase != DONE,
-            lambda state: tell(plan, state, *evaluate(state.points)),
+            lambda state: tell(plan, state, evaluate(state.points)),
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
     minima = tied(function, found.pair[:-1], params)
-    found = found._replace(pair=Point._make((*minima, found.pair.residual)))
-    return _minimum_of(found, space, params[0], upper, logarithmic)
+    found = found._replace(pair=Point(*minima, found.pair.residual))
+    return _minimum_of(found, names, params[0], upper, logarithmic)
 
 
 _BOUNDS = "lower", "upper"
@@ -191,12 +191,12 @@ def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
 
 def _minimum_of(found: SearchResult, names: Iterable[str], *box: Any) -> Minimum:
     """A solution in terms of the named variables."""
-    u, multipliers, values, slopes, residual = found.pair
-    xp, named = namespace(values), functools.partial(by_name, names)
+    u, multipliers, rows, residual = found.pair
+    xp, named, values = namespace(rows), functools.partial(by_name, names), rows[..., 0]
     at_best, at_rival = (_decoded(one, *box) for one in u)
     side = xp.where(xp.abs(u[0]) == 1.0, u[0], 0.0)
     first, last = _ends(*box)
-    outward = inclination(slopes[0], multipliers[0]) / (0.5 * (last - first))
+    outward = inclination(rows[0], multipliers[0]) / (0.5 * (last - first))
     return Minimum(
         variables=named(at_best),
         value=values[0, 0],
@@ -244,7 +244,7 @@ def scanned(interval: Interval) -> np.ndarray:
 
 
 def found_by(
-    evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
+    evaluate: Callable[[dict[str, np.ndarray]], Any],
     space: Mapping[str, Interval],
     plan: SearchPlan,
 ) -> Minimum:
@@ -253,9 +253,9 @@ def found_by(
     The compiled programs serve all questions with as many variables and limits.
 
     Args:
-        evaluate: Takes the variables, each an array of shape (lanes,), to the values of the objective and the limits,
-            (lanes, 1 + m), and to their slopes by the variables, or their logarithms where the scale is
-            logarithmic, (lanes, 1 + m, n). The number of lanes is always the same.
+        evaluate: Takes the variables, each an array of shape (lanes,), to the rows of the objective and the limits,
+            (lanes, 1 + m, 1 + n), with slopes by the variables, or by their logarithms where the scale is logarithmic.
+            The number of lanes is always the same.
         space: The interval of each variable.
         plan: How the search is done.
 
@@ -264,35 +264,36 @@ def found_by(
     """
     box, state = _box_of(space, np, plan.dtype), begin(plan)
     first, last = _ends(*box)
+    by_u = np.append(np.ones(1, plan.dtype), 0.5 * (last - first))
     while state.phase != DONE:
-        at = _decoded(state.points, *box)
-        values, slopes = evaluate(by_name(space, at.T))
-        state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
+        at = by_name(space, _decoded(state.points, *box).T)
+        state = tell(plan, state, by_u * np.asarray(evaluate(at)))
     return _minimum_of(conclude(plan, state), space, *box)
 
 
 # --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
 
 
-def values_and_jacobian(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any, Any, Any]:
-    """Values, a tree of them, and their Jacobian, and what the function tells besides its values."""
+def rows_of(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any, Any]:
+    """Values, a tree of them, each followed by its slopes along a last axis; and what the function tells besides."""
 
     def twice(u: Array) -> Any:
         values, more = function(u)
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    return *jax.tree.map(materialised, (values, slopes)), more
+    joined = jax.tree.map(lambda value, by: jnp.concatenate([value[..., None], by], axis=-1), values, slopes)
+    return jax.tree.map(materialised, joined), more
 
 
-def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
-    """Values and Jacobians at several points."""
-    return jax.vmap(functools.partial(values_and_jacobian, lambda u: (function(u, params), ())))(u)[:2]
+def rows_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> Array:
+    """The rows of a function at several points."""
+    return jax.vmap(lambda u: rows_of(lambda u: (function(u, params), ()), u)[0])(u)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def tied(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
-    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
+    """(u, multipliers, rows) of minima, tied to the parameters by the implicit function theorem."""
     del function, params
     return found
 
@@ -300,15 +301,15 @@ def tied(function: Callable[[Array, Any], Array], found: Any, params: Any) -> An
 @tied.defjvp
 def _tied_jvp(function, primals, tangents):
     minima, params = tied(function, *primals), primals[1]
-    u, multipliers, values, slopes = minima
+    u, multipliers, rows = minima
     curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
-    here = conditions(values, slopes, curvatures, u, multipliers)
+    here = conditions(rows, curvatures, u, multipliers)
 
     def left(params: Any) -> Array:
-        return residual_of(*slopes_at(function, u, params), u, multipliers, here.side, here.active)
+        return residual_of(rows_at(function, u, params), u, multipliers, here.side, here.active)
 
     _, by_params = jax.jvp(left, (params,), tangents[1:])
     step = -solved_by_elimination(here.matrix, by_params)
     du, dmultipliers = step[:, : u.shape[-1]], step[:, u.shape[-1] :]
-    _, along = jax.jvp(functools.partial(slopes_at, function), (u, params), (du, tangents[1]))
-    return minima, (du, dmultipliers, *along)
+    _, along = jax.jvp(functools.partial(rows_at, function), (u, params), (du, tangents[1]))
+    return minima, (du, dmultipliers, along)

@@ -18,7 +18,7 @@ from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, te
 
 
 def polynomial(n, seed):
-    """(Values, slopes) of one of degree 4 in each of n variables and of the excess over a ball about a random point."""
+    """Rows of one of degree 4 in each of n variables and of the excess over a ball about a random point."""
     rng = np.random.default_rng([seed, n])
     along, centre = rng.uniform(-1.0, 1.0, (n, 5)), rng.uniform(-0.5, 0.5, n)
 
@@ -26,7 +26,7 @@ def polynomial(n, seed):
         goal = sum(map(jnp.polyval, along, u)) + jnp.prod(u)
         return jnp.stack([goal, jnp.sum((u - centre) ** 2) - 0.25])
 
-    return jax.jit(jax.vmap(both)), jax.jit(jax.vmap(jax.jacfwd(both)))
+    return jax.jit(jax.vmap(lambda u: jnp.column_stack([both(u), jax.jacfwd(both)(u)])))
 
 
 def ended(plan, problem, state, next_state):
@@ -38,7 +38,7 @@ def ended(plan, problem, state, next_state):
         assert len(phases) < plan.passes + plan.max_steps + 10
         # It knows nothing of the problem but these numbers.
         u = np.asarray(state.points)
-        state = next_state(state, *(np.asarray(told(u)) for told in problem))
+        state = next_state(state, np.asarray(problem(u)))
     return state, sorted(set(phases))
 
 
@@ -51,7 +51,7 @@ def test_it_needs_no_more_than_to_be_told(n, seed):
     assert all(isinstance(leaf, np.ndarray | np.generic) for leaf in jax.tree.leaves((state, found)))
     # Nothing on a dense grid that keeps the limit lies lower.
     grid = np.stack(np.meshgrid(*n * [np.linspace(-1.0, 1.0, 401)], indexing="ij"), axis=-1).reshape(-1, n)
-    goal, excess = np.asarray(problem[0](grid)).T
+    goal, excess = np.asarray(problem(grid))[..., 0].T
     assert found.pair.values[0, 1] <= plan.tolerance and found.pair.values[0, 0] <= np.min(goal[excess <= 0.0]) + 1e-9
     if n == 1:
         return
@@ -70,12 +70,12 @@ def test_values_that_are_not_finite_are_dealt_with():
     def told(u):
         with np.errstate(all="ignore"):
             values, slopes = np.log(u - 0.5 * u**2 - 0.1), (1.0 - u) / (u - 0.5 * u**2 - 0.1)
-        return -values, -slopes[:, None]
+        return -np.stack([values, slopes], axis=-1)
 
     plan = plan_of(1, 0)
     state = begin(plan)
     while state.phase != DONE:
-        state = tell(plan, state, *told(state.points))
+        state = tell(plan, state, told(state.points))
     found = conclude(plan, state)
     assert found.pair.u[0] == 1.0 and found.ended["converged"]
 
