@@ -6,6 +6,7 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 """
 
 import dataclasses
+import functools
 import inspect
 import re
 from collections.abc import Callable, Mapping
@@ -38,10 +39,8 @@ from plgwear_jax._core.rules import OBJECTIVE, PLACES
 from plgwear_jax._core.units import text_cells
 from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.loads import Displacement, Force, Load
+from plgwear_jax.loads import Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
-
-Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
 
 class QuantityError(GivenError):
@@ -53,22 +52,23 @@ class AxisNames:
 
     Args:
         contact: The contact; None for the dimensionless functions.
-        load: Its load, if it has one of its own.
+        load: Its load, or one of that kind whose numbers are replaced.
 
     Attributes:
         paths: The path in the contact of each of its numbers, by all names that it has.
         own: The values in the contact, an array as a whole: those of the material without `material.`, if the catalogue
             has them.
-        held: The load, if it is the `Blocks` of a test, whose numbers are inputs; None under one amplitude.
-        of_load: The numbers of the load, None where it has none of its own.
+        load: The load.
+        held: It, if it is the `Blocks` of a test, whose numbers are inputs; None under one amplitude.
+        of_load: The path in the load of each of its numbers, by name.
         allowed: All names; elements of an array are one.
     """
 
-    def __init__(self, contact: Any, load: Any = None) -> None:
+    def __init__(self, contact: Any, load: Any) -> None:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
         self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
-        self.own, self.held = {}, None if getattr(load, "lasts", True) else load
+        self.own, self.load, self.held = {}, load, None if load.lasts else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name
@@ -76,8 +76,8 @@ class AxisNames:
                 self.paths |= dict.fromkeys((name + place, path + place), path + place)
             self.own[name if name in AXES else path] = value
         self.of_load = {
-            path.removesuffix("_amplitude") if load.lasts else f"load{path.removeprefix('of')}": value
-            for path, value in paths_of(load or (), lambda one: one is None).items()
+            path.removesuffix("_amplitude") if load.lasts else f"load{path.removeprefix('of')}": path
+            for path in paths_of(load, lambda one: one is None)
         }
         self.allowed = [f"{name}[i]" if np.ndim(value) else name for name, value in self.own.items()]
         arguments = ["k", "phi", "nu", "r", "distance"] if contact is None else ["r", "z"]
@@ -110,7 +110,7 @@ class SweepTarget:
     design: Mapping[str, Any] | None
     bounds: tuple[float, float]
     digits: int | None
-    fixed: Values
+    fixed: Mapping[str, Any]
     dtype: np.dtype
 
     @property
@@ -146,13 +146,72 @@ class SweepTarget:
         return str(self.digits or usual)
 
 
+@dataclasses.dataclass(eq=False)
+class SweepPoints:
+    """Points of a sweep: the contact and its load there, and what quantities that share them have solved.
+
+    Attributes:
+        subject: The contact and its loads.
+        values: Those of the axes and of the fields by name, which broadcast; "load_case" holds row numbers.
+        solved: Results that quantities share.
+    """
+
+    subject: SweepTarget
+    values: Mapping[str, Any]
+    solved: dict[Any, Any] = dataclasses.field(default_factory=dict)
+
+    @functools.cached_property
+    def contact(self) -> Any:
+        """The contact with these values of its leaves."""
+        return _with_values(self.subject.contact, self.subject.known.paths, self.values)
+
+    @functools.cached_property
+    def load(self) -> tuple[Load, Any]:
+        """The load, and the weights of its amplitudes or None; several amplitudes have a first axis of their own."""
+        subject, values, weight = self.subject, dict(self.values), None
+        if "phi" in values:
+            values["tangential_force"] = values["phi"] * self.contact.friction * self.contact.normal_force
+        if subject.amplitudes is not None:
+            tables = (jnp.asarray(table.T, subject.dtype) for table in subject.amplitudes)
+            values["tangential_force"], weight = (table[:, values["load_case"]] for table in tables)
+        load = _with_values(subject.known.load, subject.known.of_load, values)
+        if "factor" in values:
+            load = load.with_amplitude(lambda amplitude: values["factor"] * amplitude)
+        return load, weight
+
+    @functools.cached_property
+    def optimum(self) -> Mapping[str, Array]:
+        """The fields of the best exponents, or of the best designs with what varies."""
+        subject, values = self.subject, self.values
+        if subject.contact is None:
+            return vars(optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits))
+        asked = {name: values.get(name, one) for name, one in (subject.design or {}).items()}
+        if "law" in asked and "wear_coefficient" in values:
+            asked["law"] = values["wear_coefficient"]
+        load, weight = self.load if subject.inputs else (None, None)
+        if load is not None and asked.get("cycles") is None:
+            load = self.contact.steady(load).tangential_force
+        if weight is not None:  # of designs along the last axis
+            load, weight = jax.tree.map(lambda x: jnp.moveaxis(x, 0, -1), (load, weight))
+        found = optimise.designs(self.contact, load, weight=weight, **asked)
+        return vars(found) | found.variables
+
+
+def _with_values(record: Any, paths: Mapping[str, str], values: Mapping[str, Any]) -> Any:
+    """The record with those values for whose names it has paths."""
+    for name, path in paths.items():
+        if name in values:
+            record = with_leaf(record, path, values[name])
+    return record
+
+
 class SweepQuantity(NamedTuple):
     """One quantity.
 
     Attributes:
         name: As it was asked for.
         needs: The axes or fields that need a value.
-        evaluate: The quantity at values that broadcast; the second argument holds results that quantities share.
+        evaluate: The quantity at points.
         unit: Of the quantity.
         description: What it is, in words.
         equation: Its number in the paper; empty for designs.
@@ -161,7 +220,7 @@ class SweepQuantity(NamedTuple):
 
     name: str
     needs: tuple[str, ...]
-    evaluate: Callable[[Values, dict[Any, Any]], Array]
+    evaluate: Callable[[SweepPoints], Array]
     unit: str
     description: str
     equation: str = ""
@@ -217,7 +276,7 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
         known[stem] = SweepQuantity(
             stem,
             subject.inputs,
-            lambda values, memo: ~(values["displacement"] < onset(values, memo)),
+            lambda points: ~(points.values["displacement"] < onset(points)),
             "1",
             "the whole contact slips before any wear",
             smooth=False,
@@ -255,8 +314,8 @@ def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
             one = SweepQuantity(
                 name,
                 needs,
-                lambda values, _, function=function, needs=needs: function(
-                    *(values[name] for name in needs), digits=subject.digits
+                lambda points, function=function, needs=needs: function(
+                    *(points.values[name] for name in needs), digits=subject.digits
                 ),
                 law.scale or "1",
                 law.description,
@@ -268,32 +327,20 @@ def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
 
 
 def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
-    moved = "F_x" in law.arguments
-    mean = moved and subject.amplitudes is not None
+    moved, rig = "F_x" in law.arguments, "rig_stiffness"
     given = tuple(argument for argument in law.arguments if argument != "F_x")
-    rigged = "rig_stiffness" in subject.inputs
     # a rig counts without an amplitude too: where gross slip begins at its actuator
-    needs = (*given, *(subject.inputs if moved else ["rig_stiffness"] * (rigged and name.startswith("gross_slip_"))))
+    at_rest = [rig] * (rig in subject.inputs and name.startswith("gross_slip_"))
+    digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits
 
-    def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        if mean:  # along a last axis
-            values = {
-                axis: x if isinstance(x, str) or axis in ("load_case", "factor") else jnp.asarray(x)[..., None]
-                for axis, x in values.items()
-            }
-        if mean not in memo:
-            memo[mean] = contact_at(subject, values), {}
-        contact, solved = memo[mean]
+    def evaluate(points: SweepPoints) -> Array:
+        load, weight = points.load if moved else (Force(0.0, points.values.get(rig)), None)
+        found = read(points.contact, name, load, points.values, digits=digits, solved=points.solved)
+        return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=0)
 
-        load, weight = Force(0.0, values["rig_stiffness"]) if rigged else None, None
-        if moved:
-            load, weight = _load_at(subject, contact, values)
-        digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits
-        found = read(contact, name, load, values, digits=digits, solved=solved)
-        return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
-
-    about = f"mean over the load of: {law.description}" if mean else law.description
-    return SweepQuantity(name, needs, evaluate, law.unit, about, law.equation)
+    mean = "mean over the load of: " if moved and subject.amplitudes is not None else ""
+    needs = *given, *(subject.inputs if moved else at_rest)
+    return SweepQuantity(name, needs, evaluate, law.unit, f"{mean}{law.description}", law.equation)
 
 
 def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> SweepQuantity:
@@ -302,11 +349,12 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
         have = f"; it has those by {', '.join(slopes)}" if slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
-    def evaluate(values: Values, _: dict[Any, Any]) -> Array:
+    def evaluate(points: SweepPoints) -> Array:
+        values = points.values
         name = next((one for one in values if subject.known.paths.get(one) == path), by)
 
         def along(x: Array) -> Array:
-            return asked.evaluate({**values, name: x}, {})
+            return asked.evaluate(SweepPoints(subject, {**values, name: x}))
 
         x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
@@ -322,36 +370,6 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
         unit=unit,
         description=f"derivative by {by} of: {asked.description}",
     )
-
-
-# --- contacts and loads ---------------------------------------------------------------------------------------------
-
-
-def contact_at(subject: SweepTarget, values: Values) -> Any:
-    """The contact with these values of its leaves."""
-    contact = subject.contact
-    for name, value in values.items():
-        if name in subject.known.paths:
-            contact = with_leaf(contact, subject.known.paths[name], value)
-    return contact
-
-
-def _load_at(subject: SweepTarget, contact: Any, values: Values) -> tuple[Load, Any]:
-    """The load, and the weights of its amplitudes along a last axis or None."""
-    factor = jnp.asarray(values.get("factor", 1.0), subject.dtype)
-    if subject.amplitudes is not None:
-        forces, weights = (jnp.asarray(each, subject.dtype)[values["load_case"]] for each in subject.amplitudes)
-        return Force(factor[..., None] * forces), weights
-    load = subject.known.held
-    if load is not None:
-        for name in {*subject.inputs} - {"factor"}:
-            load = with_leaf(load, f"of{name.removeprefix('load')}", values[name])
-        return load.with_amplitude(lambda amplitude: factor * amplitude), None
-    rig = values.get("rig_stiffness")
-    if "displacement" in values:
-        return Displacement(values["displacement"], rig), None
-    force = values["phi"] * contact.friction * contact.normal_force if "phi" in values else values["tangential_force"]
-    return Force(force, rig), None
 
 
 SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
@@ -402,25 +420,7 @@ def _of_optimum(stem: str, head: str, field: str, subject: SweepTarget) -> Sweep
     if field not in fields:
         raise QuantityError(f"{one_line(stem)}: {head} has no such field{near_or_all(field, fields)}")
 
-    def search(values: Values) -> Mapping[str, Array]:
-        if given is None:
-            return vars(optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits))
-        contact = contact_at(subject, values)
-        asked = {name: values.get(name, one) for name, one in given.items()}
-        if "law" in asked and "wear_coefficient" in values:
-            asked["law"] = values["wear_coefficient"]
-        load, weight = _load_at(subject, contact, values) if subject.inputs else (None, None)
-        if load is not None and asked.get("cycles") is None:
-            load = contact.steady(load).tangential_force
-        found = optimise.designs(contact, load, weight=weight, **asked)
-        return vars(found) | found.variables | {objective: found.value}
-
-    def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        if head not in memo:
-            memo[head] = search(values)
-        return memo[head][field]
-
     needs, equation = (("phi",), "28") if given is None else (subject.inputs, "")
     smooth = given is None and field in _SMOOTH
-    unit, about = fields[field]
-    return SweepQuantity(f"{head}.{field}", needs, evaluate, unit, about, equation, smooth)
+    key, (unit, about) = "value" if field == objective else field, fields[field]
+    return SweepQuantity(f"{head}.{field}", needs, lambda points: points.optimum[key], unit, about, equation, smooth)

@@ -27,6 +27,7 @@ from plgwear_jax._core.catalogue import BODIES
 from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import (
+    SweepPoints,
     SweepQuantity,
     SweepTarget,
     label_of,
@@ -133,14 +134,13 @@ class SweepPlan(SweepTarget):
 
     def evaluate(self, *rows: Array) -> tuple[Array, ...]:
         """The quantities on the outer product of the rows, each with as many axes as there are rows."""
-        values: dict[str, Any] = {LOAD: jnp.zeros((), np.int32)} | {
+        values: dict[str, Any] = {LOAD: jnp.zeros((1,) * len(rows), np.int32)} | {
             name: value if isinstance(value, str) else jnp.asarray(value, self.dtype)
             for name, value in self.fixed.items()
         }
         values |= zip(self.axes, jnp.meshgrid(*rows, indexing="ij", sparse=True), strict=True)
-        shared = {}
-        found = (asked.evaluate(values, shared) for asked in self.asked)
-        return tuple(jnp.array(x, ndmin=len(rows)) for x in found)
+        points = SweepPoints(self, values)
+        return tuple(jnp.array(asked.evaluate(points), ndmin=len(rows)) for asked in self.asked)
 
     @functools.cached_property
     def program(self) -> tuple[Any, NamedSharding]:

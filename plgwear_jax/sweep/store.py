@@ -6,9 +6,9 @@ import json
 import os
 import shutil
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -75,8 +75,18 @@ class SweepStore:
     @functools.cached_property
     def _arrays(self) -> dict[str, zarr.Array]:
         # A chunk of NaN only can be a finished one, so its file has to be written too.
-        with zarr.config.set({"array.write_empty_chunks": True}), _damaged(self.name):
-            return {name: zarr.open_array(self.path / name, mode="r+") for name in self._plan.variables}
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            return _arrays_at(self.path, self.name, self._plan.variables, "r+")
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Say why something cannot be written."""
+        try:
+            yield
+        except Timeout:
+            raise SweepError(f"{self.name}: another process is sweeping into it") from None
+        except OSError as error:
+            raise SweepError(f"{self.name}: cannot be written: {error.strerror or error}") from None
 
     @contextlib.contextmanager
     def held(self) -> Iterator[list[int]]:
@@ -87,7 +97,7 @@ class SweepStore:
             raise SweepError(f"{self.name}: cannot be written: there is no folder to put it in")
         lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
         with contextlib.ExitStack() as until:
-            try:
+            with self._writing():
                 lock.acquire(timeout=0)
                 until.callback(lock.release)
                 until.callback(Path(lock.lock_file).unlink, missing_ok=True)  # before the release: nobody else has it
@@ -100,10 +110,6 @@ class SweepStore:
                 else:
                     self._create()
                 missing = self._missing()
-            except Timeout:
-                raise SweepError(f"{self.name}: another process is sweeping into it") from None
-            except OSError as error:
-                raise self._unwritable(error) from None
             yield missing
 
     def _refuse_other(self) -> None:
@@ -129,19 +135,19 @@ class SweepStore:
                 return False
         return True
 
-    def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
-        """Write the files of a chunk, each whole or not at all.
+    def write(self, number: int, variables: Mapping[str, np.ndarray]) -> int:
+        """Write the files of a chunk, each whole or not at all; the number of its points.
 
         Raises:
             SweepError: They cannot be written; it says how many chunks are finished.
         """
         try:
-            write_chunk(self._arrays, self._plan, number, variables)
-        except OSError as error:
+            with self._writing():
+                return write_chunk(self._arrays, self._plan, number, variables)
+        except SweepError as error:
             chunks = len(self._plan.places)
             done = f"{chunks - len(self._missing())} of {chunks} chunks are finished"
-            said = f"{self._unwritable(error)}; {done}, and the same sweep continues with the others"
-            raise SweepError(said) from None
+            raise SweepError(f"{error}; {done}, and the same sweep continues with the others") from None
 
     def finish(self) -> None:
         """Write into the store that it is finished.
@@ -149,14 +155,11 @@ class SweepStore:
         Raises:
             SweepError: It cannot be written.
         """
-        try:
+        with self._writing():
             self.remove_partial()  # of workers that died
-            group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
+            group = zarr.open_group(self.path, mode="r+")
             if group.attrs.get("status") != FINISHED:
                 group.update_attributes({"status": FINISHED})
-                _consolidate(self.path)
-        except OSError as error:
-            raise self._unwritable(error) from None
 
     def _create(self) -> None:
         """Create everything but the chunks, under another name until it is complete."""
@@ -171,8 +174,10 @@ class SweepStore:
             for name, variable in self._plan.variables.items()
         }
         try:
-            found.to_zarr(part, mode="w", compute=False, consolidated=False, zarr_format=3, encoding=encoding)
-            _consolidate(part)
+            with warnings.catch_warnings():
+                # Zarr has consolidated metadata for years, but its version 3 has yet to say it
+                warnings.simplefilter("ignore", ZarrUserWarning)
+                found.to_zarr(part, mode="w", compute=False, consolidated=True, zarr_format=3, encoding=encoding)
             part.rename(self.path)
         finally:
             shutil.rmtree(part, ignore_errors=True)
@@ -182,14 +187,12 @@ class SweepStore:
         for file in self.path.rglob("*.partial"):
             file.unlink(missing_ok=True)
 
-    def _unwritable(self, error: OSError) -> SweepError:
-        return SweepError(f"{self.name}: cannot be written: {error.strerror or error}")
 
-
-def write_chunk(arrays: Any, plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> None:
-    """Write a chunk into arrays, of a store or in memory."""
+def write_chunk(arrays: Any, plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> int:
+    """Write a chunk into arrays, of a store or in memory; the number of its points."""
     for name, part in plan.parts(number).items():
         arrays[name][part] = variables[name]
+    return plan.size([number])
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -207,8 +210,7 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     """
     name = one_line(os.fspath(path))
     variables = [variable_name(one) for one in _manifest_at(Path(path), name)["quantities"]]
-    with _damaged(name):
-        arrays = [zarr.open_array(Path(path, one), mode="r") for one in variables]
+    arrays = _arrays_at(path, name, variables, "r").values()
     files = sum(one.nchunks for one in arrays)
     missing = files - sum(one.nchunks_initialized for one in arrays)
     if missing:
@@ -216,13 +218,6 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
         warnings.warn(UnfinishedWarning(said), stacklevel=2)
     found = xr.open_zarr(path, consolidated=False, chunks={})[variables]
     return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
-
-
-def _consolidate(path: Path) -> None:
-    """Copy the metadata of all arrays to the top of the store, where xarray expects them."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ZarrUserWarning)  # Zarr does so for years, but its version 3 has yet to say it
-        zarr.consolidate_metadata(path)
 
 
 def _manifest_at(path: Path, name: str) -> dict[str, Any]:
@@ -233,19 +228,18 @@ def _manifest_at(path: Path, name: str) -> dict[str, Any]:
         group = zarr.open_group(path, mode="r", use_consolidated=False)
     except (OSError, ValueError, KeyError, TypeError):
         raise SweepError(f"{name}: is not a Zarr store") from None
-    try:
-        manifest = json.loads(str(group.attrs.get(_MANIFEST)))
-    except ValueError:
-        manifest = None
-    if not isinstance(manifest, dict) or "quantities" not in manifest:
-        raise SweepError(f"{name}: is a Zarr store of something else than a sweep")
-    return manifest
+    with contextlib.suppress(ValueError, TypeError, KeyError):
+        manifest = json.loads(str(group.attrs[_MANIFEST]))
+        if manifest["quantities"]:
+            return manifest
+    raise SweepError(f"{name}: is a Zarr store of something else than a sweep")
 
 
-@contextlib.contextmanager
-def _damaged(name: str) -> Iterator[None]:
-    """Say that a store is damaged where its arrays cannot be found."""
+def _arrays_at(
+    path: str | os.PathLike[str], name: str, variables: Iterable[str], mode: Literal["r", "r+"]
+) -> dict[str, zarr.Array]:
+    """The arrays of these variables in the sweep at a path."""
     try:
-        yield
+        return {one: zarr.open_array(Path(path, one), mode=mode) for one in variables}
     except (KeyError, ValueError, TypeError) as error:
         raise SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}") from None

@@ -5,7 +5,6 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 """
 
 import contextlib
-import functools
 import itertools
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
@@ -18,11 +17,11 @@ import xarray as xr
 from plgwear_jax._core.catalogue import AMPLITUDES, leaf
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.doubts import doubt, of_contact
-from plgwear_jax._core.leaves import with_leaf
+from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.loads import PARTIAL_SLIP, load_of
+from plgwear_jax.loads import PARTIAL_SLIP, Displacement, Force, load_of
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
@@ -120,10 +119,12 @@ def sweep(
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
     loads = loads or {}
-    given = None if load is None else load_of(load)
-    known = AxisNames(contact, given)
-    of_load = {name: value for name, value in known.of_load.items() if value is not None and name not in axes}
-    rows, fixed = _sorted_out(of_load | axes, known, contact)
+    kind = Displacement if "displacement" in axes else Force
+    known = AxisNames(contact, kind(0.0) if load is None else load_of(load))
+    if load is not None:
+        own = {name: leaf_of(known.load, path) for name, path in known.of_load.items() if name not in axes}
+        axes = {name: value for name, value in own.items() if value is not None} | axes
+    rows, fixed = _sorted_out(axes, known, contact)
     inputs = _inputs(loads, known.held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
@@ -172,7 +173,7 @@ def sweep(
         return _in_memory(plan, progress)
     store = SweepStore(out, plan)
     with store.held() as missing:
-        steps = _run(plan, missing, store.write)
+        steps = (store.write(*found) for found in plan.computed(missing))
         if scheduler is not None:
             from plgwear_jax.sweep import cluster
 
@@ -183,15 +184,6 @@ def sweep(
 
 
 # --- running --------------------------------------------------------------------------------------------------------
-
-
-def _run(
-    plan: SweepPlan, numbers: Sequence[int], keep: Callable[[int, Mapping[str, np.ndarray]], None]
-) -> Generator[int]:
-    """Compute chunks here and keep them; the number of points of each that is kept."""
-    for number, variables in plan.computed(numbers):
-        keep(number, variables)
-        yield plan.size([number])
 
 
 def _followed(plan: SweepPlan, steps: Generator[int], missing: Sequence[int], progress: Progress | None) -> None:
@@ -210,7 +202,7 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
     found = labelled(plan).assign(empty)
     every = range(len(plan.places))
-    _followed(plan, _run(plan, every, functools.partial(write_chunk, found, plan)), every, progress)
+    _followed(plan, (write_chunk(found, plan, *chunk) for chunk in plan.computed(every)), every, progress)
     return found
 
 
@@ -233,37 +225,33 @@ def _sorted_out(
     axes: Mapping[str, Any], known: AxisNames, contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The axes, and the inputs with a single value, including the fields of the contact."""
-    fixed = {}
+    names = {}
+    for name in axes:
+        before = names.setdefault(known.paths.get(name, name), name)
+        if before != name:
+            raise AxisError(f"{name}: is the same as {before}")
+    rows, fixed = {}, {}
     for name, value in known.own.items():
-        if not np.ndim(value):
-            fixed[name] = value
-        elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
+        if np.ndim(value) > 1 or (np.ndim(value) and not leaf(f"{name}[0]").listed):
             raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
-    paths = {known.paths[name]: name for name in fixed}
-    rows = {}
+        if not np.ndim(value) and known.paths[name] not in names:
+            fixed[name] = value
+    numbers = ((contact, known.paths), (known.load, known.of_load))
     for name, values in axes.items():
-        path, of_block = known.paths.get(name), name.startswith("load[") and name in known.of_load
-        if path is None and name not in known.allowed and not of_block:
+        if name not in {*known.paths, *known.allowed} and not (known.held and name in known.of_load):
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
             raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, known.allowed)}")
-        if path is not None:
-            before = paths.get(path, name)
-            if before in axes and before != name:
-                raise AxisError(f"{name}: is the same as {before}")
-            fixed.pop(before, None)
-            paths[path] = name
         if isinstance(values, str):
-            of_ratio = name == "nu" or path == "material.nu"
+            of_ratio = known.paths.get(name, name) in ("nu", "material.nu")
             if values != "holl" or not of_ratio:
                 raise AxisError(f"{name} = {values!r}: takes numbers{' or holl' if of_ratio else ''}")
             fixed[name] = values
             continue
         array = check_axis(name, values)
         try:
-            if path is not None:
-                with_leaf(contact, path, array)
-            elif of_block:
-                with_leaf(known.held, f"of{name.removeprefix('load')}", array)
+            for record, paths in numbers:
+                if name in paths:
+                    with_leaf(record, paths[name], array)
         except ValueError as error:
             raise AxisError(f"{name}: {error}") from None
         if array.ndim:
