@@ -1,6 +1,5 @@
 """The common style of all pictures, of designs, of sweeps and of the paper: colours, lines, labels and pages."""
 
-import functools
 import itertools
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -12,7 +11,7 @@ from matplotlib import rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import AsinhLocator, LogLocator, NullFormatter, ScalarFormatter
 
 from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.doubts import SMOOTH
@@ -45,13 +44,7 @@ def use_style() -> None:
 
 def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
     """A decorator of functions that draw what the program returns, numbers alone, in the common style."""
-
-    @functools.wraps(draw)
-    def drawn(*args: _Given.args, **kwargs: _Given.kwargs) -> Figure:
-        with matplotlib.rc_context(STYLE):
-            return draw(*args, **kwargs)
-
-    return concrete_only("draw what the program returns")(drawn)
+    return concrete_only("draw what the program returns")(matplotlib.rc_context(STYLE)(draw))
 
 
 def page(width: float, height: float, layout: Any = "constrained", dpi: int = 300) -> Figure:
@@ -90,15 +83,10 @@ def legend_above(figure: FigureBase, shown: Any, columns: int) -> None:
 class _Prefixed(ScalarFormatter):
     """Prints values in SI units in a unit with a prefix."""
 
-    def __init__(self, factor: float) -> None:
-        super().__init__()
-        self._factor = factor
+    factor = 1.0
 
-    def set_locs(self, locs: Any) -> None:
-        super().set_locs([place / self._factor for place in locs])
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        return super().__call__(x / self._factor, pos)
+    def format_ticks(self, values: Any) -> list[str]:
+        return super().format_ticks([value / self.factor for value in values])
 
 
 def show_units(
@@ -121,15 +109,15 @@ def show_units(
         factor, prefixed = factor * 10.0**power, f"$10^{power}$ {prefixed}".rstrip()
     axis.set_label_text(f"{words or entry(name).label} ({prefixed})".removesuffix(" ()"))
     if axis.get_scale() not in ("log", "asinh"):
-        axis.set_major_formatter(_Prefixed(factor))
+        formatter = _Prefixed()
+        formatter.factor = factor
+        axis.set_major_formatter(formatter)
         return
     ticks = LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,))
     if axis.get_scale() == "asinh":  # both signs: powers of ten outside of the linear part, and zero
         scale: Any = axis.get_transform()
         lower = scale.linear_width
-        powers = np.arange(np.ceil(np.log10(3.0 * lower)), np.log10(upper) + 1e-9)
-        powers = 10.0 ** powers[:: -max(1, -(-powers.size // 3))]
-        ticks = FixedLocator(sorted([*-powers, 0.0, *powers]))
+        ticks = AsinhLocator(lower, numticks=7)
     short = 1e-3 <= lower / factor < upper / factor < 1e5
 
     def number(x: float, _: Any) -> str:
