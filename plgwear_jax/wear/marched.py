@@ -164,8 +164,10 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         # --- the grid of the next pass
         radius, sticks = found.contact_radius, found.stick_radius.reshape(number, -1)
         least = jnp.nanmin(sticks)
-        # While a displacement is held more and more sticks: what is worn deepest ends where it sticks in the end.
-        stick = jnp.where(least > 0.0, jnp.nanmin(sticks[:, -1]), least)
+        # While a displacement is held more and more sticks: what is worn deepest ends where it sticks in the end, if
+        # this is known.
+        last = jnp.nanmin(sticks[:, -1])
+        stick = jnp.where((least > 0.0) & (last > 0.0), last, least)
         unworn, widest, pressed = radius[0], jnp.nanmax(radius[begins]), radius[most_pressed]
         # --- the cycles of a test without an end: until the scar has grown, or for many times what it takes to wear
         slips, reach = found.rate[0] > 0.0, _REACH * widest
@@ -196,6 +198,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         end = unworn * jax.lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
         shift = jnp.maximum(abs(after.stick - grid.stick), abs(unworn - grid.unworn)) / (unworn - after.stick)
+        shift = jnp.where(jnp.isnan(found.rate[-1]), jnp.inf, shift)  # where the scar has outgrown the cells
         shift = jax.lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
         return which + 1, shift, jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 

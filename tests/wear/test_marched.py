@@ -45,6 +45,7 @@ def errors(one, force):
     "ks, shares",
     [
         ((-0.6, 0.7), (0.8,)),
+        compiled_case((-0.94,), (0.5,)),  # whose last radius the first passes miss
         compiled_case((-0.8, -0.6, -0.3, 0.0, 0.3, 0.5, 0.6, 0.7, 0.8), (0.02, 0.3, 0.5, 0.8, 0.98)),
     ],
 )
@@ -53,7 +54,7 @@ def test_one_force_is_worn_as_in_closed_form(ks, shares):
     volume, end, radius, stick = errors(dome(k), phi * FRICTION * FORCE)
     assert max(np.max(abs(volume)), np.max(abs(end))) < ERROR
     # There the edge moves outwards under a pressure that is too small for its cells.
-    shallow = (k < -0.7) & (phi > 0.7)
+    shallow = (k < -0.7) & (phi > 0.7) | (k < -0.9)
     assert np.all(abs(radius) < np.where(shallow, 0.16, 0.02)) and np.max(abs(stick)) < 0.005
 
 
