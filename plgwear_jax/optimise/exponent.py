@@ -21,13 +21,13 @@ from plgwear_jax._core.domains import (
     check,
     check_bounds,
     check_digits,
+    one_or_nan,
     real_dtype,
 )
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
-from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, rows_at
 from plgwear_jax.special.elementary import clamp_keep_slope
@@ -112,9 +112,8 @@ def optimal_exponent(
     if life is not None and nu is not None:
         check("life", life, POSITIVE)
         check("nu", nu, POISSON_RATIO)
-        return _in_a_life(*values, digits)
     many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    return _optimal_exponents(*values, digits) if many else _few_optimal_exponents(values, digits)
+    return _many_optimal_exponents(digits, *values) if many or values[3:] else _few_optimal_exponents(values, digits)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
@@ -122,11 +121,11 @@ _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a pro
 
 def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalExponent:
     phi, lower, upper = np.broadcast_arrays(*map(np.asarray, values))
-    plan = plan_of(1, 0, phi.dtype, noise=_noise(digits))
+    plan = plan_of(1, 0, phi.dtype, noise=digits and 10.0**-digits)
 
     def one(phi: Any, *bounds: Any) -> OptimalExponent:
         wear = functools.partial(_wear, phi=phi, digits=digits)
-        return _exponent_of(found_by(wear, {"k": Interval(*bounds)}, plan), np.True_)
+        return _exponent_of(found_by(wear, {"k": Interval(*bounds)}, plan))
 
     found = map(one, phi.ravel(), lower.ravel(), upper.ravel())
     joined = jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found)
@@ -139,65 +138,54 @@ def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> Arr
     return rows_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)
 
 
-def _noise(digits: int | None) -> float | None:
-    return None if digits is None else 10.0**-digits
+@functools.partial(jax.jit, static_argnums=0)
+def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Array) -> OptimalExponent:
+    shape = jnp.broadcast_shapes(phi.shape, *(one.shape for one in bounds_and_life))
+    (lower, upper, *of_life), valid = bounds_and_life, AMPLITUDE.contains(phi)
+    if of_life:
+        from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
+        from plgwear_jax.wear.closed_ring import wear_volume
 
+        life, nu = of_life
+        valid = valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
+        worn = jnp.broadcast_to(jnp.where(phi > 0.0, 1.0, 0.0), shape)
+        # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
+        k = nodes_between(*with_room(upper, lower), NODES)
+        phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
+        volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
+        given = *(jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume))), worn
+        digits = digits or 4
 
-@functools.partial(jax.jit, static_argnums=3)
-def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | None) -> OptimalExponent:
-    phi, lower, upper = jnp.broadcast_arrays(phi, lower, upper)
+        def wear(k: Array, nodes: Array, heights: Array, worn: Array) -> Array:
+            return worn * jnp.exp(shares_of_nodes(nodes, k) @ heights)
 
-    wear = functools.partial(fretting.wear_volume, digits=digits)
-    return _least(wear, _noise(digits), AMPLITUDE.contains(phi), lower, upper, phi)
+    else:
+        wear, given = functools.partial(fretting.wear_volume, digits=digits), (jnp.broadcast_to(phi, shape),)
 
-
-def _least(
-    wear: Callable[..., Array], noise: float | None, valid: Array, lower: Array, upper: Array, *more: Array
-) -> OptimalExponent:
-    """The exponents between bounds at which the wear, of k and what more it depends on, is least."""
-
-    def best(lower: Array, upper: Array, *more: Array) -> Minimum:
+    def best(lower: Array, upper: Array, *given: Array) -> Minimum:
         space = {"k": Interval(lower, upper)}
-        return minimise(lambda variables: wear(variables["k"], *more), space, noise=noise, axis_name=BATCH)
+        return minimise(
+            lambda variables: wear(variables["k"], *given), space, noise=digits and 10.0**-digits, axis_name=BATCH
+        )
 
-    valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
-    return _exponent_of(in_chunks(best, lower.shape, lower, upper, *more), valid)
-
-
-def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
-    """The exponents of minima, of NumPy or of JAX, and NaN where the arguments are not valid."""
-    xp = namespace(found.value)
-    defined = xp.where(valid, 1.0, np.nan).astype(found.value.dtype)  # as a factor it makes derivatives NaN too
-    return OptimalExponent(
-        k=defined * found.variables["k"],
-        wear_volume=defined * found.value,
-        at_bound=(found.side["k"] != 0) & valid,
-        converged=found.converged & valid,
-        certified=found.certified & valid,
-        scan_found_nothing_better=found.scan_found_nothing_better & valid,
-        rival=xp.where(valid, found.rival["k"], np.nan),
-        rival_wear_volume=xp.where(valid, found.rival_value, np.nan),
-    )
-
-
-@functools.partial(jax.jit, static_argnums=5)
-def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
-    from plgwear_jax.wear.closed_ring import wear_volume
-
-    shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
-    valid = AMPLITUDE.contains(phi) & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
-    worn = jnp.broadcast_to(jnp.where(phi > 0.0, 1.0, 0.0), shape)
-    # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
-    k = nodes_between(*with_room(upper, lower), NODES)
-    phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
-    volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
-    nodes, heights = (jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume)))
     lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    return _least(
-        lambda k, nodes, heights, worn: worn * jnp.exp(shares_of_nodes(nodes, k) @ heights),
-        _noise(4 if digits is None else digits), valid, lower, upper, nodes, heights, worn,
-    )  # fmt: skip
+    valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
+    found = _exponent_of(in_chunks(best, shape, lower, upper, *given))
+    # As a factor NaN makes derivatives NaN too.
+    return jax.tree.map(lambda x: x & valid if x.dtype == bool else one_or_nan(valid).astype(x.dtype) * x, found)
+
+
+def _exponent_of(found: Minimum) -> OptimalExponent:
+    return OptimalExponent(
+        k=found.variables["k"],
+        wear_volume=found.value,
+        at_bound=found.side["k"] != 0,
+        converged=found.converged,
+        certified=found.certified,
+        scan_found_nothing_better=found.scan_found_nothing_better,
+        rival=found.rival["k"],
+        rival_wear_volume=found.rival_value,
+    )
 
 
 BATCH = "problems"  # the axis of a batch, whose searches run in step
