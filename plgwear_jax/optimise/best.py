@@ -41,7 +41,6 @@ from plgwear_jax.optimise.question import (
     question_of,
     with_variables,
 )
-from plgwear_jax.optimise.scenarios import WeightedLoad
 from plgwear_jax.optimise.search import Minimum
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
@@ -79,6 +78,15 @@ class LimitState:
         return bool(keeps(-excess if self.lowest else excess))
 
 
+def of_question(name: str) -> Any:
+    """A field of the question, as a property of its answer."""
+    return property(lambda self: getattr(self.question, name))
+
+
+def _flag(name: str) -> Any:
+    return property(lambda self: bool(getattr(self.minimum, name)))
+
+
 @record
 class Design:
     """The best gradient for a contact and its load. A pytree, as all that belongs to it.
@@ -99,30 +107,25 @@ class Design:
     minimum: Minimum
     question: Question
 
-    @property
-    def reference(self) -> FrettingContact | GrossSlipContact:
-        """The contact as it was given."""
-        return self.question.contact
-
-    @property
-    def objective(self) -> str:
-        """What was minimised."""
-        return self.question.objective
+    reference = of_question("contact")
+    """The contact as it was given."""
+    objective = of_question("objective")
+    """What was minimised."""
+    load = of_question("load")
+    """The amplitudes that count, with their weights; None for gross slip."""
+    bounds = of_question("bounds")
+    """The lowest and the highest value of each variable, by name, in SI units."""
+    converged = _flag("converged")
+    """The search ended at a minimum."""
+    certified = _flag("certified")
+    """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
+    scan_found_nothing_better = _flag("scan_found_nothing_better")
+    """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
 
     @property
     def hold(self) -> Literal["contact_radius"] | None:
         """What was held."""
         return "contact_radius" if self.question.hold else None
-
-    @property
-    def load(self) -> WeightedLoad | None:
-        """The amplitudes that count, with their weights; None for gross slip."""
-        return self.question.load
-
-    @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """The lowest and the highest value of each variable, by name, in SI units."""
-        return self.question.bounds
 
     @property
     def windows(self) -> list[tuple[float, float, float]]:
@@ -158,21 +161,6 @@ class Design:
     def keeps_limits(self) -> bool:
         """No limit is broken by more than rounding."""
         return bool(keeps(self.minimum.limits))
-
-    @property
-    def converged(self) -> bool:
-        """The search ended at a minimum."""
-        return bool(self.minimum.converged)
-
-    @property
-    def certified(self) -> bool:
-        """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
-        return bool(self.minimum.certified)
-
-    @property
-    def scan_found_nothing_better(self) -> bool:
-        """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
-        return bool(self.minimum.scan_found_nothing_better)
 
     @property
     def rival(self) -> dict[str, float] | None:

@@ -14,7 +14,7 @@ from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import refuse_question
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_frets
-from plgwear_jax.optimise.best import certainty, headline, placed_between, printed
+from plgwear_jax.optimise.best import certainty, headline, of_question, placed_between, printed
 from plgwear_jax.optimise.evaluation import Candidate, Evaluator
 from plgwear_jax.optimise.question import (
     Keywords,
@@ -132,10 +132,8 @@ class FreeDesign:
     evaluations: int
     converged: bool
 
-    @property
-    def objective(self) -> str:
-        """What was minimised."""
-        return self.question.objective
+    objective = of_question("objective")
+    """What was minimised."""
 
     @property
     def modulus(self) -> np.ndarray:
@@ -205,7 +203,7 @@ class _End(NamedTuple):
 class _FreeModuli:
     """The question for SLSQP; no point is solved twice.
 
-    The last limit of the question is that of the contact radius by that of the reference, which holds it or not.
+    The first limit of the question is that of the contact radius by that of the reference, which holds it or not.
     """
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
@@ -223,22 +221,18 @@ class _FreeModuli:
         """The moduli in Pa."""
         return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
 
-    def told(self, x: np.ndarray) -> np.ndarray:
-        """The logarithm of the objective and the excess of all limits, with their slopes by the logarithm of moduli."""
-        return self.evaluator.told(by_name(self.evaluator.names, self.moduli(x))).rows[0]
-
     def rows(self, x: np.ndarray) -> np.ndarray:
-        """The logarithm of the objective, what has to be 0, what has to be >= 0, each followed by its slopes."""
-        rows = self.told(x) * np.append(1.0, self.width)
+        """The logarithms of the objective and of the contact radius, what has to be >= 0, each with its slopes."""
+        told = self.evaluator.told(by_name(self.evaluator.names, self.moduli(x))).rows[0] * np.append(1.0, self.width)
         steep = np.column_stack([self.steep @ np.append(1.0, x), self.steep[:, 1:]])
-        return np.concatenate([rows[:1], rows[-1:][: self.held], -rows[1:-1], steep])
+        return np.concatenate([told[:2], -told[2:], steep])
 
     def end(self, x: np.ndarray, starts: int = 1) -> _End:
         """A point as the end of so many descents."""
-        rows = self.rows(x)[:, 0]
-        broken = np.append(rows[1 : 1 + self.held], np.minimum(rows[1 + self.held :], 0.0))
-        kept = np.all(np.isfinite(rows)) and np.all(np.abs(broken) < _KEPT)
-        return _End(x, float(rows[0]) if kept else np.inf, float(np.exp(self.told(x)[-1, 0])), starts)
+        least, radius, *room = self.rows(x)[:, 0]
+        broken = np.minimum([*room, -abs(radius) if self.held else 0.0], 0.0)
+        kept = np.isfinite(least) and np.all(broken > -_KEPT)
+        return _End(x, float(least) if kept else np.inf, float(np.exp(radius)), starts)
 
     def minima(self, begun: list[_End], change: float, others: Sequence[_End] = ()) -> list[_End]:
         """Where descents end, and others have, the best one first; those that break limits come last."""
@@ -303,8 +297,8 @@ def free_design(
     refuse_question({}, hold, question.objective, limited, kind="fretting", flat=False)
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
     radius = float(np.asarray(contact.steady(0.0).contact_radius))
-    last = Limit(radius, {}, "contact_radius", "contact_radius", False)
-    problem = _FreeModuli(dataclasses.replace(question, limits=(*question.limits, last)), modulus, hold)
+    first = Limit(radius, {}, "contact_radius", "contact_radius", False)
+    problem = _FreeModuli(dataclasses.replace(question, limits=(first, *question.limits)), modulus, hold)
 
     power_law, exponent = _best_power_law(problem)
     random = np.random.default_rng(0)
@@ -336,7 +330,7 @@ def _slsqp(
     """Where SLSQP ends."""
     from scipy import optimize
 
-    kinds = ("eq", slice(1, 1 + held)), ("ineq", slice(1 + held, None))
+    kinds = ("eq", slice(1, 1 + held)), ("ineq", slice(2, None))
     limits: Any = [
         {"type": kind, "fun": lambda x, part=part: rows(x)[part, 0], "jac": lambda x, part=part: rows(x)[part, 1:]}
         for kind, part in kinds
@@ -385,7 +379,8 @@ def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
     rows = problem.rows(x)
     by, axes = rows[:, 1:], np.eye(x.size)
     # Multipliers of the bounds that are reached and of the limits that are active, all >= 0 but for a held radius.
-    active, held = by[1:][np.abs(rows[1:, 0]) < 10.0 * _KEPT], -by[1 : 1 + problem.held]
+    held = by[1 : 1 + problem.held]
+    active = by[2:][np.abs(rows[2:, 0]) < 10.0 * _KEPT]
     none = np.zeros((1, x.size))  # SciPy takes no empty matrix
-    edges = np.concatenate([none, axes[x < 1e-6], -axes[x > 1.0 - 1e-6], active, held])
+    edges = np.concatenate([none, axes[x < 1e-6], -axes[x > 1.0 - 1e-6], active, held, -held])
     return float(optimize.nnls(edges.T, by[0])[1])
