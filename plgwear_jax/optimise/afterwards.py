@@ -175,16 +175,16 @@ def in_steady_state(found: Design) -> InSteadyState:
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
 
-    def over_lives(contact: Any) -> np.ndarray:
-        given = {**places, "cycles": np.asarray(horizon.cycles) * _LIVES, "wear_coefficient": horizon.law}
-        return weight @ np.asarray(read(contact, BY_THEN[name], force[:, None], given))
-
-    def for_good(contact: Any) -> float:
-        return float(weight @ np.broadcast_to(read(contact, name, force, places), force.shape))
-
-    ours, theirs = map(over_lives, (found.contact, best.contact))
+    given = {**places, "cycles": np.asarray(horizon.cycles) * _LIVES, "wear_coefficient": horizon.law}
+    ours, theirs = (
+        weight @ np.asarray(read(one, BY_THEN[name], force[:, None], given)) for one in (found.contact, best.contact)
+    )
+    volume, reference_volume = (
+        float(weight @ np.broadcast_to(read(one, name, force, places), force.shape))
+        for one in (found.contact, question.contact)
+    )
     flips_at = overtaken_at(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
-    return InSteadyState(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
+    return InSteadyState(best, volume, reference_volume, float(theirs[0]), flips_at)
 
 
 def overtaken_at(lives: np.ndarray, more: np.ndarray) -> float | None:

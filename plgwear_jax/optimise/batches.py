@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any, Unpack, cast
+from typing import Any, Unpack
 
 import jax
 import jax.numpy as jnp
@@ -103,18 +103,16 @@ def designs(
     """
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: designs takes none; ask design for each of them")
-    question, given = parts_of(contact, load, vary, **keywords)
-    level, weight = keywords.get("level", 0.0), cast(Any, keywords.get("weight"))
-    if given is None:
+    question, level = parts_of(contact, load, vary, **keywords), keywords.get("level", 0.0)
+    weighted = question.load
+    if weighted is None:
         return _designs_in_a_batch(question, level)
-    if weight is not None:
-        check("weight", weight, NUMBER)
-    if given.amplitude is not None:
-        force = jnp.asarray(given.amplitude)
-        pairs = (force[..., None], jnp.ones(1)) if weight is None else (force, jnp.asarray(weight))
-        force, weight = jnp.broadcast_arrays(*pairs)
-        given = given.with_amplitude(lambda _: force)
-    weighted = WeightedLoad(given, weight)
+    if weighted.weight is not None:
+        check("weight", weighted.weight, NUMBER)
+    if weighted.amplitudes is not None:
+        force = jnp.asarray(weighted.amplitudes)
+        pairs = (force[..., None], jnp.ones(1)) if weighted.weight is None else (force, jnp.asarray(weighted.weight))
+        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(*pairs))
     question = dataclasses.replace(question, load=weighted)
     if solved_one_by_one(question) and not traced((question, level)):
         return _designs_in_turn(question, level)
@@ -122,27 +120,23 @@ def designs(
         check_real("load", weighted.amplitudes)
         phi = guarded("tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
         # NaN where traced numbers are outside their ranges
-        weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weight)
-    elif weight is None:
-        weighted = WeightedLoad(given, jnp.ones(1))
+        weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weighted.weight)
+    elif weighted.weight is None:
+        weighted = WeightedLoad(weighted.load, jnp.ones(1))
     return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)
 
 
 def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:
     """The shape of a batch of questions, their numbers with the axes of the batch first, and what makes one of them."""
-    leaves, rebuild = jax.tree.flatten((question.contact, question.limits, question.horizon, question.load))
+    leaves, rebuild = jax.tree.flatten(question)
     own, load = own_axes(question.contact, len(leaves)), question.load
+    first = len(jax.tree.leaves(question.contact))
     if load is not None and load.amplitudes is not None:  # they and their weights have an axis of their own
-        own[len(leaves) - len(jax.tree.leaves(load))] = own[-1] = 1
-    elif load is not None and load.weight is not None:
-        own[-1] = 1
+        own[first] = 1
+    if load is not None and load.weight is not None:
+        own[first + len(jax.tree.leaves(load)) - 1] = 1
     dtype = jnp.result_type(0.0, *leaves)
-
-    def one(*numbers: Any) -> Question:
-        contact, limits, horizon, load = jax.tree.unflatten(rebuild, numbers)
-        return dataclasses.replace(question, contact=contact, limits=limits, horizon=horizon, load=load)
-
-    return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), one
+    return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), rebuild.unflatten
 
 
 def _designs_in_turn(question: Question, level: float) -> Designs:
@@ -151,11 +145,10 @@ def _designs_in_turn(question: Question, level: float) -> Designs:
     nothing: Any = dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False
     found = [Designs(*nothing)]  # where nothing wears
     for place in np.ndindex(shape):
-        one: Any = one_of(*(x[place] for x in numbers))
+        one: Any = one_of(x[place] for x in numbers)
         load, best = one.load, found[0]
         if not question.by_force or np.any(load.amplitudes * load.weight):
-            weighted = weighted_load(one.contact, load.load, load.weight, level)
-            best = answered(dataclasses.replace(one, load=weighted))
+            best = answered(dataclasses.replace(one, load=weighted_load(one.contact, load, level)))
         found.append(Designs(*(getattr(best, field.name) for field in dataclasses.fields(Designs))))
     return jax.tree.map(lambda *leaves: jnp.asarray(np.reshape(leaves[1:], shape).astype(type(leaves[0]))), *found)
 
@@ -167,7 +160,7 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
     plan = plan_for(question)
 
     def best(*numbers: Array) -> Designs:
-        one = one_of(*numbers)
+        one = one_of(numbers)
         load = one.load
         if load is not None and load.amplitudes is not None:
             one = dataclasses.replace(one, load=load.with_amplitudes(*falling(load.amplitudes, load.weight, level)[:2]))

@@ -28,7 +28,6 @@ from plgwear_jax.optimise.question import (
     Question,
     keeps,
     moved,
-    needs_force,
     read_from_runs,
     solved_in_turn,
     solved_one_by_one,
@@ -97,8 +96,7 @@ class Candidate:
         """At the largest amplitude, first of an axis where all of them are solved together, or before any wear."""
         if tells_states(self.question):
             return self.steady
-        forced = any(needs_force(one.quantity) for one in self.question.limits)
-        return self._steady(self._amplitudes[0][0] if forced else 0.0)
+        return self._steady(self._amplitudes[0][0] if self.question.by_force else 0.0)
 
     # --- what is minimised, and the limits ----------------------------------------------------------------------------
 
@@ -132,21 +130,21 @@ class Candidate:
         total = jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(())
         return _log_or_least(total / self.shared.scale)
 
-    def rows(self) -> Array:
-        """The objective and the excess of each limit, (1 + m,); of scenarios see `_rows_of_scenarios`.
+    def rows(self) -> Any:
+        """The objective and the excess of each limit, (1 + m,); of scenarios see `_of_scenarios`.
 
         The excess is log(value/limit), with the sign that is positive where the limit is broken, also by inf.
         """
         if self.question.scenarios is not None:
-            return self._rows_of_scenarios(self.question.scenarios)
+            return self._of_scenarios(self.question.scenarios)
         limited = [(one, self._read(one.quantity, one.places, True)) for one in self.question.limits]
         return jnp.stack([self.objective(), *(_broken_by(one, jnp.ravel(found)[0]) for one, found in limited)])
 
-    def _rows_of_scenarios(self, scenarios: ScenarioBatch) -> Array:
-        """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
+    def _of_scenarios(self, scenarios: ScenarioBatch) -> tuple[Array, Array]:
+        """The amounts over the scale, (scenarios * amplitudes,), and the excess of each limit, (scenarios, m)."""
         question = self.question
 
-        def scenario(given: tuple[Any, Any, Any]) -> Array:
+        def scenario(given: tuple[Any, Any, Any]) -> tuple[Array, Array]:
             there, law, force = given
             for name in (*question.bounds, *(("E0",) if question.hold else ())):
                 own, base, value = (variable_of(contact, name) for contact in (there, question.contact, self.contact))
@@ -160,10 +158,12 @@ class Candidate:
             # The names of what varies stay: they decide how a contact is solved.
             parts = {"contact": there, "load": load, "horizon": horizon, "hold": False, "scenarios": None}
             one = Candidate(dataclasses.replace(question, **parts), {})
-            return jnp.append(one.amounts() / self.shared.scale, one.rows()[1:])
+            return one.amounts() / self.shared.scale, one.rows()[1:]
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
-        return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
+        in_turn = solved_one_by_one(question)
+        amounts, excess = jax.lax.map(scenario, given) if in_turn else jax.vmap(scenario)(given)
+        return amounts.ravel(), excess
 
 
 def _broken_by(one: Limit, value: Any) -> Array:
@@ -194,16 +194,11 @@ def space(question: Question) -> dict[str, Interval]:
     }
 
 
-@program()
-def _radius_before_wear(contact: Any) -> Array:  # of closed forms, by NumPy
-    return contact.steady(0.0).contact_radius
-
-
 def _held_radius(question: Question) -> Array | None:
     if not question.hold:
         return None
     if is_closed(question.contact):
-        return _radius_before_wear(question.contact)
+        return question.contact.steady(0.0).contact_radius
     from plgwear_jax.steady.held_radius import contact_radius_of
 
     return contact_radius_of(question.contact)
@@ -231,7 +226,7 @@ Known = dict[Any, Any]  # what is known of questions, and of points that are sol
 class Evaluation(NamedTuple):
     """The objective and the limits at several choices of the variables; of scenarios over all of them."""
 
-    rows: Any  # of `Candidate.rows`, each followed by its slopes on the scale of the search, (points, 1 + m, 1 + n)
+    rows: Any  # of `Candidate.rows`, each with its slopes on the scale of the search, (points, 1 + m, 1 + n)
     held: dict[str, Any]  # E0 that holds the contact radius, by name, if it is held
     state: Any  # the solution at the largest amplitude, if it `tells_states`
     pressed: Any  # the rows of this one, if limits are left out
@@ -273,21 +268,20 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
     def moved_by(steps: Array) -> tuple[Any, Any]:
         there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
         candidate = Candidate(question, there, shared)
-        rows = candidate.rows()
+        radius = ()
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
-            rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
+            radius = jnp.log(jnp.ravel(known.contact_radius)[0])
         pressed = candidate.steady._pressed if left_out else ()
         state = candidate.steady._solution if tells_states(question) else ()
         pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
-        return (rows, pressed), state
+        return (candidate.rows(), pressed, radius), state
 
-    (rows, pressed), state = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
+    (*told, radius), state = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
     if outside:  # E0 moves with the others, so that the contact radius stays
-        along = rows[-1, 1:-1] / rows[-1, -1]
-        rows, pressed = jax.tree.map(
-            lambda x: jnp.append(x[..., :1], x[..., 1:-1] - x[..., -1:] * along, axis=-1), (rows[:-1], pressed)
-        )
+        along = radius[1:-1] / radius[-1]
+        told = jax.tree.map(lambda x: jnp.append(x[..., :1], x[..., 1:-1] - x[..., -1:] * along, axis=-1), told)
+    rows, pressed = told
     return Evaluation(rows, held, state, pressed)
 
 
@@ -321,22 +315,17 @@ class Evaluator:
     @functools.cached_property
     def shared(self) -> Shared:
         """What all choices have in common."""
-        if self.key not in self.known:
-            question = self.question
-            shared = Shared(concrete(_held_radius(question)), self._runs(), concrete(1.0))
+        question, known, runs = self.question, self.known, None
+        if self.key not in known:
+            if read_from_runs(question):
+                from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
+
+                key = _bytes_of((question.phi, ends_of(question), question.contact.material.nu))
+                known[key] = runs = known.get(key) or runs_of(question)
+            shared = Shared(concrete(_held_radius(question)), runs, concrete(1.0))
             told = self._solved(self.points(reference_variables(question)), shared)
-            self.known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told).values[0, 0]))
-        return self.known[self.key]
-
-    def _runs(self) -> Any:
-        if not read_from_runs(self.question):
-            return None
-        from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
-
-        key = _bytes_of((self.question.phi, ends_of(self.question), self.question.contact.material.nu))
-        if key not in self.known:
-            self.known[key] = runs_of(self.question)
-        return self.known[key]
+            known[self.key] = shared._replace(scale=np.exp(over_scenarios(question, told).values[0, 0]))
+        return known[self.key]
 
     def _solved(self, points: np.ndarray, shared: Shared) -> Evaluation:
         """What `_at_point` tells at points, (n <= lanes, variables), by one call."""
@@ -401,7 +390,7 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
 
 def search(
     question: Question,
-    changed: Callable[[np.ndarray], np.ndarray] = np.asarray,
+    changed: Callable[[Any], np.ndarray] = np.asarray,
     known: Known | None = None,
     limits: int | None = None,
 ) -> Minimum:
@@ -424,18 +413,6 @@ def search(
 # --- scenarios --------------------------------------------------------------------------------------------------------
 
 
-def _of_scenarios(question: Question, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of scenarios, sorted: amounts and excess of limits, each a value and its slopes along a last axis.
-
-    The shapes are (points, scenarios * amplitudes, 1 + n) and (points, scenarios, m, 1 + n).
-    """
-    scenarios: Any = question.scenarios
-    points, _, number = rows.shape
-    rows = rows.reshape(points, np.size(scenarios.weight), -1, number)
-    first = rows.shape[2] - len(question.limits)
-    return rows[:, :, :first].reshape(points, -1, number), rows[:, :, first:]
-
-
 def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Logarithms of means of all amounts, and their slopes; the weights are (points, ..., scenarios * amplitudes)."""
     mean = np.einsum("l...c,lcn->l...n", weights, amounts)
@@ -447,7 +424,7 @@ def over_scenarios(question: Question, told: Evaluation) -> Evaluation:
     """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and each limit where it is worst."""
     if question.scenarios is None:
         return told
-    amounts, excess = _of_scenarios(question, told.rows)
+    amounts, excess = told.rows
     probable = np.outer(question.scenarios.weight, 1.0 if question.load is None else question.load.weight).ravel()
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
@@ -492,11 +469,11 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
     def relaxed(which: int) -> Minimum:
         """The best design where one choice of the weights is the worst of those that are known, within some limits."""
 
-        def changed(rows: np.ndarray) -> np.ndarray:
-            amounts, excess = _of_scenarios(question, rows)
-            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(rows), *np.shape(choices))))
-            goal, excess = means[:, [which]], excess.reshape(len(rows), -1, rows.shape[-1])
-            return np.concatenate([goal, np.delete(means, which, axis=1) - goal, excess[:, pairs]], axis=1)
+        def changed(rows: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+            amounts, excess = (x.reshape(len(x), -1, x.shape[-1]) for x in rows)
+            means = _log_of_mean(amounts, np.broadcast_to(choices, (len(amounts), *np.shape(choices))))
+            goal, others = means[:, [which]], np.delete(means, which, axis=1)
+            return np.concatenate([goal, others - goal, excess[:, pairs]], axis=1)
 
         return search(question, changed, known, limits=len(choices) - 1 + len(pairs))
 

@@ -41,7 +41,7 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch, weighted_load
+from plgwear_jax.optimise.scenarios import ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
 from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
@@ -288,39 +288,34 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     """The question of these arguments of `design`, or a ValueError. A question is handed back as it is."""
     if isinstance(contact, Question):
         return contact
-    question, load = parts_of(contact, load, vary, **keywords)
+    question = parts_of(contact, load, vary, **keywords)
     refuse_array(contact)
-    of_question = dataclasses.replace(question, contact=None)
+    of_question = dataclasses.replace(question, contact=None, load=None)
     for path, number in jax.tree.leaves_with_path(of_question, is_leaf=lambda given: isinstance(given, list)):
         if np.shape(number):
             name = jax.tree_util.keystr(path).removeprefix(".")
             raise ValueError(f"{name}: takes one number, not an array of shape {np.shape(number)}")
     doubt(*of_contact(contact))
-    level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
+    level, scenarios = keywords.get("level", 0.0), keywords.get("scenarios")
     if scenarios is not None:
         law = None if question.horizon is None else question.horizon.law
         question = dataclasses.replace(question, scenarios=scenario_batch(scenarios, contact, law, level))
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
-    if load is None:
+    if question.load is None:
         return question
-    weighted = weighted_load(contact, load, weight, level)
-    question = dataclasses.replace(question, load=weighted)
+    question = dataclasses.replace(question, load=weighted_load(contact, question.load, level))
     own = None if question.scenarios is None else question.scenarios.tangential_force
-    if own is not None and (not load.holds_force or np.size(weighted.weight) > 1):
+    if own is not None and (not question.by_force or np.size(question.load.weight) > 1):
         raise ValueError("scenarios: tangential_force: takes the place of a single amplitude of the force")
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        _refuse_lowest_bounds(question)
+        # Between the bounds of the friction and the normal force the whole contact may slip.
+        varied, most = [name for name in ("friction", "normal_force") if name in question.bounds], question.phi[..., 0]
+        for name in varied:
+            most = most * variable_of(contact, name) / question.bounds[name][0]
+        check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", most, PARTIAL_SLIP)
     return question
-
-
-def _refuse_lowest_bounds(question: Question) -> None:
-    """Refuse bounds of the friction and the normal force between which the whole contact slips."""
-    varied, most = [name for name in ("friction", "normal_force") if name in question.bounds], question.phi[..., 0]
-    for name in varied:
-        most = most * variable_of(question.contact, name) / question.bounds[name][0]
-    check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", most, PARTIAL_SLIP)
 
 
 def checked_kind_of(contact: Any) -> Kind:
@@ -337,8 +332,8 @@ def is_held(hold: Hold | None) -> bool:
     return hold is not None
 
 
-def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> tuple[Question, Load | None]:
-    """The question without its load and scenarios, and the load, or a ValueError; it may be one for a batch."""
+def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> Question:
+    """The question with its load and weights as given and without scenarios, or a ValueError; it may be a batch."""
     for name in keywords.keys() - Keywords.__annotations__.keys():
         raise TypeError(f"a design takes no {name}{near_or_all(name, [*Keywords.__annotations__])}")
     kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), is_held(keywords.get("hold"))
@@ -355,31 +350,27 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise ValueError("load: only a fretting contact has one")
     if kind == "fretting" and load is None:
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
-    names = [one.quantity for one in limits]
-    horizon = _horizon_of(objective, names, keywords.get("cycles"), keywords.get("law"), load)
-    return Question(contact, None, bounds, limits, places, horizon, None, objective, hold), load
-
-
-def _horizon_of(objective: str, limits: list[str], cycles: Any, law: Any, load: Load | None) -> WearHorizon | None:
-    kept = load if load is not None and not load.holds_force else None
-    if cycles is None and kept is not None:
-        raise ValueError(f"cycles: {never_steady(kept)}")
+    cycles, law = keywords.get("cycles"), keywords.get("law")
+    never_ends = load is not None and not load.holds_force
+    if cycles is None and never_ends:
+        raise ValueError(f"cycles: {never_steady(load)}")
     if (cycles is None) != (law is None):
         raise TypeError("cycles and law go together: one needs the other")
-    if kept is not None:
-        for name in filter(needs_force, limits):
-            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(kept)}"
-            raise ValueError(f"limits.{name}: {text}")
-    lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
-    if cycles is None:
-        if lasting:
-            raise ValueError(f"{lasting[0]}: is a quantity after a life, which needs cycles and law")
-        return None
-    if objective not in BY_THEN and not lasting:
-        text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
-        raise ValueError(f"cycles: {text}")
-    check("cycles", cycles, POSITIVE)
-    return WearHorizon(cycles, law_of(law))
+    names = [one.quantity for one in limits]
+    for name in filter(needs_force, names if never_ends else ()):
+        text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
+        raise ValueError(f"limits.{name}: {text}")
+    lasting = [name for name in (objective, *names) if is_after_cycles(name)]
+    if cycles is None and lasting:
+        raise ValueError(f"{lasting[0]}: is a quantity after a life, which needs cycles and law")
+    if cycles is not None:
+        if objective not in BY_THEN and not lasting:
+            text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
+            raise ValueError(f"cycles: {text}")
+        check("cycles", cycles, POSITIVE)
+    horizon = None if cycles is None else WearHorizon(cycles, law_of(law))
+    weighted = None if load is None else WeightedLoad(load, keywords.get("weight"))
+    return Question(contact, weighted, bounds, limits, places, horizon, None, objective, hold)
 
 
 def _held(load: Load) -> str:
@@ -405,7 +396,15 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
     for given_name, given in vary.items():
         name = given_name.removeprefix("material.")
         name = name if name in VARIABLES else given_name
-        _check_leaf(contact, name)
+        try:
+            leaf = variable_of(contact, name)
+        except (AttributeError, IndexError, TypeError):
+            leaf = None
+        if isinstance(leaf, str):
+            raise ValueError(f'vary: {name} = "{leaf}" follows from k; give the contact a number to vary it')
+        if leaf is None or (not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu"):
+            text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
+            raise ValueError(f"vary: {text}")
         try:
             lowest, highest = given
         except (TypeError, ValueError):
@@ -422,16 +421,3 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
     if not pairs:
         raise ValueError(f"vary is empty: name at least one of {', '.join(VARIABLES)}")
     return pairs
-
-
-def _check_leaf(contact: Any, name: str) -> None:
-    """Refuse a variable that is no number of the contact."""
-    try:
-        leaf = variable_of(contact, name)
-    except (AttributeError, IndexError, TypeError):
-        leaf = None
-    if isinstance(leaf, str):
-        raise ValueError(f'vary: {name} = "{leaf}" follows from k; give the contact a number to vary it')
-    if leaf is None or (not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu"):
-        text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
-        raise ValueError(f"vary: {text}")

@@ -72,8 +72,9 @@ class WeightedLoad:
         return WeightedLoad(self.load.with_amplitude(lambda _: amplitudes), weight)
 
 
-def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float) -> WeightedLoad:
+def weighted_load(contact: FrettingContact, given: WeightedLoad, level: float) -> WeightedLoad:
     """The amplitudes that count, the largest first, or a ValueError."""
+    load, weight = given.load, given.weight
     if load.amplitude is None:
         if weight is not None:
             raise ValueError("weight: belongs to several amplitudes, not to blocks")
@@ -88,7 +89,7 @@ def weighted_load(contact: FrettingContact, load: Any, weight: ArrayLike | None,
     if amplitudes[0] == 0.0:
         name = "tangential_force" if load.holds_force else "displacement_amplitude"
         raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
-    return WeightedLoad(load, None).with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
+    return given.with_amplitudes(amplitudes[counting > 0.0], counting[counting > 0.0])
 
 
 def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Any, Any, Any]:
