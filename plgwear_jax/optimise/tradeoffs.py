@@ -88,12 +88,16 @@ class Front:
         """What ends the front at its first and last point: bounds and limits, or nothing but the optimum."""
         told = []
         for end, best in zip((0, -1), self.best, strict=True):
-            sides = ((name, side[end]) for name, side in self.at_bound.items())
-            said = [f"{name} at its {'upper' if side > 0 else 'lower'} bound" for name, side in sides if side]
-            for limit in self.limits:
-                if self.active[limit.name][end]:
-                    side = "lowest" if limit.lowest else "highest"
-                    said.append(f"{side} {placed(limit.quantity, limit.places)} allowed")
+            said = [
+                f"{name} at its {'upper' if side[end] > 0 else 'lower'} bound"
+                for name, side in self.at_bound.items()
+                if side[end]
+            ]
+            said += [
+                f"{'lowest' if limit.lowest else 'highest'} {placed(limit.quantity, limit.places)} allowed"
+                for limit in self.limits
+                if self.active[limit.name][end]
+            ]
             told.append(", ".join(said) or best)
         return told[0], told[1]
 
