@@ -351,15 +351,16 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     if kind == "fretting" and load is None:
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
     cycles, law = keywords.get("cycles"), keywords.get("law")
-    never_ends = load is not None and not load.holds_force
-    if cycles is None and never_ends:
-        raise ValueError(f"cycles: {never_steady(load)}")
+    kept = None if load is None or load.holds_force else load
+    if cycles is None and kept is not None:
+        raise ValueError(f"cycles: {never_steady(kept)}")
     if (cycles is None) != (law is None):
         raise TypeError("cycles and law go together: one needs the other")
     names = [one.quantity for one in limits]
-    for name in filter(needs_force, names if never_ends else ()):
-        text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
-        raise ValueError(f"limits.{name}: {text}")
+    if kept is not None:
+        for name in filter(needs_force, names):
+            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(kept)}"
+            raise ValueError(f"limits.{name}: {text}")
     lasting = [name for name in (objective, *names) if is_after_cycles(name)]
     if cycles is None and lasting:
         raise ValueError(f"{lasting[0]}: is a quantity after a life, which needs cycles and law")
