@@ -91,11 +91,6 @@ class Form(NamedTuple):
     domains: Mapping[str, Domain] = {}
 
     @property
-    def known(self) -> list[str]:
-        """All columns."""
-        return [column for some in (*self.columns, *self.optional) for column in some]
-
-    @property
     def first_row(self) -> str:
         """The row that names the columns."""
         return ",".join(some[0] for some in self.columns)
@@ -121,41 +116,38 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
             first error is reported, in one line.
     """
     name = one_line(os.fspath(path))
-    rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
+    lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {form.first_row or 'of its columns'}")
-    separator = max(",;\t", key=lines[0].count)
-    factors, allowed, values, row = {}, {}, [], 0
+    separator = max(",;\t", key=next(iter(lines.values())).count)
+    readers, values, row = {}, [], 0
     try:
-        for row, line in zip(rows, lines, strict=True):  # noqa: B007 - messages name it
+        for row, line in lines.items():  # noqa: B007 - messages name it
             (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
-            if factors:
-                values.append(_numbers(cells, allowed, separator))
+            if not readers:
+                readers = _header(cells, form)
+            elif len(cells) > len(readers):
+                point = _POINT if separator == "," else ""
+                raise ValueError(f"has {len(cells)} cells, more than the {len(readers)} of the first row{point}")
             else:
-                factors = _header(cells, form)
-                allowed = {column: _allowed(column, form) for column in factors}
+                cells += [""] * len(readers)
+                values.append([reader(cell) for reader, cell in zip(readers.values(), cells, strict=False)])
         if not values:
             raise ValueError("names the columns, and no rows follow; there must be at least one")
     except (csv.Error, ValueError) as error:
         said = f"is not valid CSV: {one_line(str(error))}" if isinstance(error, csv.Error) else error
         raise TableError(f"{name}: row {row}: {said}") from None
-    columns = {}
-    found = Table(name, columns, _frozen(rows[1:]))
-    for (column, factor), given in zip(factors.items(), np.transpose(values), strict=True):
-        if factor is None and column in _PLAIN:  # implausible numbers: another unit is probably meant
-            least, most, what, example = _PLAIN[column]
-            unit = f"{_COLUMNS[column][0]}, the unit of a column without one; write {column} ({example})"
-            told = [f"{column} = {value:g}: is no {what} in {unit}" for value in given]
-            found.refuse((given > most) | ((given > 0.0) & (given < least)), told.__getitem__)
-        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-        size = factor or 1.0
-        columns[column] = _frozen(given / round(1.0 / size) if size < 1.0 else given * size)
+    columns, numbers = np.array(values).T.copy(), np.array([*lines][1:])
+    for array in (columns, numbers):
+        array.flags.writeable = False
+    found = Table(name, dict(zip(readers, columns, strict=True)), numbers)
     form.check(found)
     return found
 
 
 # --- kinds of tables --------------------------------------------------------------------------------------------------
 
+_POINT = "; decimals are set off by a point"
 _AMPLITUDE = "tangential_force", "displacement"
 _RELATIVE = "relative_deviation"
 
@@ -167,25 +159,23 @@ def _some_weight(table: Table) -> None:
         raise TableError(f"{table.name}: {rows}: weight = 0 throughout; at least one weight must be > 0")
 
 
-def _increasing(table: Table, column: str, text: str, level: bool = False) -> None:
-    """Refuse values that do not increase; `level` allows zeros at the beginning."""
-    values = table[column]
-    falls = np.append(False, (np.diff(values) <= 0.0) & ~(level & (values[1:] == 0.0)))
-    table.refuse(falls, lambda i: f"{column} = {values[i]:g} m after {values[i - 1]:g} m: {text}")
-
-
-def _downwards(table: Table) -> None:
-    table.refuse(table.row.size < 2, lambda _: "is the only one; a graded modulus needs two depths or more")
-    _increasing(table, "depth", "the depths must increase from row to row, from the surface downwards")
+def _increasing(table: Table, columns: tuple[str, ...], needed: str, text: str) -> None:
+    """Refuse a single row, and values that do not increase; heights may be level at the beginning."""
+    table.refuse(table.row.size < 2, lambda _: f"is the only one; {needed}")
+    for column in columns:
+        values = table[column]
+        level = (values[1:] == 0.0) & (column == "height")
+        falls = np.append(False, (np.diff(values) <= 0.0) & ~level)
+        table.refuse(falls, lambda i: f"{column} = {values[i]:g} m after {values[i - 1]:g} m: {text}")  # noqa: B023
 
 
 def _outwards(table: Table) -> None:
-    table.refuse(table.row.size < 2, lambda _: "is the only one; a profile needs two radii or more")
-    for column in ("r", "height"):
-        values = table[column]
-        begins = f"{column} = {values[0]:g} m: a profile begins with r = 0, height = 0"
-        table.refuse(values[:1] != 0.0, lambda _, begins=begins: begins)
-        _increasing(table, column, "radii and heights must increase from row to row", level=column == "height")
+    ends = "r", "height"
+    for column in ends if table.row.size > 1 else ():
+        begins = f"{column} = {table[column][0]:g} m: a profile begins with r = 0, height = 0"
+        table.refuse(table[column][:1] != 0.0, lambda _, begins=begins: begins)
+    needed = "a profile needs two radii or more"
+    _increasing(table, ends, needed, "radii and heights must increase from row to row")
     if not table["height"][-1]:
         raise TableError(f"{table.name}: row {table.row[-1]}: height = 0 m: the last one must be > 0")
 
@@ -193,7 +183,15 @@ def _outwards(table: Table) -> None:
 LOADS = Form((_AMPLITUDE, ("weight",)), check=_some_weight)
 HISTORY = Form((_AMPLITUDE,), (("cycles",), ("normal_force",), ("friction",)))
 MEASURED = Form((("cycles",), ("volume",)), (("deviation", _RELATIVE),))
-MODULUS = Form((("depth",), ("modulus",)), check=_downwards)
+MODULUS = Form(
+    (("depth",), ("modulus",)),
+    check=lambda table: _increasing(
+        table,
+        ("depth",),
+        "a graded modulus needs two depths or more",
+        "the depths must increase from row to row, from the surface downwards",
+    ),
+)
 HEIGHTS = Form((("r",), ("height",)), check=_outwards)
 
 
@@ -249,15 +247,6 @@ _PLAIN = {
 }
 
 
-def _allowed(column: str, form: Form) -> Domain:
-    """What the cells of a column may be; the text is that for messages."""
-    if column in form.domains:
-        return Domain(f"must be in {form.domains[column].text}", form.domains[column].contains)
-    _, domain, meaning = _COLUMNS[column]
-    sign = ">= 0" if domain is NUMBER else "> 0"
-    return Domain(f"must be a finite number {sign}{', ' if meaning else ''}{meaning}", domain.contains)
-
-
 def _units_of(column: str) -> Mapping[str, float]:
     """The units that a column may name, with what each is in the SI unit; none for numbers without a unit."""
     return _UNITS.get(_COLUMNS[column][0] if column in _COLUMNS else leaf(column).unit, {})
@@ -266,32 +255,29 @@ def _units_of(column: str) -> Mapping[str, float]:
 # --- reading ----------------------------------------------------------------------------------------------------------
 
 
-def numbered_lines(text: str) -> tuple[list[int], list[str]]:
-    """Number and text of each line that is neither blank nor a comment."""
-    rows, lines = [], []
-    for row, line in enumerate(io.StringIO(text, newline=None), 1):
-        if line.lstrip()[:1] not in ("", "#"):
-            rows.append(row)
-            lines.append(line)
-    return rows, lines
+def numbered_lines(text: str) -> dict[int, str]:
+    """Each line that is neither blank nor a comment, by its number."""
+    lines = enumerate(io.StringIO(text, newline=None), 1)
+    return {row: line for row, line in lines if line.lstrip()[:1] not in ("", "#")}
 
 
-def _header(cells: list[str], form: Form) -> dict[str, float | None]:
-    """The columns in the order of the file, with their units in SI, None without; a ValueError says what is wrong."""
-    found = {}
+def _header(cells: list[str], form: Form) -> dict[str, Callable[[str], float]]:
+    """What reads the cells of each column, in the order of the file; a ValueError says what is wrong."""
+    found, alternatives = {}, (*form.columns, *form.optional)
+    known = [column for some in alternatives for column in some]
     if all(number_in(cell) is not None for cell in cells):
         raise ValueError(f"holds numbers; the first row must name the columns, {form.first_row}")
     for cell in cells:
-        column, unit = _with_unit(cell.strip(), form.known)
-        if column not in form.known:
-            raise ValueError(f"column {bare(column)}: there is no such column{near_or_all(column, form.known)}")
+        column, unit = _with_unit(cell.strip(), known)
+        if column not in known:
+            raise ValueError(f"column {bare(column)}: there is no such column{near_or_all(column, known)}")
         if column in found:
             raise ValueError(f"column {column}: stands there more than once")
         units = _units_of(column)
         if unit is not None and unit not in units:
             raise ValueError(f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}")
-        found[column] = None if unit is None else units[unit]
-    for some in (*form.columns, *form.optional):
+        found[column] = _reader(column, unit and units[unit], form)
+    for some in alternatives:
         there = [column for column in found if column in some]
         if not there and some in form.columns:
             raise ValueError(f"column {' or '.join(some)}: missing; the first row must be {form.first_row}")
@@ -311,20 +297,27 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
     return cell, None
 
 
-def _numbers(cells: list[str], allowed: Mapping[str, Domain], separator: str) -> list[float]:
-    """The numbers of a row, or a ValueError that says what is wrong with it."""
-    if len(cells) > len(allowed):
-        point = "; decimals are set off by a point" if separator == "," else ""
-        raise ValueError(f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}")
-    found = []
-    for (column, domain), cell in zip(allowed.items(), cells + [""] * len(allowed), strict=False):
+def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
+    """What reads a cell of a column in a unit of this size, None without one; a ValueError says what is wrong."""
+    domain, plain = form.domains.get(column), None if size else _PLAIN.get(column)
+    if domain:
+        si, wanted = "", f"must be in {domain.text}"
+    else:
+        si, domain, meaning = _COLUMNS[column]
+        wanted = f"must be a finite number {'>= 0' if domain is NUMBER else '> 0'}{meaning and f', {meaning}'}"
+
+    def number(cell: str) -> float:
         value = number_in(cell)
         if value is None or not domain.contains(value):
-            point = "; decimals are set off by a point" if "," in cell else ""
-            told = f"{column} = {cut(one_line(cell.strip()))}: {domain.text}{point}"
-            raise ValueError(told if cell.strip() else f"{column}: missing; it {domain.text}")
-        found.append(value)
-    return found
+            told = f"{column} = {cut(one_line(cell.strip()))}: {wanted}{_POINT if ',' in cell else ''}"
+            raise ValueError(told if cell.strip() else f"{column}: missing; it {wanted}")
+        if plain and not (value == 0.0 or plain[0] <= value <= plain[1]):  # another unit is probably meant
+            unit = f"{si}, the unit of a column without one; write {column} ({plain[3]})"
+            raise ValueError(f"{column} = {value:g}: is no {plain[2]} in {unit}")
+        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
+        return value / round(1.0 / size) if size and size < 1.0 else value * (size or 1.0)
+
+    return number
 
 
 def number_in(cell: str) -> float | None:
@@ -333,9 +326,3 @@ def number_in(cell: str) -> float | None:
         return float(cell)
     except ValueError:
         return None
-
-
-def _frozen(values: Any) -> np.ndarray:
-    values = np.ascontiguousarray(values)
-    values.flags.writeable = False
-    return values

@@ -83,13 +83,14 @@ def read_axis(name: str, text: str) -> np.ndarray:
     if not os.path.lexists(text):
         raise AxisError(f"{said}: must be {_FORMS}; there is no such file")
     file = one_line(text)
-    rows, lines = numbered_lines(read_text(text, "the values of an axis come from a file, one per line", AxisError))
+    lines = numbered_lines(read_text(text, "the values of an axis come from a file, one per line", AxisError))
     if not lines:
         raise AxisError(f"{file}: holds no values of {name}; there must be at least one")
-    domain, values = leaf(name).domain, np.array([*map(number_in, lines)], float)  # a word is NaN, which no axis takes
-    for place in np.flatnonzero(~domain.contains(values)):
-        given = cut(one_line(lines[place].strip()))
-        raise AxisError(f"{file}: row {rows[place]}: {name} = {given}: must be {domain.text}")
+    # A word is NaN, which no axis takes.
+    domain, values = leaf(name).domain, np.array([*map(number_in, lines.values())], float)
+    for (row, line), inside in zip(lines.items(), domain.contains(values), strict=True):
+        if not inside:
+            raise AxisError(f"{file}: row {row}: {name} = {cut(one_line(line.strip()))}: must be {domain.text}")
     return values
 
 
