@@ -54,5 +54,4 @@ def figures(
         sheet = library.contact_sheet(chosen)
         for suffix in suffixes:
             plots.save(sheet, out / f"contact-sheet{suffix}")
-        text = library.report(chosen).encode()
-    files.write(out / "figures.md", lambda path: path.write_bytes(text))
+    files.write(out / "figures.md", library.report(chosen).encode())
