@@ -4,6 +4,7 @@ import datetime
 import difflib
 import json
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -74,8 +75,7 @@ def cut(text: str) -> str:
 
 def bare(key: str) -> str:
     """A key as TOML writes it, shortened to a maximum length."""
-    plain = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
-    return cut(key if plain else shown(key))
+    return cut(key if re.fullmatch(r"[\w-]*[^\W_-][\w-]*", key, re.ASCII) else shown(key))
 
 
 def shown(value: Any) -> str:
