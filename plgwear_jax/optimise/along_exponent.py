@@ -43,7 +43,7 @@ class RunsAlongExponent(NamedTuple):
         k, log_n = jnp.broadcast_arrays(contact.material.k, log_n)
         among = shares_of_nodes(self.k, k)
         n = jnp.exp(log_n + jnp.log1p(k) + among @ self.log_ratio)
-        share = share_at(self.shares, n[..., None, None])
+        share = share_at(self.shares, n[..., None, None] / self.shares.unit)
         logs = self.log_volume + jnp.log(jnp.maximum(share, jnp.finfo(share.dtype).tiny))
         return radius**4 / jnp.asarray(contact.radius) * jnp.exp(jnp.sum(logs * among[..., None, :], axis=-1))
 

@@ -1,6 +1,7 @@
 """The worn ring of a rigid parabola on a power law, and of two homogeneous bodies: everything in closed form."""
 
 import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -20,9 +21,9 @@ from plgwear_jax.special.exponents import exponents
 from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, volume_of
-from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
+from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, share_at
+from plgwear_jax.wear.ring_run import RingRun, RunSolution
 
 # --- without units: radii in a_0, heights in a_0^2/R, pressures in F_N/(pi a_0^2), time as n of the theory ------------
 
@@ -50,13 +51,14 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
         load = jnp.maximum(-from_1, 0.0)
         load = power_where(load > 0.0, load, 1.0 + s)
         first = ratio_where(size > 0.0, -jnp.diff(load), size)
-        # Depths over C/2, areas over C, pressures over C^s.
-        return RingCells(2.0 * compliance, gap, slips * swept - gap, first, swept, from_c, from_1), work
+        # Depths over C/2, areas over C.
+        ring = RingCells(2.0 * compliance / powered, gap, slips * swept - gap, powered * first, swept, from_c, from_1)
+        return ring, work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
     total = jnp.sum(ring.steady[-1])
     unit = total / ((1.0 + s) * powered * work[-1])
-    return in_unit(ring, powered * unit), Scales(0.5 * jnp.pi * inner * inner * total, unit, inner, unworn + grown)
+    return ring, Scales(0.5 * jnp.pi * inner * inner * total, unit, inner, unworn + grown)
 
 
 def run(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
@@ -72,19 +74,14 @@ def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 
 @program(static=1, level=1)
 def _rings(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCells, Scales]:
-    k, phi = jnp.broadcast_arrays(k, phi)
     return in_turn(functools.partial(rings_of, resolution), k.shape, k, phi)
-
-
-def _by_parts(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
-    """The run of one pair of known numbers, whose derivatives XLA compiles sooner."""
-    return curves_by_parts(resolution, *_rings(resolution, k, phi))
 
 
 def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
     """The worn volume after n reduced cycles, by runs to these digits."""
     k, phi = jnp.broadcast_arrays(k, phi)
-    return volume_of(curves_of(march_resolution_of(digits), k, phi), phi, n)
+    curves = curves_of(march_resolution_of(digits), k, phi)
+    return curves.final * share_at(curves, n / curves.unit)
 
 
 # --- in SI units ------------------------------------------------------------------------------------------------------
@@ -95,67 +92,65 @@ class ClosedRing(NamedTuple):
 
     k: Array
     phi: Array
-    contact_radius: Array  # a_0 in m
+    a_0: Array  # contact radius before any wear in m
+    c: Array  # stick radius in m
     height: Array  # a_0^2/R
     mean_pressure: Array  # F_N/(pi a_0^2)
+    theta: Array  # the tangential compliance over the normal one
+    friction: Array
+    force: Array  # F_x in N
 
     def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at y in the ring."""
         del r
-        phi = jnp.where(self.phi > 0.0, self.phi, 0.5)
-        s, q = exponents(self.k)
-        c = fretting.stick_radius(self.k, phi)
-        y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
+        (s, q), c = exponents(self.k), self.c / self.a_0
+        y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, self.phi))
         at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
         height, unit = y * at.chord, 0.5 * self.height * c * c * at.share
         return unit * height, unit * jnp.maximum(m - height, 0.0)
 
-    def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
-        """The pressures at radii, and a radius in m next to c with those there."""
-        near = _NEAR * run.stick_radius
-        return self._pressures_at(run, r), (near, self._pressures_at(run, near))
-
-    def _pressures_at(self, run: RunSolution, r: Array) -> Pressures:
-        s, q = (x[..., None] for x in exponents(self.k))
-        c, relative = run.stick_radius, r / self.contact_radius
-        inner = jnp.where(r < c, r, 0.5 * c)
-        z = (((c - inner) / c) * ((c + inner) / c))[..., None]
-        # A pressure in the ring causes one inside c by the shape that it gives the surface there, and takes its part of
-        # the load, and of what the ring gives way, from the flat punch of the radius c.
-        outer = run.curves.edges[..., 1:]
-        y, s, q = jnp.broadcast_arrays(outer / z, s, q)
-        tails, *_ = arcsine_tail(fold(y), s, q, 8 if z.dtype == jnp.float64 else None)
-        taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * run.curves.swept
-        caused = jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
+    def pressures(self, r: Array) -> tuple[Array, Array]:
+        """The pressures in Pa before any wear and in the end."""
+        relative = r / self.a_0
         unworn = fretting.initial_pressure(relative, self.k)
-        steady = fretting.steady_pressure(relative, self.k, self.phi)
-        return Pressures(self.mean_pressure * unworn, self.mean_pressure * steady, caused)
+        return self.mean_pressure * unworn, self.mean_pressure * fretting.steady_pressure(relative, self.k, self.phi)
+
+    def caused(self, curves: RunCurves) -> tuple[Array, Callable[[Array], Array]]:
+        """(The least known 1 - (r/c)^2 inside c; by it what pressures a unit of pressure in each cell causes there)."""
+        s, q = (x[..., None] for x in exponents(self.k))
+
+        def caused_at(z: Array) -> Array:
+            # A pressure in the ring causes one inside c by the shape that it gives the surface there, and takes its
+            # part of the load, and of what the ring gives way, from the flat punch of the radius c.
+            outer, z = curves.edges[..., 1:], z[..., None]
+            places = jnp.broadcast_arrays(outer / z, s, q)
+            tails, *_ = arcsine_tail(fold(places[0]), *places[1:], 8 if z.dtype == jnp.float64 else None)
+            taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * curves.swept
+            return jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
+
+        return jnp.full_like(self.c, _NEAREST), caused_at
 
 
-_NEAR = 1.0 - 1e-4  # of c; nearer to it the pressures of cells, which end in a step there, are not read
+_NEAREST = 1.9999e-4  # nearer to c the pressures of cells, which end in a step there, are not read
 _DIGITS = 12  # digits of g and H, which are known in closed form
 
 
 @program(static=1)
-def _ring_of(digits: int | None, contact: Any, load: Any) -> tuple[ClosedRing, Array, Array]:
-    """(The ring, the stick radius, the time of a cycle of a unit wear coefficient)."""
+def _ring_of(digits: int | None, contact: Any, load: Any) -> ClosedRing:
     steady = Steady(contact, load, digits=digits)
-    mean = steady._mean_pressure
-    found = steady._k, steady.amplitude, steady.contact_radius, steady._height, mean, steady.stick_radius
-    *ring, stick = jnp.broadcast_arrays(*(jnp.asarray(x, mean.dtype) for x in found))
-    return ClosedRing(*ring), stick, 4.0 * jnp.asarray(contact.friction) * steady._tangential_ratio + 0.0 * mean
+    mean, radii = steady._mean_pressure, (steady.contact_radius, steady.stick_radius)
+    given = steady._tangential_ratio, contact.friction, steady.tangential_force
+    found = steady._k, steady.amplitude, *radii, steady._height, mean, *given
+    return ClosedRing(*jnp.broadcast_arrays(*(jnp.asarray(x, mean.dtype) for x in found)))
 
 
 @program()
-def _in_units(
-    ring: ClosedRing, stick: Array, per_cycle: Array, curves: RunCurves, wear_coefficient: Array
-) -> RunSolution:
-    a_0, scales = ring.contact_radius, curves.scales
+def _in_units(ring: ClosedRing, curves: RunCurves, wear_coefficient: Array) -> RunSolution:
     # Time is 4 K mu theta N for N cycles, in 1/Pa.
-    unit, volume = scales.unit / ring.mean_pressure, a_0 * a_0 * ring.height * scales.volume
-    curves = curves._replace(scales=scales._replace(volume=volume, unit=unit))
-    per_cycle = per_cycle * guarded("wear_coefficient", wear_coefficient, POSITIVE)
-    return RunSolution(curves, ring.phi, per_cycle, a_0, stick, ring)
+    unit, final = curves.unit / ring.mean_pressure, ring.a_0 * ring.a_0 * ring.height * curves.final
+    K, curves = guarded("wear_coefficient", wear_coefficient, POSITIVE), curves._replace(final=final, unit=unit)
+    pace = 4.0 * ring.friction * ring.theta * K / unit
+    return RunSolution(curves, ring.phi, pace, ring.a_0, ring.c, ring, ring.force, ring.friction / K)
 
 
 class ClosedRun(RingRun):
@@ -163,7 +158,8 @@ class ClosedRun(RingRun):
 
     def _solved(self, given: Any) -> RunSolution:
         contact, load, wear_coefficient = given
-        resolution = march_resolution_of(self.digits)
-        ring, *units = with_slopes(_ring_of)(self.digits, contact, load)
-        curves = with_slopes(curves_of, _by_parts if ring.phi.size == 1 else None)(resolution, ring.k, ring.phi)
-        return _in_units(ring, *units, curves, wear_coefficient)
+        ring = with_slopes(_ring_of)(self.digits, contact, load)
+        # XLA compiles the derivatives of one run of known numbers sooner in parts.
+        parts = None if ring.phi.size != 1 else lambda steps, *given: curves_by_parts(steps, *_rings(steps, *given))
+        curves = with_slopes(curves_of, parts)(march_resolution_of(self.digits), ring.k, ring.phi)
+        return _in_units(ring, curves, wear_coefficient)

@@ -29,11 +29,7 @@ class Disc(NamedTuple):
     compliance: Array  # A in m/Pa, integrated over both cells
     unworn: Array  # f in m, integrated over each cell
     area: Array  # pi b^2 in m^2
-
-    @property
-    def radii(self) -> Array:
-        """The edges of the cells in m."""
-        return jnp.append(0.0, jnp.sqrt(self.area / jnp.pi * self.edges[1:]))  # the root of 0 has no derivative
+    radii: Array  # the edges of the cells in m
 
 
 class StageNumbers(NamedTuple):

@@ -55,31 +55,35 @@ class Moment(NamedTuple):
         """The entries of the contacts at these indices."""
         return _rows(values, self.axes)[self.contact, *at]
 
-    def between(self, values: Array, *at: Any) -> Array:
-        """Linear interpolation of values at all times, and if given of one entry."""
-        rows = _rows(values, self.axes)
-        begin, end = rows[self.contact, self.first, *at], rows[self.contact, self.first + 1, *at]
-        return begin + self.part * (end - begin)
-
     def across(self, at: Callable[[Array], Array]) -> Array:
         """Linear interpolation of what a function gives for both ends."""
-        return (1.0 - self.part) * at(self.first) + self.part * at(self.first + 1)
+        begin, end = at(self.first), at(self.first + 1)
+        return begin + self.part * (end - begin)
+
+    def between(self, values: Array, *at: Any) -> Array:
+        """Linear interpolation of values at all times, and if given of one entry."""
+        return self.across(lambda i: self.pick(values, i, *at))
 
     def on(self, curve: Curve, *at: Any) -> Array:
         """The curve, and if given one of its entries: the cubic through two values and rates."""
-        i, j, x = (self.contact, self.first, *at), (self.contact, self.first + 1, *at), self.part
-        value, rate = _rows(curve.value, self.axes), _rows(curve.rate, self.axes)
-        begin = value[i]
-        rise = value[j] - begin
-        u, v = self.length * rate[i], self.length * rate[j]
+        i, j, x = (self.first, *at), (self.first + 1, *at), self.part
+        begin = self.pick(curve.value, *i)
+        rise = self.pick(curve.value, *j) - begin
+        u, v = self.length * self.pick(curve.rate, *i), self.length * self.pick(curve.rate, *j)
         return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
 ROUNDINGS = 32.0  # by which sums of the cycles of blocks differ
 
 
-def moment_at(times: Array, time: Array) -> Moment:
-    """Locate a time among the times of its contact. At one of them it is the end of the interval before."""
+def moment_at(times: Array, time: Array, within: bool = False) -> Moment:
+    """Locate a time among the times of its contact. At one of them it is the end of the interval before.
+
+    Args:
+        times: Increasing, along a last axis behind those of the contacts.
+        time: Broadcasts against the contacts.
+        within: Whether the part is kept from 0 to 1 before the first time, and from roundings beside others.
+    """
     axes, last = times.ndim - 1, times.shape[-1] - 1
     rows, number = _rows(times, axes), np.arange(math.prod(times.shape[:-1])).reshape(times.shape[:-1])
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
@@ -90,11 +94,11 @@ def moment_at(times: Array, time: Array) -> Moment:
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
     inside = jnp.where(time > times[..., -1], times[..., -1], time)
     length = jnp.where(end > begin, end - begin, 1.0)
-    return Moment(axes, number, first, (inside - begin) / length, length, time - inside)
+    part = (inside - begin) / length
+    return Moment(axes, number, first, jnp.clip(part, 0.0, 1.0) if within else part, length, time - inside)
 
 
 def cells_around(edges: Array, place: Array, power: float = 1.0) -> Moment:
     """The cells between whose middles a place is; edges are along a last axis. Beyond all middles it is the nearest."""
     middle = 0.5 * (edges[..., 1:] + edges[..., :-1])
-    found = moment_at(middle**power, place**power)
-    return found._replace(part=jnp.clip(found.part, 0.0, 1.0))
+    return moment_at(middle**power, place**power, within=True)

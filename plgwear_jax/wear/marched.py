@@ -15,6 +15,7 @@ from plgwear_jax._core.domains import (
     Domain,
     RefusedError,
     guarded,
+    one_or_nan,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
@@ -67,7 +68,43 @@ class TestHistory(NamedTuple):
     cycles: Array  # (times,)
     edges: Array  # of the cells in m, (cells + 1,)
     moments: Moments
-    goes_on: Array  # 1 if the wear goes on beyond the last time, 0 if not
+    beyond: Array  # the last time: 0 if nothing wears there, 1 if there are no more blocks, 2 if the wear goes on
+
+    def _moment(self, cycles: Array) -> Moment:
+        """The moments, NaN beyond what is known."""
+        moment = moment_at(self.cycles, cycles, within=True)
+        late = moment.late > ROUNDINGS * jnp.finfo(cycles.dtype).eps * cycles
+        return moment._replace(part=moment.part * one_or_nan(~late | (self.beyond <= 0.0)))
+
+    def number(self, name: str, cycles: Array) -> Array:
+        """One number of the history, such as its contact radius."""
+        moment, moments = self._moment(cycles), self.moments
+        if name == "deepest_wear":
+            cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * moment.part.ndim)
+            return jnp.max(moment.between(moments.depth, cells), 0)
+        if name == "volume":
+            return moment.on(each(limited, (Curve(self.cycles, moments.volume, moments.rate),)))
+        return moment.between(getattr(moments, name))
+
+    def field(self, name: str, r: Array, cycles: Array) -> Array:
+        """The worn depth or the pressure at radii."""
+        moment, edges = self._moment(cycles), self.edges
+        cell = cells_around(edges**2, r * r)
+        found = cell.across(functools.partial(moment.between, getattr(self.moments, name)))
+        inside = jnp.where(r < edges[..., -1], jnp.maximum(found, 0.0), 0.0)
+        return inside + 0.0 * moment.part * edges[..., -1] * jnp.minimum(r, 1.0)  # NaN where they are
+
+    def cycles_to(self, name: str, goal: Array) -> Array:
+        """When so much is worn: a depth, a volume, or a share of the last volume."""
+        number, last = "deepest_wear" if name == "depth" else "volume", self.moments.volume[..., -1]
+        goal = goal * last if name == "share" else goal
+        found = first_at(lambda history, cycles: history.number(number, cycles), self, goal, self.cycles[..., -1])
+        unknown = last <= 0.0 if name == "share" else jnp.isinf(found) & (self.beyond > 1.0)
+        return jnp.where(unknown, jnp.nan, found)
+
+    def last(self) -> Array:
+        """Cycles at the end of the history."""
+        return self.cycles[..., -1] + 0.0 * self.moments.rate[..., 0]
 
 
 @functools.cache
@@ -81,33 +118,35 @@ def _cell_shares(ring: int) -> tuple[np.ndarray, ...]:
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
 
 
-def edges_of_grid(grid: _Grid, count: int) -> Array:
-    """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
+def _heights(outline: Outline, b: Array, edges: Array) -> Array:
+    """The mean heights in m of the indenter over cells with these edges in T = (r/b)^2."""
+    at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, jnp.diff(edges)), 0.0))
+    return mean_over(outline.height(at.ravel()))
+
+
+def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
+    """Cells with edges in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
     In blocks it is that under the largest normal force, whose ring can lie outside of the others. Where nothing sticks
     or slips, or the contact grows far, their size grows with the radius instead.
     """
-    inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _cell_shares(count))
-    pressed = grid.pressed / grid.end
-    stick = jnp.minimum(grid.stick / grid.end, (1.0 - 1e-6) * pressed)
+    b = grid.end
+    inside, ring, towards = (jnp.asarray(x, b.dtype) for x in _cell_shares(count))
+    pressed = grid.pressed / b
+    stick = jnp.minimum(grid.stick / b, (1.0 - 1e-6) * pressed)
     area = stick**2 + (pressed - stick) * (pressed + stick) * ring
     beyond = pressed**2 + (1.0 - pressed) * (1.0 + pressed) * towards
     first = jnp.sqrt(area[1]) - stick
     steep = jnp.log(jnp.maximum(2.0 / _INSIDE * stick / first, 1.0001))
     within = (stick * (1.0 - jnp.expm1(steep * inside) / jnp.expm1(steep))) ** 2
     around = jnp.concatenate([within, area[1:], beyond])
-    middle = 0.5 * grid.unworn / grid.end
-    outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=grid.end.dtype)[1:]
+    middle = 0.5 * grid.unworn / b
+    outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=b.dtype)[1:]
     wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
-    return jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
-
-
-def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
-    edges, b = edges_of_grid(grid, count), grid.end
-    size = jnp.diff(edges)
-    at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, size), 0.0))
-    unworn = mean_over(bodies.outline.height(at.ravel())) * size
-    return Disc(edges, disc_of(bodies, b, edges), unworn, jnp.pi * b * b)
+    edges = jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
+    radii = jnp.append(0.0, b * jnp.sqrt(edges[1:]))  # the root of 0 has no derivative
+    unworn = _heights(bodies.outline, b, edges) * jnp.diff(edges)
+    return Disc(edges, disc_of(bodies, b, edges), unworn, jnp.pi * b * b, radii)
 
 
 def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Array]:
@@ -117,9 +156,9 @@ def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Arr
     total = jnp.where(endless, grid.last, blocks.cycles)
     bend = _BENDS[0] + jnp.where(endless, grid.longer, 0.0)
     bend = jnp.where(endless & (grid.stick <= 0.0), _BENDS[1], bend)[:, None]
-    growth = jnp.expm1(bend * np.linspace(0.0, 1.0, count + 1)) / jnp.expm1(bend)
-    lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel().astype(total.dtype)
-    ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel().astype(total.dtype)
+    growth = jnp.expm1(bend * jnp.asarray(np.linspace(0.0, 1.0, count + 1), bend.dtype)) / jnp.expm1(bend)
+    lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel()
+    ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel()
     # Block after block, so that no roundings of steps add up.
     cycles = (jnp.append(0.0, jnp.cumsum(total)[:-1])[:, None] + total[:, None] * growth).ravel().astype(total.dtype)
     return Steps(lengths, ratios, jax.tree.map(lambda x: jnp.repeat(x, count + 1), blocks)), cycles
@@ -128,13 +167,6 @@ def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Arr
 # Logarithm of the length of the last step of a block over that of its first, and of a test without end in gross slip:
 # that lasts ten thousand times as long as its beginning, in which it may turn into partial slip.
 _BENDS = 8.0, 13.0
-
-
-def _flat(outline: Outline, radius: Array) -> Array:
-    """The volume in m^3 that a flat scar of this radius has taken off."""
-    area = (radius * radius)[None]
-    inside = mean_over(outline.height(jnp.sqrt(nodes_of(jnp.append(0.0, area), area)).ravel()))
-    return jnp.pi * radius**2 * (outline.height(radius[None]) - inside)[0]
 
 
 def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw) -> TestHistory:
@@ -159,8 +191,9 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
         level = grid.end * jnp.repeat(jnp.cumsum(falls), count + 1)
         found = found._replace(contact_radius=jax.lax.cummax(found.contact_radius + level) - level)
-        goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
-        history = TestHistory(cycles, disc.radii, found, goes_on.astype(cycles.dtype))
+        goes_on = (found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)
+        beyond = jnp.where(jnp.isnan(blocks.cycles[-1]), 2.0 * goes_on, 1.0)
+        history = TestHistory(cycles, disc.radii, found, beyond.astype(cycles.dtype))
         # --- the grid of the next pass
         radius, sticks = found.contact_radius, found.stick_radius.reshape(number, -1)
         least = jnp.nanmin(sticks)
@@ -186,7 +219,10 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
         fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
         longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
-        last = jnp.where(gross, quotient(0.5 * _flat(outline, reach), rate), _LONG * unit * jnp.exp(longer))
+        # What a flat scar of that radius has taken off
+        taken = outline.height(reach[None]) - _heights(outline, reach, jnp.arange(2, dtype=reach.dtype))
+        half = 0.5 * jnp.pi * reach**2 * taken[0]
+        last = jnp.where(gross, quotient(half, rate), _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
         # seems to stick as a whole.
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))
@@ -234,48 +270,6 @@ def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> 
     return each(one, (contact, blocks, law))
 
 
-def _moment(history: TestHistory, cycles: Array) -> tuple[Moment, Array]:
-    """(The moments, 1 within the history and NaN beyond)."""
-    moment = moment_at(history.cycles, cycles)
-    beyond = moment.late > ROUNDINGS * jnp.finfo(cycles.dtype).eps * cycles
-    known = jnp.where(jnp.isnan(cycles) | (beyond & (history.goes_on > 0.0)), jnp.nan, 1.0).astype(cycles.dtype)
-    return moment._replace(part=jnp.clip(moment.part, 0.0, 1.0)), known
-
-
-@program(static=1)
-def _amount(name: str, history: TestHistory, cycles: Array) -> Array:
-    """One number of the history, such as its contact radius."""
-    (moment, known), moments = _moment(history, cycles), history.moments
-    if name == "deepest_wear":
-        cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * known.ndim)
-        return known * jnp.max(moment.between(moments.depth, cells), 0)
-    if name == "volume":
-        curve = Curve(history.cycles, moments.volume, moments.rate)
-        return known * moment.on(each(limited, (curve,)))
-    return known * moment.between(getattr(moments, name))
-
-
-@program(static=1)
-def _field(name: str, history: TestHistory, r: Array, cycles: Array) -> Array:
-    """A field of the history at radii: the worn depth or the pressure."""
-    (moment, known), edges = _moment(history, cycles), history.edges
-    cell = cells_around(edges**2, r * r)
-    found = cell.across(functools.partial(moment.between, getattr(history.moments, name)))
-    inside = jnp.where(r < edges[..., -1], jnp.maximum(found, 0.0), 0.0)
-    return inside + 0.0 * known * edges[..., -1] * jnp.minimum(r, 1.0)  # NaN where they are
-
-
-@program(static=2)
-def _cycles_to(name: str, ends: bool, history: TestHistory, goal: Array) -> Array:
-    worn = functools.partial(_amount, "deepest_wear" if name == "depth" else "volume")
-    last = history.moments.volume[..., -1]
-    found = first_at(worn, history, goal * last if name == "share" else goal, history.cycles[..., -1])
-    if name == "share":
-        return jnp.where(last > 0.0, found, jnp.nan)
-    # Gross slip without an end goes on beyond the last time.
-    return found if ends else jnp.where(jnp.isinf(found) & (history.goes_on > 0.0), jnp.nan, found)
-
-
 class MarchedRun(Run):
     """A run of any test, to about 2 digits of the volume.
 
@@ -296,19 +290,15 @@ class MarchedRun(Run):
 
     shares: ClassVar = FOLLOWED
     known: ClassVar = 2, " for this test"
-    amount, field = staticmethod(_amount), staticmethod(_field)
 
     def _check(self, cycles: Any = None, **given: Any) -> None:
         """Refuse also concrete cycles beyond the last block, or beyond the widest scar."""
         super()._check(cycles=cycles, **given)
         if cycles is None or traced((self.contact, self.load, self.law, cycles)):
             return
-        if self.load.lasts:
-            last = np.where(self._solution.goes_on > 0.0, self.lasting_cycles, np.inf)
-            where = "after which the scar is ten times as wide as at first"
-        else:
-            last = sum(np.asarray(stage.cycles, float) for stage in self.load.stages())
-            where = "where the blocks end"
+        last = np.where(self._solution.beyond > 0.0, self.lasting_cycles, np.inf)
+        wide = "after which the scar is ten times as wide as at first"
+        where = wide if self.load.lasts else "where the blocks end"
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
         asked, end = np.broadcast_arrays(cycles, last)
         beyond = asked > end * (1.0 + 1e-5)
@@ -354,22 +344,14 @@ class MarchedRun(Run):
         """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
         return self._at("displacement_amplitude", cycles)
 
-    def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._read(functools.partial(_cycles_to, name, not self.load.lasts), goal)
-
     def _doubt(self) -> str | None:
         history = self._solution
         last = np.fmin.reduce(history.cycles[..., -1], axis=None, initial=np.inf)
         if not (self.load.lasts and last < _LONG * SOON):
             return None
-        if np.any(history.goes_on > 0.0):
+        if np.any(history.beyond > 0.0):
             return of_wear(float(last), grows=True)
         return self._doubt_of_soon()
-
-    @property
-    def lasting_cycles(self) -> Array:
-        """Cycles at the end of the run."""
-        return self._solution.cycles[..., -1] + 0.0 * self._solution.moments.rate[..., 0]
 
     @property
     def steady(self) -> Steady | None:

@@ -1,6 +1,7 @@
 """The worn ring of contacts without closed forms, in cells that `surfaces` computes."""
 
 import functools
+from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -20,9 +21,9 @@ from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.curves import moment_at
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, in_unit, march_resolution_of
+from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
 from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
-from plgwear_jax.wear.ring_run import Pressures, RingRun, RunSolution
+from plgwear_jax.wear.ring_run import RingRun, RunSolution
 
 
 def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCells, Scales]:
@@ -34,7 +35,7 @@ def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCel
     # The cells know the first rate to four digits, and the energy of friction knows it to eight.
     unit = 4.0 * state.friction * state.tangential * volume / energy_of(state)
     scales = Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
-    return in_unit(cells, unit), scales
+    return cells, scales
 
 
 # --- the runs of all contacts -----------------------------------------------------------------------------------------
@@ -58,11 +59,6 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
     return each(sequential_forward_mode(run), (contact, force))
 
 
-def _worn_by_parts(effort: Effort, resolution: MarchResolution, contact: Any, force: Array) -> _Runs:
-    """The same, by the programs of known numbers."""
-    return _worn_runs(resolution, solved_states(effort, contact, force))
-
-
 def _worn_runs(resolution: MarchResolution, states: State) -> _Runs:
     return states, curves_by_parts(resolution, *_rings_of_each(resolution, states))
 
@@ -77,9 +73,10 @@ def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: A
         force = _not_zero(contact, force)
     given = contact, force
     if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):
-        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
-        single = jnp.broadcast_shapes(*shapes) == ()
-        return with_slopes(_runs, _worn_by_parts if single else None)(effort, resolution, *given)
+        single = contact.friction.size == contact.normal_force.size == force.size == 1
+        # The derivatives of known numbers are those of two programs.
+        parts = (lambda _, steps, *given: _worn_runs(steps, solved_states(effort, *given))) if single else None
+        return with_slopes(_runs, parts)(effort, resolution, *given)
     states = states_of(contact, force, effort)
     refuse_tension(states, worn=True)
     return _worn_runs(resolution, states)
@@ -98,31 +95,31 @@ class NumericRing(NamedTuple):
         del y
         return over_radii_of("unworn_gap_at", self.states, r), over_radii_of("worn_depth_at", self.states, r)
 
-    def pressures(self, run: RunSolution, r: Array) -> tuple[Pressures, tuple[Array, Pressures]]:
-        """The pressures at radii, and a radius in m next to c with those there."""
-        states, curves, c = self.states, run.curves, run.stick_radius
+    def pressures(self, r: Array) -> Iterator[Array]:
+        """The pressures in Pa before any wear and in the end."""
+        return (over_radii_of(name, self.states, r) for name in ("unworn_pressure_at", "worn_pressure_at"))
+
+    def caused(self, curves: RunCurves) -> tuple[Array, Callable[[Array], Array]]:
+        """(The least known 1 - (r/c)^2 inside c; by it what pressures a unit of pressure in each cell causes there)."""
+        states = self.states
         places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, curves.from_1)
-        near = states.c * jnp.sqrt(1.0 - places[..., -1])  # the nearest place to c
 
-        def pressures_at(at: Array) -> Pressures:
-            under = jnp.where(at < c, at, 0.5 * c)
-            place = moment_at(-places, -((c - under) / c) * ((c + under) / c))  # places decrease towards c
-            place = place._replace(part=jnp.clip(place.part, 0.0, 1.0)[..., None])
-            unworn, worn = (over_radii_of(name, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
-            return Pressures(unworn, worn, place.between(caused))
+        def caused_at(z: Array) -> Array:
+            place = moment_at(-places, -z, within=True)  # places decrease towards c
+            return place._replace(part=place.part[..., None]).between(caused)
 
-        return pressures_at(r), (near, pressures_at(near))
+        return places[..., -1], caused_at
 
 
 @program()
 def _run_in_si(runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
     states, curves = runs
     phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
-    # 4 K mu theta in 1/Pa, the time of one cycle.
-    per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
+    K = guarded("wear_coefficient", wear_coefficient, POSITIVE)
+    pace = 4.0 * states.tangential * K / curves.unit  # 4 K mu theta in 1/Pa is the time of one cycle
     a_0 = states.results.contact_radius
     stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)
-    return RunSolution(curves, phi, per_cycle, a_0, stick, NumericRing(states))
+    return RunSolution(curves, phi, pace, a_0, stick, NumericRing(states), force, contact.friction / K)
 
 
 class NumericRun(RingRun):

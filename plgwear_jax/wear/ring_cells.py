@@ -9,7 +9,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import whole
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.surfaces.cells import RingCells
 
 
 class MarchResolution(NamedTuple):
@@ -54,23 +53,18 @@ def _places_of_edges(resolution: MarchResolution) -> tuple[np.ndarray, np.ndarra
 
     The growth begins as a square and ends as an exponential, so that the steps in n have about the same length.
     """
-    place, growth = np.ones((2, len(resolution.refinements), resolution.cells + 1))
-    last = 1.0 + _BEYOND / resolution.outer
-    for i, multiple in enumerate(resolution.refinements):
-        inner, count = resolution.inner * multiple, (resolution.outer + _BEYOND) * multiple
-        v = np.linspace(0.0, last, count + 1)
-        place[i, : inner + 1] = np.linspace(0.0, 1.0, inner + 1)
-        growth[i, : inner + 1] = 0.0
-        growth[i, inner : inner + count + 1] = np.expm1(-resolution.length * v * v) / np.expm1(
-            -resolution.length * last**2
-        )
-    return place, growth
+    edge, multiple = np.arange(resolution.cells + 1.0), np.array(resolution.refinements)[:, None]
+    inner, outer = resolution.inner * multiple, resolution.outer * multiple
+    last = (resolution.outer + _BEYOND) / resolution.outer
+    v = np.clip((edge - inner) / outer, 0.0, last)
+    growth = np.expm1(-resolution.length * v * v) / np.expm1(-resolution.length * last * last)
+    return np.minimum(edge / inner, 1.0), growth
 
 
 class Scales(NamedTuple):
     """The units of a run."""
 
-    volume: Array  # final volume
+    final: Array  # final volume
     unit: Array  # unit of n: the final volume over the first wear rate
     inner: Array  # C = c^2
     width: Array  # final width of the ring, in C
@@ -94,11 +88,6 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth
     return from_c, grown * growth - unworn * end / (begin + end)
-
-
-def in_unit(ring: RingCells, unit: Array) -> RingCells:
-    """The cells with pressures in the inverse of a unit of time."""
-    return ring._replace(compliance=ring.compliance / unit, first=ring.first * unit)
 
 
 def weights(resolution: MarchResolution, order: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 """A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
 
 import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,30 +18,36 @@ from plgwear_jax.wear.ring_march import March, marches_of
 
 
 class Shares(NamedTuple):
-    """The part of a run that tells which share of the final volume is worn."""
+    """The part of a run that tells which share of the final volume is worn, all of it as of `RunCurves`."""
 
-    volume: Curve  # worn volume over the final volume
-    decay: Array  # as of `RunCurves`
-    unit: Array  # the unit of time
+    volume: Curve
+    decay: Array
+    slowing: Array
+    unit: Array
 
 
 class RunCurves(NamedTuple):
-    """The result of a run: curves over time, and what reading them needs of the ring."""
+    """The result of a run: curves over time in its unit, and what reading them needs of the ring."""
 
     volume: Curve  # worn volume over the final volume
     edge: Curve  # (T - C)/C at the edge of the contact
     worn: Curve  # P in the cells
-    decay: Array  # (a, b): beyond the last time the volume left to wear, r, obeys r' = -(a + b r) r
+    decay: Array  # a: beyond the last time the volume left to wear, r, obeys r' = -(a + b r) r
+    slowing: Array  # b
     ratio: Array  # H/g in the cells
     swept: Array  # Q/s integrated over the cells
     edges: Array  # T/C - 1 at the edges of the cells
     from_1: Array  # T/C - (a_0/c)^2 there
-    scales: Scales
+    # As of `Scales`
+    final: Array
+    unit: Array
+    inner: Array
+    width: Array
 
     @property
     def shares(self) -> Shares:
         """The worn volume alone."""
-        return Shares(self.volume, self.decay, self.scales.unit)
+        return Shares(self.volume, self.decay, self.slowing, self.unit)
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------
@@ -49,12 +55,40 @@ class RunCurves(NamedTuple):
 
 def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool = False) -> np.ndarray:
     """The matrix of piecewise polynomial interpolation from values at the nodes to values, or slopes, at the places."""
-    matrix, count = np.zeros((places.size, nodes.size)), degree + 1
-    for row, place in zip(matrix, places, strict=True):
-        first = int(np.clip(np.searchsorted(nodes, place) - count // 2, 0, nodes.size - count))
-        near = slice(first, first + count)
-        row[near] = np.linalg.inv(np.vander(nodes[near] - place, increasing=True))[int(slope)]
+    matrix, powers = np.zeros((places.size, nodes.size)), np.arange(degree + 1)
+    first = np.clip(np.searchsorted(nodes, places) - powers.size // 2, 0, nodes.size - powers.size)
+    near = first[:, None] + powers
+    to_powers = np.linalg.inv((nodes[near] - places[:, None])[:, :, None] ** powers)
+    np.put_along_axis(matrix, near, to_powers[:, int(slope)], 1)
     return matrix
+
+
+@functools.cache
+def _shared_steps(resolution: MarchResolution) -> np.ndarray:
+    """The indices of the steps that all marches share, (marches, steps), among those of all marches."""
+    multiple = np.array(resolution.refinements)[:, None]
+    before = resolution.outer * (np.cumsum(multiple)[:, None] - multiple)  # the steps of the marches before
+    return (before + multiple * np.arange(1, resolution.outer + 1) - 1).astype(np.uint32)  # JAX wraps other indices
+
+
+@functools.cache
+def _matrices(resolution: MarchResolution) -> tuple[np.ndarray, ...]:
+    """Matrices that interpolate in the finest march.
+
+    Returns:
+        (From the steps that all marches share to all of its steps, the same by straight lines, the same for cells, from
+        values at its steps to their slopes.)
+    """
+    finest, common = resolution.refinements[-1], np.arange(1, resolution.outer + 1)
+    steps, shared = np.arange(resolution.steps + 1.0), np.arange(resolution.cells // finest)
+    places = np.maximum(steps[1:] / finest, 1.0)
+    cells = np.clip((np.arange(resolution.cells) + 0.5) / finest - 0.5, 0.0, shared[-1])
+    return (
+        _polynomials(common, places, 3),
+        _polynomials(common, places, 1),
+        _polynomials(shared, cells, 1).T,
+        _polynomials(steps, steps, 4, slope=True),
+    )
 
 
 def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolution) -> Array:
@@ -63,11 +97,9 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     All marches divide the same coarse cells. At the steps that all marches share, the worn depths and loads of the
     coarse cells are extrapolated to small cells.
     """
-    multiple, dtype = np.array(resolution.refinements)[:, None], ring.gap.dtype
-    first = resolution.outer * (np.cumsum(multiple) - multiple[:, 0])
-    shared = first[:, None] + multiple * np.arange(1, resolution.outer + 1) - 1
-    cell = np.arange(resolution.cells) // multiple  # the coarse cell of each one
-    within = jnp.asarray(cell[:, :, None] == np.arange(resolution.cells // multiple[-1, 0]), dtype)
+    multiple, dtype, shared = resolution.refinements, ring.gap.dtype, _shared_steps(resolution)
+    cell = np.arange(resolution.cells) // np.array(multiple)[:, None]  # the coarse cell of each one
+    within = jnp.asarray(cell[:, :, None] == np.arange(resolution.cells // multiple[-1]), dtype)
     depth = ring.gap[:, None] * jnp.expm1(march.worn[shared])
     load = jnp.diff(ring.edges)[:, None] * march.pressure[shared]
     sums = jnp.stack([depth, load]) @ within
@@ -75,67 +107,40 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     finest = sums[:, -1]
     counts = finest > 1e-9 * jnp.max(finest, (1, 2), keepdims=True)  # elsewhere rounding decides
     ratio = clamped(0.5, ratio_where(counts, limit, finest, 1.0), 1.5)
-    *_, to_steps, to_cells = (jnp.asarray(x, dtype) for x in _matrices(resolution, 2))
+    _, to_steps, to_cells, _ = (jnp.asarray(x, dtype) for x in _matrices(resolution))
     last = slice(-resolution.steps, None)
     both = jnp.stack([ring.gap[-1] * jnp.expm1(march.worn[last]), march.pressure[last]])
     return both * (to_steps @ ratio @ to_cells)
 
 
-class _Matrices(NamedTuple):
-    limit: np.ndarray  # from all steps of all marches to those that all marches share
-    spread: np.ndarray  # from these to the steps of the finest march
-    slope: np.ndarray  # at the steps of the finest march, from time 0 on
-    linear: np.ndarray  # as `spread`, by straight lines
-    to_cells: np.ndarray  # the same from the cells that all marches share to those of the finest march
-
-
-@functools.cache
-def _matrices(resolution: MarchResolution, order: int) -> _Matrices:
-    refinements, common = resolution.refinements, np.arange(1, resolution.outer + 1)
-    limit, first = np.zeros((resolution.outer, resolution.outer * sum(refinements))), 0
-    for multiple, weight in zip(refinements, weights(resolution, order), strict=True):
-        limit[common - 1, first + common * multiple - 1] = weight
-        first += resolution.outer * multiple
-    finest = refinements[-1]
-    steps, shared = np.arange(resolution.steps + 1.0), np.arange(resolution.cells // finest)
-    places = np.maximum(steps[1:] / finest, 1.0)
-    cells = np.clip((np.arange(resolution.cells) + 0.5) / finest - 0.5, 0.0, shared[-1])
-    return _Matrices(
-        limit,
-        _polynomials(common, places, 3),
-        _polynomials(steps, steps, 4, slope=True),
-        _polynomials(common, places, 1),
-        _polynomials(shared, cells, 1).T,
-    )
-
-
-def _from(start: Any, x: Array) -> Array:
+def _from(start: Array | float, x: Array) -> Array:
     """The values at all steps, with the value at time 0 in front."""
-    return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
+    return jnp.concatenate([jnp.full((1, *x.shape[1:]), start, x.dtype), x])
 
 
 def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) -> RunCurves:
     """The curves of a run, from the cells of each march, extrapolated to small cells and steps."""
+    # Pressures are in the inverse of the unit of time.
+    ring = ring._replace(compliance=ring.compliance / scales.unit, first=ring.first * scales.unit)
     march = marches_of(ring, resolution)
     depths, pressures = _depths_and_pressures(ring, march, resolution)
     multiple = resolution.refinements[-1]
-    finest = jax.tree.map(lambda x: x[-resolution.steps :], march)
     ring = jax.tree.map(lambda x: x[-1], ring)
     begin = resolution.inner * multiple
     edge = ring.edges[begin : begin + resolution.steps + 1]
+    spread, _, _, slope = (jnp.asarray(matrix, ring.gap.dtype) for matrix in _matrices(resolution))
 
-    def limit(order: int, x: Array, finest: Array) -> Array:
-        limit, spread, *_ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(resolution, order))
+    def limit(order: int, x: Array) -> Array:
+        shared = x[_shared_steps(resolution)]
         # Clipped, since at few digits the first steps would otherwise go backwards.
-        return _from(0.0, finest * clamped(0.25, spread @ (limit @ x / finest[multiple - 1 :: multiple]), 4.0))
+        ratio = clamped(0.25, spread @ (jnp.asarray(weights(resolution, order), x.dtype) @ shared / shared[-1]), 4.0)
+        return _from(0.0, x[-resolution.steps :] * ratio)
 
     # The edge of the contact has an error of first order in the cell size, time and volume of second order.
-    time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
-    edge_time = limit(1, march.time, finest.time)
-    slope = jnp.asarray(_matrices(resolution, 2).slope, time.dtype)
+    time, volume, edge_time = limit(2, march.time), limit(2, march.volume), limit(1, march.time)
     by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
-    rate = jnp.concatenate([jnp.ones((1,), time.dtype), by_step[1:, 2] / by_step[1:, 0]])
-    growth = jnp.concatenate([jnp.full((1,), jnp.inf, time.dtype), by_step[1:, 3] / by_step[1:, 1]])
+    rate = _from(1.0, by_step[1:, 2] / by_step[1:, 0])
+    growth = _from(jnp.inf, by_step[1:, 3] / by_step[1:, 1])
     # The volume left to wear, r, decays as r' = -(a + b r) r; a and b follow from the slopes at two late times.
     rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
     fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
@@ -143,19 +148,14 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
     return RunCurves(
         limited(Curve(time, volume, rate)),
         limited(Curve(edge_time, edge, growth)),
-        limited(
-            Curve(
-                _from(0.0, time[1:]),
-                _from(0.0, jnp.log1p(depths / ring.gap)),
-                _from(ring.first, clamped(0.0, pressures)),
-            )
-        ),
-        jnp.stack([fall[0] - more * rest[0], more]),
+        limited(Curve(time, _from(0.0, jnp.log1p(depths / ring.gap)), _from(ring.first, clamped(0.0, pressures)))),
+        fall[0] - more * rest[0],
+        more,
         ring.steady / ring.gap,
         ring.swept,
         ring.edges,
         ring.from_1,
-        scales,
+        *scales,
     )
 
 
@@ -168,23 +168,10 @@ def curves_by_parts(resolution: MarchResolution, rings: RingCells, scales: Scale
 # --- at any time ------------------------------------------------------------------------------------------------------
 
 
-def end_of(curves: RunCurves) -> Array:
-    """The time after which less is left to wear than the rounding error of the volume."""
-    decay, time = curves.decay[..., 0], curves.volume.time[..., -1]
-    long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
-    return curves.scales.unit * (time + long)
-
-
-def share_at(shares: Shares, time: Array) -> Array:
-    """The share of the final volume that is worn by then."""
-    moment = moment_at(shares.volume.time, time / shares.unit)
-    rest = 1.0 - shares.volume.value[..., -1]
-    a, b = shares.decay[..., 0], shares.decay[..., 1]
+def share_at(shares: Shares | RunCurves, time: Array) -> Array:
+    """The share of the final volume that is worn by a time, in the unit of the run."""
+    moment = moment_at(shares.volume.time, time)
+    rest, a = 1.0 - shares.volume.value[..., -1], shares.decay
     fall = jnp.exp(-a * moment.late)
-    after = 1.0 - ratio_where(a > 0.0, a * rest * fall, a + b * rest * (1.0 - fall))
+    after = 1.0 - ratio_where(a > 0.0, a * rest * fall, a + shares.slowing * rest * (1.0 - fall))
     return jnp.where(moment.late > 0.0, after, moment.on(shares.volume))
-
-
-def volume_of(curves: RunCurves, phi: Array, time: Array) -> Array:
-    """The volume that is worn by then."""
-    return jnp.where(phi > 0.0, curves.scales.volume * share_at(curves.shares, time), 0.0)

@@ -99,28 +99,20 @@ def _solved(step: _Step, start: Array) -> Array:
 
 @_solved.defjvp
 def _solved_jvp(primals, tangents):
+    # The change of (1/l; w) that removes the residual of the moved equations; linear in it, for reverse mode.
     (step, start), (dstep, _) = primals, tangents
     found = _solved(step, start)
-    residual = jax.jvp(lambda *moving: _excess(_Step._make((*moving, step.touching)), found), step[:4], dstep[:4])[1][0]
-    return found, _tangent(step, found, residual)
-
-
-def _tangent(step: _Step, found: Array, residual: Array) -> Array:
-    """The change of (1/l; w) that removes a small residual; linear in it, so that reverse mode can transpose it."""
-    pace, number = found[0], np.arange(step.gap.size)
+    moved = jax.jvp(lambda *moving: _excess(_Step._make((*moving, step.touching)), found), step[:4], dstep[:4])[1]
+    both, number = jnp.stack([step.compliance @ found[1:], moved[0]]), np.arange(step.gap.size)
     touches = number < step.touching
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), 1.0)
-    both = touches[:, None] & touches
-    matrix = jnp.where(both, pace * step.compliance, 0.0) + jnp.where(number[:, None] == number, slope, 0.0)
-    factor = cholesky(matrix)
-    sunk = step.compliance @ found[1:]
-    both = jnp.stack([sunk, residual])
+    matrix = jnp.where(touches[:, None] & touches, found[0] * step.compliance, 0.0)
+    factor = cholesky(matrix + jnp.where(number[:, None] == number, slope, 0.0))
     known = backward(factor, forward(factor, jnp.where(touches, both, 0.0).T))
     # The equation of the next cell determines the pace.
-    following = pace * step.compliance[step.touching]
-    left, rest = both[:, step.touching] - following @ known
+    left, rest = both[:, step.touching] - found[0] * step.compliance[step.touching] @ known
     change = -rest / left
-    return jnp.append(change, -(known @ jnp.stack([change, jnp.ones_like(change)])))
+    return found, jnp.append(change, -(known @ jnp.stack([change, jnp.ones_like(change)])))
 
 
 class March(NamedTuple):

@@ -10,84 +10,108 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, RefusedError
+from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.doubts import SOON
-from plgwear_jax._core.startup.programs import program, value_of
 from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.wear.curves import Moment, cells_around, moment_at
-from plgwear_jax.wear.ring_curves import RunCurves, end_of, share_at, volume_of
+from plgwear_jax.wear.ring_curves import RunCurves, share_at
 from plgwear_jax.wear.run import Run
 
 
-class Pressures(NamedTuple):
-    """Pressures in Pa at radii inside the stick radius; only the first one also counts outside."""
-
-    unworn: Array  # before any wear
-    steady: Array  # in the end
-    caused: Array  # by a unit of pressure in each cell of the ring, along a last axis
-
-
 class RunSolution(NamedTuple):
-    """The solution of a run. All leaves but `per_cycle` begin with the axes of the contacts."""
+    """The solution of a run. All leaves but numbers of the question begin with the axes of the contacts."""
 
     curves: RunCurves
     phi: Array  # amplitudes before any wear; where they are 0 the curves are those of 1/2
-    per_cycle: Array  # the time of one cycle; broadcasts against the contacts
-    contact_radius: Array  # a_0 in m
-    stick_radius: Array  # c in m
+    pace: Array  # the time of one cycle in the unit of the curves; broadcasts against the contacts
+    a_0: Array  # contact radius before any wear in m
+    c: Array  # stick radius in m
     ring: Any  # the ring of the engine: its gap, its final depth, and the pressures that it causes inside c
+    force: Array  # its amplitude in N
+    work: Array  # of friction in J/m^3 for the worn volume, mu/K by Archard's law
+
+    def _known(self, found: Array, at: Array | float = 0.0, r: Any = 1.0) -> Array:
+        """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
+        # Radii may be infinite.
+        return found + self.phi * self.a_0 * self.pace * (0.0 * at) * jnp.minimum(r, 1.0)
+
+    def number(self, name: str, cycles: Array) -> Array:
+        """One number of the run, such as its contact radius."""
+        return self._known(_NUMBERS[name](self, cycles), cycles)
+
+    def field(self, name: str, r: Array, cycles: Array) -> Array:
+        """The worn depth or the pressure at radii."""
+        read = _pressure if name == "pressure" and self.phi.size else _depth_over_radii  # as empty
+        return self._known(read(self, r, cycles), cycles, r)
+
+    def cycles_to(self, name: str, goal: Array) -> Array:
+        """When so much is worn: a depth, a volume, or a share of the final volume."""
+        shares, decay, time = self.curves.shares, self.curves.decay, self.curves.volume.time[..., -1]
+        # Then less is left to wear than the rounding error of the volume.
+        long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
+        end = (time + long) / self.pace
+        if name == "depth":
+            found = first_at(_deepest, (self, _over_ring(self, goal)), goal, end)
+        else:
+            share = goal if name == "share" else goal / self.curves.final
+            goals = jnp.where(share < 1.0, share, jnp.inf)
+            found = first_at(lambda run, cycles: share_at(run[0], run[1] * cycles), (shares, self.pace), goals, end)
+        # Where nothing wears, no goal above 0 is reached.
+        found = jnp.where(self.phi > 0.0, found, jnp.nan if name == "share" else jnp.where(goal > 0.0, jnp.inf, 0.0))
+        return self._known(found, goal * self.a_0)
+
+    def last(self) -> Array:
+        """Cycles after which nothing wears any more."""
+        return self._known(_LONG / self.pace)
 
 
-def _nan_outside(run: RunSolution, found: Array, at: Array, r: Any = 1.0) -> Array:
-    """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
-    # Radii may be infinite.
-    return found + run.phi * run.contact_radius * run.per_cycle * (0.0 * at) * jnp.minimum(r, 1.0)
+_LONG = 1e6  # units of time after which nothing wears any more
 
 
 # --- one number of the run --------------------------------------------------------------------------------------------
 
 
 def _volume(run: RunSolution, cycles: Array) -> Array:
-    return volume_of(run.curves, run.phi, run.per_cycle * cycles)
+    return jnp.where(run.phi > 0.0, run.curves.final * share_at(run.curves, run.pace * cycles), 0.0)
 
 
 def _volume_rate(run: RunSolution, cycles: Array) -> Array:
-    return clamp_keep_slope(0.0, jax.jvp(lambda cycles: _volume(run, cycles), (cycles,), (jnp.ones_like(cycles),))[1])
+    return clamp_keep_slope(0.0, jax.jvp(functools.partial(_volume, run), (cycles,), (jnp.ones_like(cycles),))[1])
 
 
 def _contact_radius(run: RunSolution, cycles: Array) -> Array:
-    curves, scales = run.curves, run.curves.scales
-    moment = moment_at(curves.edge.time, run.per_cycle * cycles / scales.unit)
+    curves = run.curves
+    moment = moment_at(curves.edge.time, run.pace * cycles)
     y = moment.on(curves.edge)
-    y = y + (scales.width - y) * -jnp.expm1(-curves.decay[..., 0] * moment.late)
-    grown = clamp_keep_slope(1.0, jnp.sqrt(scales.inner * (1.0 + y)))
-    return run.contact_radius * jnp.where(run.phi > 0.0, grown, 1.0)
+    y = y + (curves.width - y) * -jnp.expm1(-curves.decay * moment.late)
+    grown = clamp_keep_slope(1.0, jnp.sqrt(curves.inner * (1.0 + y)))
+    return run.a_0 * jnp.where(run.phi > 0.0, grown, 1.0)
 
 
-_AMOUNTS: dict[str, Callable[[RunSolution, Array], Array]] = {
+_NUMBERS: dict[str, Callable[[RunSolution, Array], Array]] = {
     "volume": _volume,
     "rate": _volume_rate,
     "contact_radius": _contact_radius,
-    "stick_radius": lambda run, cycles: run.stick_radius,
+    "stick_radius": lambda run, cycles: run.c,
+    "force_amplitude": lambda run, cycles: run.force,
+    "energy_per_cycle": lambda run, cycles: run.work * _volume_rate(run, cycles),
     "deepest_wear": lambda run, cycles: _deepest((run, _over_ring(run, cycles)), cycles),
 }
-
-
-@program(static=1)
-def _number_of_run(name: str, run: RunSolution, cycles: Array) -> Array:
-    return _nan_outside(run, _AMOUNTS[name](run, cycles), cycles)
 
 
 # --- depth ------------------------------------------------------------------------------------------------------------
 
 
-def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Array) -> Array:
-    """The worn depth h = g E/(1 + g E/H) at y in the ring. E grows without bound, so that h tends to exactly H."""
-    curves = run.curves
+_InRing = tuple[Array, Array, Array]  # in the ring: y, and the gap and the final depth there in m
+
+
+def _depth_at(run: RunSolution, places: _InRing, cycles: Array) -> Array:
+    """The worn depth h = g E/(1 + g E/H) in the ring. E grows without bound, so that h tends to exactly H."""
+    curves, (y, gap, steady) = run.curves, places
     cell = cells_around(curves.edges, y)
-    moment = moment_at(curves.worn.time, run.per_cycle * cycles / curves.scales.unit)
+    moment = moment_at(curves.worn.time, run.pace * cycles)
 
     def level(at: Array) -> Array:
         grown = jnp.expm1(moment.on(curves.worn, at))
@@ -95,80 +119,48 @@ def _depth_at(run: RunSolution, y: Array, gap: Array, steady: Array, cycles: Arr
         return jnp.log1p(grown / rest)
 
     grown = jnp.expm1(cell.across(level))
-    grown = grown * jnp.exp(jnp.minimum(curves.decay[..., 0] * moment.late, 60.0))  # no more, or it would overflow
+    grown = grown * jnp.exp(jnp.minimum(curves.decay * moment.late, 60.0))  # no more, or it would overflow
     return jnp.where(run.phi > 0.0, steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny), 0.0)
 
 
 def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     """(Whether radii lie in the ring, y = (r/c)^2 - 1 and radii there, harmless values elsewhere)."""
-    c = run.stick_radius
-    edge = c * jnp.sqrt(1.0 + run.curves.scales.width)
+    c = run.c
+    edge = c * jnp.sqrt(1.0 + run.curves.width)
     inside = (r > c) & (r < edge)  # at c depths have no slope from outside
     near = jnp.where(inside, r, 0.5 * (c + edge))
     return inside, ((near - c) / c) * ((near + c) / c), near
 
 
-def _depth_of_run(run: RunSolution, r: Array, cycles: Array) -> Array:
+def _depth_over_radii(run: RunSolution, r: Array, cycles: Array) -> Array:
     inside, y, near = _in_ring(run, r)
-    gap, steady = run.ring.gap_and_depth(y, near)
-    return _nan_outside(run, jnp.where(inside, _depth_at(run, y, gap, steady, cycles), 0.0), cycles, r)
+    return jnp.where(inside, _depth_at(run, (y, *run.ring.gap_and_depth(y, near)), cycles), 0.0)
 
 
 _PLACES = np.linspace(0.0, 1.0, 242)[1:-1] ** 2  # of the ring; the deepest is near c after a few cycles
 
 
-def _over_ring(run: RunSolution, at: Array) -> tuple[Array, Array, Array]:
-    """(y, gap, final depth) over the ring, along a first axis before those of the contacts and of other numbers."""
-    places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.per_cycle.ndim))
-    y = jnp.asarray(places, at.dtype) * run.curves.scales.width
-    gap, steady = run.ring.gap_and_depth(y, run.stick_radius * jnp.sqrt(1.0 + y))
-    return y, gap, steady
+def _over_ring(run: RunSolution, at: Array) -> _InRing:
+    """Places over the ring, along a first axis before those of the contacts and of other numbers."""
+    places = _PLACES.reshape(-1, *(1,) * max(at.ndim, run.phi.ndim, run.pace.ndim))
+    y = jnp.asarray(places, at.dtype) * run.curves.width
+    return y, *run.ring.gap_and_depth(y, run.c * jnp.sqrt(1.0 + y))
 
 
-def _deepest(given: tuple[RunSolution, tuple[Array, Array, Array]], cycles: Array) -> Array:
-    run, ring = given
-    return crest(_depth_at(run, *ring, cycles))
-
-
-# --- how long ---------------------------------------------------------------------------------------------------------
-
-
-@program(static=1)
-def _cycles_to(name: str, run: RunSolution, goal: Array) -> Array:
-    curves, wears = run.curves, run.phi > 0.0
-    end = end_of(curves) / run.per_cycle
-    if name == "depth":
-        found = first_at(_deepest, (run, _over_ring(run, goal)), goal, end)
-    else:
-
-        def worn(given: Any, cycles: Array) -> Array:
-            return share_at(given[0], given[1] * cycles)
-
-        share = goal if name == "share" else goal / curves.scales.volume
-        never = share >= 1.0
-        found = first_at(worn, (curves.shares, run.per_cycle), jnp.where(never, 0.5, share), end)
-        found = jnp.where(never, jnp.inf, found)
-    # Where nothing wears, no goal above 0 is reached.
-    found = jnp.where(wears, found, jnp.nan if name == "share" else jnp.where(goal > 0.0, jnp.inf, 0.0))
-    return _nan_outside(run, found, goal * run.contact_radius)
-
-
-@program()
-def _lasting(run: RunSolution) -> Array:
-    return _nan_outside(run, _LONG * run.curves.scales.unit / run.per_cycle, run.phi)
-
-
-_LONG = 1e6  # units of time after which nothing wears any more
+def _deepest(given: tuple[RunSolution, _InRing], cycles: Array) -> Array:
+    return crest(_depth_at(*given, cycles))
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
 def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
-    inside, (nearest, beside) = run.ring.pressures(run, r)
-    curves, c, unit = run.curves, run.stick_radius, run.curves.scales.unit
-    moment = moment_at(curves.worn.time, run.per_cycle * cycles / unit)
-    faded = jnp.exp(-curves.decay[..., 0] * moment.late) / unit
+    curves, c, unit = run.curves, run.c, run.curves.unit
+    under = jnp.where(r < c, r, 0.5 * c)
+    z, (nearest, caused_at) = ((c - under) / c) * ((c + under) / c), run.ring.caused(curves)
+    unworn, steady = run.ring.pressures(r)
+    moment = moment_at(curves.worn.time, run.pace * cycles)
+    faded = jnp.exp(-curves.decay * moment.late) / unit
 
     def grown(moment: Moment, cell: Any) -> Array:
         """Pressure of a cell, without its share of the pressure before any wear; times `faded`."""
@@ -179,34 +171,28 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     slips, y, _ = _in_ring(run, r)
     cell = cells_around(curves.edges, y, 1.0 / 3.0)  # edges grow as the cube of their index
     # A sum, since subtracting the first pressures would leave rounding errors where the pressure is zero.
-    around = faded * cell.across(functools.partial(grown, moment)) + remains * inside.unworn
+    around = faded * cell.across(functools.partial(grown, moment)) + remains * unworn
     # In the stick area the pressures of the ring cause a pressure that vanishes with them.
     begin = curves.worn.rate[..., 0, :] / unit[..., None]
     each = Moment(moment.axes, *(x[..., None] for x in moment[1:]))
     now = faded[..., None] * grown(each, np.arange(begin.shape[-1])) + remains[..., None] * begin
     # Next to c only the steady pressure is singular; its share 1 - `share` of the pressure grows from 0 to 1.
-    share = jnp.clip(jnp.sum(beside.caused * now, -1) / jnp.sum(beside.caused * begin, -1), 0.0, 1.0)
-    rest = jnp.sum(inside.caused * (now - share[..., None] * begin), -1)
-    blend = share * inside.unworn + (1.0 - share) * jnp.where(r < c, inside.steady, 0.0) + rest
+    beside = caused_at(nearest)
+    share = jnp.clip(jnp.sum(beside * now, -1) / jnp.sum(beside * begin, -1), 0.0, 1.0)
+    rest = jnp.sum(caused_at(z) * (now - share[..., None] * begin), -1)
+    blend = share * unworn + (1.0 - share) * jnp.where(r < c, steady, 0.0) + rest
     # Nearer to c than what is known the pressure tends to that of the first cell of the ring, as long as this touches.
-    under = jnp.where(r < c, r, 0.5 * c)
-    within = jnp.minimum((c - under) * (c + under) / ((c - nearest) * (c + nearest)), 1.0)
-    edge = now[..., 0]
+    within, edge = jnp.minimum(z / nearest, 1.0), now[..., 0]
     touching = (edge / begin[..., 0]) ** 2
     touching = touching / (touching + 0.05**2)
-    inner = edge + (share * beside.unworn + (1.0 - share) * beside.steady - edge) * within
+    unworn_beside, steady_beside = run.ring.pressures(c * jnp.sqrt(1.0 - nearest))
+    inner = edge + (share * unworn_beside + (1.0 - share) * steady_beside - edge) * within
     inner = jnp.maximum(inner, jnp.finfo(r.dtype).tiny)
     # Close to c, after few cycles, the blend is a difference of infinite pressures, which may be negative.
     mean = jnp.log(inner) * touching + jnp.log(jnp.maximum(blend, 0.1 * inner)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips, around, jnp.where(r == c, edge, 0.0)))
-    return _nan_outside(run, jnp.where(run.phi > 0.0, worn, inside.unworn), cycles, r)
-
-
-@program(static=1)
-def _field_of_run(name: str, run: RunSolution, r: Array, cycles: Array) -> Array:
-    read = _pressure if name == "pressure" and run.phi.size else _depth_of_run  # as empty
-    return read(run, r, cycles)
+    return jnp.where(run.phi > 0.0, worn, unworn)
 
 
 # --- the run ----------------------------------------------------------------------------------------------------------
@@ -216,14 +202,13 @@ class RingRun(Run):
     """A run of a constant force amplitude under Archard's law: the stick radius stays, and a ring around it wears."""
 
     law: Any  # Archard's
-    amount, field = staticmethod(_number_of_run), staticmethod(_field_of_run)
 
     def _given(self) -> Any:
         return as_numbers((self.contact, self.load, self.law.wear_coefficient))
 
     def _solve(self) -> RunSolution:
         found = super()._solve()
-        volume, phi = value_of(found.curves.volume.value), value_of(found.phi)
+        volume, phi = found.curves.volume.value, found.phi
         if not any(isinstance(x, Tracer) for x in (volume, phi)) and np.isnan(volume).any():
             if np.max(phi) > 0.99:
                 told = "is so close to gross slip that the wear over cycles cannot be followed"
@@ -234,22 +219,5 @@ class RingRun(Run):
         return found
 
     def _doubt(self) -> str | None:
-        run = self._solution
-        unit = np.min(run.curves.scales.unit, initial=np.inf) / np.max(run.per_cycle, initial=0.0)
         # The cycles to 99 % are several units, and only few questions are to pay for them.
-        return self._doubt_of_soon() if unit < SOON else None
-
-    def force_amplitude(self, cycles: ArrayLike) -> Array:
-        limit = jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
-        return self.load.control(limit).value + 0.0 * self._argument("cycles", cycles)
-
-    def energy_per_cycle(self, cycles: ArrayLike) -> Array:
-        # By Archard's law mu/K times the volume that the cycle wears.
-        return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.law.wear_coefficient)
-
-    def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._read(functools.partial(_cycles_to, name), goal)
-
-    @property
-    def lasting_cycles(self) -> Array:
-        return _lasting(self._solution)
+        return self._doubt_of_soon() if np.max(self._solution.pace, initial=0.0) * SOON > 1.0 else None

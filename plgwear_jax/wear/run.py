@@ -2,7 +2,6 @@
 
 import abc
 import functools
-from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import jax.numpy as jnp
@@ -11,7 +10,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import RADIUS, ArrayLike, guarded, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
-from plgwear_jax._core.startup.programs import follows, read_with_slopes, traced
+from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.loads import Load
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.steady.batch import dtype_of
@@ -20,6 +19,13 @@ from plgwear_jax.steady.solution import Solution
 from plgwear_jax.wear_laws import WearLaw
 
 NEARLY = 0.99  # share of the final volume by which a scar is worn
+
+
+@program(static=1)
+def _read_from(what: tuple[str, ...], solution: Any, *at: Array) -> Array:
+    """What a solution tells: a `number` or a `field` of a name, the `cycles_to` what is worn, its `last` cycles."""
+    method, *name = what
+    return getattr(solution, method)(*name, *at)
 
 
 class Final(NamedTuple):
@@ -63,9 +69,6 @@ class Run(Solution, abc.ABC):
 
     law: WearLaw
     known: ClassVar[tuple[Any, ...]] = ()  # the most digits, and what is said of more
-    # Programs that read one number of this name from the solution, and one field.
-    amount: ClassVar[Callable[..., Array]]
-    field: ClassVar[Callable[..., Array]]
 
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         digits = None if digits is None else whole("digits", digits, 1, *self.known)
@@ -103,16 +106,16 @@ class Run(Solution, abc.ABC):
     def _solve(self) -> Any:
         return self._solved(self._given())
 
-    def _read(self, program: Callable[[Any, Array], Array], at: Array) -> Array:
-        """What a program reads from the solution at the numbers `at`."""
-        given = self._given()
+    def _read(self, method: str, name: str, at: Array) -> Array:
+        """What the solution tells at such numbers."""
+        given, read = self._given(), functools.partial(_read_from, (method, name))
         if "solved" in vars(self) or not follows((given, at)):
-            found = program(self._solution, at)
+            found = read(self._solution, at)
             if "solved" in vars(self) and "doubted" not in vars(self) and not traced(vars(self)["solved"]):
                 vars(self)["doubted"] = True  # first, since what follows reads the solution too
                 doubt(self._doubt())
             return found
-        return read_with_slopes(self._solved, program, given, at, vars(self))
+        return read_with_slopes(self._solved, read, given, at, vars(self))
 
     @abc.abstractmethod
     def _doubt(self) -> str | None:
@@ -125,7 +128,7 @@ class Run(Solution, abc.ABC):
         return jnp.asarray(super()._argument(name, value), dtype_of([getattr(self, one) for one in self.numbers]))
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
-        return self._read(functools.partial(self.amount, name), self._argument("cycles", cycles))
+        return self._read("number", name, self._argument("cycles", cycles))
 
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""
@@ -176,18 +179,16 @@ class Run(Solution, abc.ABC):
             told = " and ".join(goals) or "none of them"
             raise ValueError(f"cycles_to takes one of share, depth in m and volume in m^3, not {told}")
         ((name, goal),) = goals.items()
-        return self._cycles_to(name, self._argument(name, goal))
-
-    @abc.abstractmethod
-    def _cycles_to(self, name: str, goal: Array) -> Array: ...
+        return self._read("cycles_to", name, self._argument(name, goal))
 
     @property
-    @abc.abstractmethod
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run, after which nothing wears any more or after which it is not followed."""
+        return _read_from(("last",), self._solution)
 
     def _over_radii(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return self.field(name, self._solution, self._argument("r", r), self._argument("cycles", cycles))
+        at = self._argument("r", r), self._argument("cycles", cycles)
+        return _read_from(("field", name), self._solution, *at)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Depth in m worn off the indenter."""

@@ -18,7 +18,7 @@ from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.wear.closed_ring import curves_of
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution, edges_of
-from plgwear_jax.wear.ring_curves import volume_of
+from plgwear_jax.wear.ring_curves import share_at
 from plgwear_jax.wear.ring_march import _solved, _Step
 
 # The tests of closed forms ask for these shapes, so that they share their programs.
@@ -39,7 +39,7 @@ def of(amplitudes):
 def volumes(resolution, k, phi, n):
     """The volumes after n, a last axis, by marches that the library need not offer."""
     curves = curves_of(resolution, jnp.asarray(k), jnp.asarray(phi))
-    return np.asarray(volume_of(curves, phi, jnp.asarray(n)))
+    return np.asarray(curves.final * share_at(curves, n / curves.unit))
 
 
 @parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
@@ -155,7 +155,7 @@ def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
     curves = curves_of(RESOLUTIONS[4], jnp.asarray(0.0), jnp.asarray(0.8))
-    last = curves.volume.time[-1] * curves.scales.unit * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
+    last = curves.volume.time[-1] * curves.unit * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = Reduced(0.0, 0.8).rate(last)
     assert_allclose(rate, rate[0], rtol=1e-9)
 
