@@ -303,10 +303,9 @@ def fit_wear_coefficient(
         N, target = cycles[worn], volume[worn]
         if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+        if relative and not np.all(target > 0.0):
+            raise ValueError(f"volume = 0 after {N[target <= 0.0][0]:g} cycles: has no relative deviation")
         deviations = (target.max() if deviation is None else given) * (volume if relative else np.ones_like(volume))
-        unknown = N[deviations[worn] <= 0.0]
-        if unknown.size:
-            raise ValueError(f"volume = 0 after {unknown[0]:g} cycles: has no relative deviation")
 
         def run_with(coefficient: Any) -> Run:
             return contact.over_cycles(held, law_of(coefficient, exponent))
@@ -322,17 +321,11 @@ def fit_wear_coefficient(
         def misfit(log: float) -> float:
             return float(np.sum(((model.at(log) - target) / deviations[worn]) ** 2))
 
-        def most_likely() -> tuple[np.ndarray, float]:
-            """(Some log(K), the best one); points early and late in a test can each have a minimum."""
-            tried = np.linspace(*model.ends, _TRIED)
-            falls = np.diff([misfit(log) for log in tried]) < 0.0
-            minima = np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)).tolist()
-            return tried, min((_least_near(misfit, tried, i) for i in minima), key=misfit)
-
-        tried, best = most_likely()
+        best = _least_of(misfit, model.ends)
         if not held.lasts:
             model = _by_many_runs(run_with, N, best + np.linspace(-0.5, 0.5, _NODES), model.at)
-            tried, best = most_likely()
+            best = _least_of(misfit, model.ends)
+        tried = np.linspace(*model.ends, _TRIED)
         least, freedom, fitted = misfit(best), N.size - 1, np.zeros_like(volume)
         fitted[worn] = model.at(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
@@ -380,14 +373,17 @@ def fit_wear_coefficient(
         )
 
 
-def _least_near(misfit: Callable[[float], float], tried: np.ndarray, place: int) -> float:
-    """Where the misfit is least between the neighbours of a place among those that were tried."""
+def _least_of(misfit: Callable[[float], float], ends: tuple[float, float]) -> float:
+    """Where the misfit is least; points early and late in a test can each have a minimum."""
     from scipy import optimize
 
-    middle, neighbours = tried[place], tried[max(place - 1, 0) : place + 2]
-    bounds = neighbours[0] - middle, neighbours[-1] - middle
-    options = {"bounds": bounds, "method": "bounded", "options": {"xatol": 1e-10}}
-    return float(middle + optimize.minimize_scalar(lambda shift: misfit(middle + shift), **options).x)
+    tried, found = np.linspace(*ends, _TRIED), []
+    falls = np.diff([misfit(log) for log in tried]) < 0.0
+    for place in np.flatnonzero(np.append(True, falls) & ~np.append(falls, False)):
+        middle = tried[place]
+        beside = (tried[max(place - 1, 0) : place + 2] - middle)[[0, -1]]
+        found.append(float(middle + optimize.fminbound(lambda x, at=middle: misfit(at + x), *beside, xtol=1e-10)))
+    return min(found, key=misfit)
 
 
 def _exceeded_at(excess: Callable[[float], float], best: float, tried: np.ndarray) -> float:
