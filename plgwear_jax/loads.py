@@ -109,7 +109,8 @@ class Load:
 
     def with_amplitude(self, change: Callable[[Any], Any]) -> Self:
         """The load with a changed amplitude."""
-        return dataclasses.replace(self, **{self._varied: change(self.amplitude)})  # pyright: ignore[reportArgumentType]
+        name, amplitude = next(iter(vars(self).items()))
+        return dataclasses.replace(self, **{name: change(amplitude)})  # pyright: ignore[reportArgumentType]
 
     def stages(self) -> tuple[Any, ...]:
         """The load as cycles under one load after the other: one `Stage` or several `Block`."""
@@ -118,11 +119,7 @@ class Load:
     @property
     def amplitude(self) -> Any:
         """The amplitude of the force in N, or of the displacement in m; None if there are several."""
-        return getattr(self, self._varied)
-
-    @property
-    def _varied(self) -> str:
-        return dataclasses.fields(self)[0].name  # pyright: ignore[reportArgumentType]
+        return next(iter(vars(self).values()))
 
     @property
     def rig_compliance(self) -> Any:
@@ -207,8 +204,7 @@ class Displacement(Load):
 
     def check_at_rest(self, at_rest: Any) -> None:
         """Refuse concrete amplitudes under which the unworn contact slips as a whole."""
-        given = self.displacement_amplitude, self.rig_stiffness
-        if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, given))):
+        if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, self))):
             limit = at_rest.gross_slip_displacement
             where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement, where"
             allowed = Domain(f"0 <= displacement_amplitude < {where} gross slip begins", lambda u: u / limit < 1.0)

@@ -50,7 +50,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
-    rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
+    rise = math.pi * radius / punch.stiffness
     whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1)
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
