@@ -16,7 +16,7 @@ from plgwear_jax import fretting
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.question import Question, WearHorizon
+from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at
 from plgwear_jax.steady.batch import each
 from plgwear_jax.wear.closed_ring import run
@@ -35,8 +35,8 @@ class RunsAlongExponent(NamedTuple):
     log_ratio: Array  # log(theta/(1 + k)), (exponents,)
     shares: Any  # `Shares`, (amplitudes, exponents, ...)
 
-    def worn(self, contact: Any, radius: Any, horizon: WearHorizon) -> Array:
-        """The volume that a contact, of this radius before any wear if it is held, wears at each amplitude."""
+    def worn(self, contact: Any, radius: Any, horizon: Any) -> Array:
+        """The volume that a contact, of this radius before any wear if it is held, wears by then at each amplitude."""
         radius = contact.steady(0.0).contact_radius if radius is None else radius
         pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * horizon.law.wear_coefficient
         log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)

@@ -104,7 +104,7 @@ def designs(
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: designs takes none; ask design for each of them")
     question, level = parts_of(contact, load, vary, **keywords), keywords.get("level", 0.0)
-    weighted = question.load
+    weighted: Any = question.load
     if weighted is None:
         return _designs_in_a_batch(question, level)
     if weighted.weight is not None:
@@ -112,8 +112,8 @@ def designs(
     if weighted.amplitudes is not None:
         force = jnp.asarray(weighted.amplitudes)
         pairs = (force[..., None], jnp.ones(1)) if weighted.weight is None else (force, jnp.asarray(weighted.weight))
-        weighted = weighted.with_amplitudes(*jnp.broadcast_arrays(*pairs))
-    question = dataclasses.replace(question, load=weighted)
+        question = dataclasses.replace(question, load=weighted.with_amplitudes(*jnp.broadcast_arrays(*pairs)))
+    weighted = question.load
     if solved_one_by_one(question) and not traced((question, level)):
         return _designs_in_turn(question, level)
     if question.by_force:

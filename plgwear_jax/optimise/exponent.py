@@ -142,6 +142,8 @@ def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> Arr
 def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Array) -> OptimalExponent:
     shape = jnp.broadcast_shapes(phi.shape, *(one.shape for one in bounds_and_life))
     (lower, upper, *of_life), valid = bounds_and_life, AMPLITUDE.contains(phi)
+    given: tuple[Array, ...] = (jnp.broadcast_to(phi, shape),)
+    wear: Callable[..., Array] = functools.partial(fretting.wear_volume, digits=digits)
     if of_life:
         from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
         from plgwear_jax.wear.closed_ring import wear_volume
@@ -156,11 +158,10 @@ def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Ar
         given = *(jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume))), worn
         digits = digits or 4
 
-        def wear(k: Array, nodes: Array, heights: Array, worn: Array) -> Array:
+        def between_nodes(k: Array, nodes: Array, heights: Array, worn: Array) -> Array:
             return worn * jnp.exp(shares_of_nodes(nodes, k) @ heights)
 
-    else:
-        wear, given = functools.partial(fretting.wear_volume, digits=digits), (jnp.broadcast_to(phi, shape),)
+        wear = between_nodes
 
     def best(lower: Array, upper: Array, *given: Array) -> Minimum:
         space = {"k": Interval(lower, upper)}

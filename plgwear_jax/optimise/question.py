@@ -7,7 +7,7 @@ weights that do not depend on the design, and smooth functions of it.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack, cast
 
 import jax
 import numpy as np
@@ -350,7 +350,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise ValueError("load: only a fretting contact has one")
     if kind == "fretting" and load is None:
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
-    cycles, law = keywords.get("cycles"), keywords.get("law")
+    cycles, law = (cast(Any, keywords.get(name)) for name in ("cycles", "law"))
     kept = None if load is None or load.holds_force else load
     if cycles is None and kept is not None:
         raise ValueError(f"cycles: {never_steady(kept)}")

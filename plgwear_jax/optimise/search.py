@@ -177,7 +177,7 @@ def minimise(
         ),
     )
     minima = tied(function, found.pair[:-1], params)
-    found = found._replace(pair=Point(*minima, found.pair.residual))
+    found = found._replace(pair=Point._make((*minima, found.pair.residual)))
     return _minimum_of(found, names, params[0], upper, logarithmic)
 
 
