@@ -16,6 +16,7 @@ import known
 import numpy as np
 import pytest
 from commands import plgwear, printed, refused, table_rows, told
+from inputs import DESIGNS
 from marks import compiled, compiled_case, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
@@ -23,14 +24,14 @@ from processes import python
 from refusals import cases, is_told
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, gross_slip, optimise, plots, scene
+from plgwear_jax import FrettingContact, cli, gross_slip, optimise, plots, scene
 from plgwear_jax._core.catalogue import read
 from plgwear_jax._core.domains import RefusedError
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.cli.report import measures
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import question_of
 
-DESIGNS = Path(__file__).parents[2] / "design"
 GROSS_SLIP = """
 material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = "holl" }
 contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
@@ -61,13 +62,6 @@ def rewrite(old, new):
     Path("contact.toml").write_text(text.replace(old, new))
 
 
-@functools.cache
-def slipping():
-    """A design that is quickly found."""
-    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
-    return optimise.design(punch, None, {"k": (-0.9, 0.9)}, minimise="force_drop")
-
-
 class Search:
     """In place of the search for the best coating: a known one, and what was asked for."""
 
@@ -86,8 +80,8 @@ class Search:
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
         values = (jnp.mean(one.steady(load).wear_volume) for one in (best, contact))
-        question = question_of(contact, load, vary, **asked)
-        return optimise.Design(best, *values, self.limits, dataclasses.replace(slipping().minimum, **minimum), question)
+        found = dataclasses.replace(known.punch_design().minimum, **minimum)
+        return optimise.Design(best, *values, self.limits, found, question_of(contact, load, vary, **asked))
 
 
 def limit(value, allowed, name, lowest=False, multiplier=0.0):
@@ -107,7 +101,7 @@ def higher(loss, converged=True, pressure=None):
 
 @pytest.fixture
 def search(monkeypatch):
-    slipping()  # while the search is still there
+    known.punch_design()  # while the search is still there
     monkeypatch.setattr(optimise, "under_other_load", higher(0.00148))
     monkeypatch.setattr(optimise, "design", Search())
     return optimise.design
@@ -194,7 +188,9 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
         "the wear is only 1.732 nm deep: the roughness of most surfaces is larger",
         "picture: contact-design.png",
     ]
-    assert image.imread("contact-design.png").size and len(os.listdir()) == 2
+    drawn = image.imread("contact-design.png")
+    assert drawn.shape[1] == 2125 and 0.5 < drawn[..., :3].mean() < 1.0  # 18 cm wide, ink on white
+    assert len(os.listdir()) == 2
 
 
 def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
@@ -280,16 +276,23 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
     for command in ("solve", "design"):
         result = plgwear(f"{command} contact.toml")
         assert result.exit_code == 0 and result.stderr.splitlines() == lines
+    Path("wide.toml").write_text(GROSS_SLIP.replace("2e-3", "2.0"))
+    wide = plgwear("solve wide.toml")
+    assert wide.exit_code == 0 and "force_ratio" in wide.stdout
+    assert wide.stderr == "wide.toml: radius = 2: is the indenter wider than 1 m? radius is in m\n"
     Path("slip.toml").write_text(GROSS_SLIP.replace("depth = 1e-6", "depth = 1e-3"))
     said = "slip.toml: the depth, 1 mm, is 0.5 times the radius of the indenter; the formulas hold for small ones; "
     assert plgwear("solve slip.toml").stderr == f"{said}check the units: E0 = 1e+09 is in Pa, all else in m and N\n"
 
 
 def test_numbers_beside_each_other_have_one_prefix():
-    assert measures((2.077e12, 110e9), "E0") == ["2077 GPa", "110 GPa"]
-    assert measures((443.4e6, 1.407e9), "E0") == ["443.4 MPa", "1407 MPa"]
-    assert measures((3e4, 110e9), "E0") == ["30 kPa", "110 GPa"]
-    assert measures((0.0, 110e9), "E0") == ["0 Pa", "110 GPa"]
+    for best, reference, *shown in text_cells("""
+        2.077e12  110e9    2077 GPa   110 GPa
+        443.4e6   1.407e9  443.4 MPa  1407 MPa
+        3e4       110e9    30 kPa     110 GPa
+        0.0       110e9    0 Pa       110 GPa
+    """):
+        assert measures((float(best), float(reference)), "E0") == shown
 
 
 LIMITS = """

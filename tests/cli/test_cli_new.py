@@ -10,6 +10,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 from commands import plgwear, printed, refused
+from inputs import DESIGNS
 from marks import parametrize
 from processes import python
 
@@ -17,7 +18,7 @@ from plgwear_jax import scene
 from plgwear_jax._core.units import text_cells
 from plgwear_jax.cli.new import FRETTING
 
-SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
+SCENES = sorted(DESIGNS.glob("*.toml"))
 
 
 @pytest.fixture(scope="module")
@@ -109,11 +110,13 @@ def test_the_schema_knows_every_scene(validator, path):
 @parametrize(
     "old, new, said",
     [
-        ("radius = 0.0125", "raduis = 0.0125", "raduis"),
-        ("k = 0.0", "k = 1.0", "exclusive"),
-        ('kind = "fretting"', 'kind = "rolling"', "rolling"),
-        ('minimise = "wear_volume"', 'minimise = "price"', "price"),
-        ("[output]", "[outputs]", "outputs"),
+        *text_cells("""
+    radius = 0.0125           raduis = 0.0125     raduis
+    k = 0.0                   k = 1.0             exclusive
+    kind = "fretting"         kind = "rolling"    rolling
+    minimise = "wear_volume"  minimise = "price"  price
+    [output]                  [outputs]           outputs
+    """)
     ],
 )
 def test_the_schema_finds_what_is_wrong(validator, old, new, said):

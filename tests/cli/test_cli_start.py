@@ -96,6 +96,7 @@ def test_the_package_imports_its_modules_when_they_are_looked_at():
         "assert plgwear_jax.fretting is fretting is sys.modules['plgwear_jax.fretting']\n"
         "assert plgwear_jax.PowerLawGraded is PowerLawGraded is plgwear_jax.material.PowerLawGraded\n"
         "assert pickle.loads(pickle.dumps(PowerLawGraded)) is PowerLawGraded\n"
+        "assert plgwear_jax.sweep.sweep and 'xarray' in sys.modules\n"
         "import jax\n"
         "assert not jax.config.jax_enable_x64 and jax.config.jax_compilation_cache_dir is None\n"
     )

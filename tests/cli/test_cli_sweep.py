@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused
+from inputs import DESIGNS
 from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose, assert_array_equal
@@ -18,7 +19,7 @@ from refusals import cases, is_told
 from plgwear_jax import scene, sweep
 from plgwear_jax.loads import Block, Displacement, Force
 
-SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
+SCENE = DESIGNS / "electrical_contact.toml"
 MAP = "sweep --k=-0.9:0.9:7 --phi=0.1:0.9:5 --quantity wear_volume,stick_radius.dk --out map.zarr"
 
 

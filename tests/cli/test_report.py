@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from commands import table_rows
 from marks import parametrize
 from typer.testing import CliRunner
@@ -18,12 +17,8 @@ from typer.testing import CliRunner
 import plgwear_jax
 from plgwear_jax import cli
 from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, entry
-from plgwear_jax._core.domains import RefusedError
-from plgwear_jax._core.files import TargetError
 from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, shared
 from plgwear_jax.cli.terminal import refusing
-from plgwear_jax.scene import OtherFileError, SceneError
-from plgwear_jax.tables import TableError
 
 PACKAGE = Path(plgwear_jax.__file__).parent
 
@@ -90,24 +85,6 @@ def test_an_error_of_the_program_is_not_called_one_of_the_input():
 
     with pytest.raises(ValueError, match="a matrix is singular"):
         refusing(fails)(scene_file=Path("a.toml"))
-
-
-def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
-    told = {
-        SceneError("[load]: missing"): "a.toml: [load]: missing",
-        RefusedError("load: slips"): "a.toml: load: slips",
-        OtherFileError("b.csv: is empty"): "b.csv: is empty",
-        TableError("c.csv: is empty"): "c.csv: is empty",
-        TargetError("d.png: is a folder"): "d.png: is a folder",
-    }
-    for error, line in told.items():
-
-        def fails(error=error, **_):
-            raise error
-
-        with pytest.raises(typer.Exit) as left:
-            refusing(fails)(scene_file=Path("a.toml"))
-        assert left.value.exit_code == 2 and capsys.readouterr().err == f"{line}\n"
 
 
 def test_an_interrupt_that_a_callback_loses_comes_again():

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from dependence import PLACES
 from functions import by_numpy
-from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of, dome
+from kinds import COEFFICIENT, FRICTION, KINDS, LAYERS, LIMIT, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -23,7 +23,7 @@ from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.shapes.of_contact import shape_of
 
-F_X, RIG = 0.5 * FRICTION * FORCE, 3e7
+F_X, RIG = 0.5 * LIMIT, 3e7
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])  # all ask for so many cycles, by one program
 RIGS = {"displacement": None, "rig": RIG}
 
@@ -101,7 +101,7 @@ def compared(pair, name):
     ],
 )
 def test_steady_states_of_both_engines_agree(pair, digits, most):
-    force = FRICTION * FORCE * PHI
+    force = LIMIT * PHI
     one, other = (each.steady(force, digits=n) for each, n in zip(PAIRS[pair], (digits, None), strict=True))
     # NumPy computes the closed forms: XLA would need seconds to compile them.
     c, outer = values(lambda: (other.stick_radius, other.worn_radius), other)
@@ -223,7 +223,7 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind):
         steady = contact.steady(forces)
         return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.slip_amplitude(r), steady.pressure(r)])
 
-    found = fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0]))
+    found = fields(jnp.array([F_X, 2.0 * LIMIT, 0.0]))
     assert_array_equal(np.isnan(found), [[False, True, False]] * 4)
     assert_allclose(found[:, 2], [0.0, 0.0, 0.0, contact.steady(0.0).initial_pressure(r)], rtol=1e-6)
 

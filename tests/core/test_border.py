@@ -111,7 +111,6 @@ def test_the_ends_that_belong_to_the_range_are_allowed(name):
 
 def test_the_stick_edge_itself_is_allowed():
     assert call("fretting.edge_pressure", distance=0.0) == math.inf
-    assert call("fretting.edge_pressure", distance=0.0, phi=0.0) == 0.0
 
 
 class Spy:
@@ -161,8 +160,8 @@ def bad_rows(name):
 
 
 def assert_nan(name, rows, result):
-    result = np.asarray(result)
-    plausible = ~np.isnan(result)
+    result = np.reshape(result, (rows.shape[1], -1))
+    plausible = ~np.all(np.isnan(result), axis=1)
     points = [dict(zip(arguments(name), row.tolist(), strict=True)) for row in rows.T[plausible][:3]]
     assert not np.any(plausible), f"{np.sum(plausible)} of {result.size}, as {points} -> {result[plausible][:3]}"
 
@@ -174,23 +173,12 @@ def test_traced_values_outside_give_nan(name):
     assert_nan(name, rows, program(FUNCTIONS[name])(*rows))
 
 
-@functools.cache
-def derivatives(name):
-    return functions.derivatives(name, *bad_rows(name))
-
-
 @each_function
-def test_in_a_program_the_value_is_nan_alone_and_beside_a_gradient(name):
-    value, beside_gradient, _, _ = derivatives(name)
-    assert_nan(name, bad_rows(name), value)
-    assert_nan(name, bad_rows(name), beside_gradient)
-
-
-@each_argument
-def test_under_grad_the_slope_is_nan(name, key):
-    """The slope in an argument, wherever any argument is outside."""
-    for gradient in derivatives(name)[2:]:
-        assert_nan(name, bad_rows(name), gradient[:, arguments(name).index(key)])
+def test_in_a_program_the_value_and_all_slopes_are_nan(name):
+    """The value alone and beside a gradient, and the slopes in every argument, wherever any argument is outside."""
+    rows = bad_rows(name)
+    for result in functions.derivatives(name, *rows):
+        assert_nan(name, rows, result)
 
 
 # --- the material and the contacts ----------------------------------------------------------------------------------
@@ -237,7 +225,6 @@ INSIDE = {
     FrettingContact: PLACES | {"tangential_force": 2.0, "displacement_amplitude": 1e-8},
     GrossSlipContact: {"r": 1e-3, "z": 1e-5},
 }
-each_contact = parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 
 
 def ask(contact, name, **changed):
@@ -263,7 +250,7 @@ def test_a_force_of_gross_slip_is_refused():
             contact.steady(wrong)
 
 
-@each_contact
+@parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 def test_a_negative_length_is_refused(cls):
     for name, keys in quantities(cls).items():
         for key in {"r", "distance"} & set(keys):
@@ -287,21 +274,6 @@ TRACED = {
 STRESSES = {name for name in quantities(FrettingContact) if re.search("stress|tension|mises", name)}
 
 
-def traced_results(cls, names):
-    """Quantities at once, at every bad value of every field and argument."""
-    fields = {**MATERIAL, **(FRETTING if cls is FrettingContact else GROSS_SLIP), **INSIDE[cls]}
-    rows = [(key, value) for key in fields for value in TRACED[key]]
-    table = {name: jnp.array([value if key == name else x for key, value in rows]) for name, x in fields.items()}
-
-    def everything(at):
-        contact = build(cls, **at)
-        given = {key: at[key] for key in INSIDE[cls]}
-        return {name: jnp.ravel(jnp.asarray(ask(contact, name, **given)))[0] for name in names}
-
-    results = functions.by_numpy(jax.vmap(everything))(table)
-    return rows, {name: np.asarray(result) for name, result in results.items()}
-
-
 @parametrize(
     "cls, names",
     [
@@ -311,11 +283,21 @@ def traced_results(cls, names):
     ],
 )
 def test_a_traced_field_or_argument_outside_gives_nan(cls, names):
-    rows, results = traced_results(cls, sorted(names))
+    """All quantities at once, at every bad value of every field and argument."""
+    fields = {**MATERIAL, **(FRETTING if cls is FrettingContact else GROSS_SLIP), **INSIDE[cls]}
+    rows = [(key, value) for key in fields for value in TRACED[key]]
+    table = {name: jnp.array([value if key == name else x for key, value in rows]) for name, x in fields.items()}
+
+    def everything(at):
+        contact = build(cls, **at)
+        given = {key: at[key] for key in INSIDE[cls]}
+        return {name: jnp.ravel(jnp.asarray(ask(contact, name, **given)))[0] for name in sorted(names)}
+
+    results = functions.by_numpy(jax.vmap(everything))(table)
     wrong = {
         f"{name} at {key} = {value}": float(result)
         for name in names
-        for (key, value), result in zip(rows, results[name], strict=True)
+        for (key, value), result in zip(rows, np.asarray(results[name]), strict=True)
         if key in depends(cls, name) and not np.isnan(result)
     }
     assert not wrong

@@ -10,21 +10,24 @@ import pytest
 from kinds import LAW, contact_of
 from marks import parametrize
 
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.contact import slip_regimes
 from plgwear_jax.optimise import ModulusProfile, designs
 
 CONTACT = contact_of(LAW)
 FORCE, COEFFICIENT = 1.5, 1e-13
 
-ROOMS = "coating", "contact", "fitting", "optimise", "plots", "sweep"
 # What these of all public functions take may be traced, or is no number: paths, pictures, Python's own.
 OTHERS = {
-    "coating": {"felt", "worn"},
-    "fitting": {"log_likelihood"},
-    "contact": {"is_closed"},
-    "optimise": {"critical_amplitudes", "designs", "minimise", "optimal_exponent", "tail_weights"},
-    "plots": {"check_target", "readable", "save", "use_style"},
-    "sweep": {"open_sweep"},
+    room: {*names}
+    for room, *names in text_cells("""
+    coating   felt  worn
+    contact   is_closed
+    fitting   log_likelihood
+    optimise  critical_amplitudes  designs  minimise  optimal_exponent  tail_weights
+    plots     check_target  readable  save  use_style
+    sweep     open_sweep
+    """)
 }
 
 
@@ -41,11 +44,11 @@ def line_of(function, at=1.0, how=jax.jit):
     return line
 
 
-@parametrize("room", ROOMS)
+@parametrize("room", OTHERS)
 def test_every_public_function_is_for_numbers_or_can_be_traced(room):
     """It says so in its description, and in a line with its name and what works instead."""
     for name, function in functions(room).items():
-        alone, parameters = name not in OTHERS.get(room, ()), inspect.signature(function).parameters.values()
+        alone, parameters = name not in OTHERS[room], inspect.signature(function).parameters.values()
         assert ("It takes numbers, not traced values" in (inspect.getdoc(function) or "")) == alone, name
         needed = [p for p in parameters if p.default is p.empty and p.kind != p.VAR_KEYWORD]
 
@@ -60,12 +63,8 @@ def test_every_public_function_is_for_numbers_or_can_be_traced(room):
             assert line_of(asked, np.ones(2), jax.vmap)
 
 
-def with_load(x):
-    return dataclasses.replace(CONTACT, normal_force=10.0 * x)
-
-
 QUESTIONS = {
-    "the contact": lambda x: slip_regimes(with_load(x), [1e-7], [10.0]),
+    "the contact": lambda x: slip_regimes(dataclasses.replace(CONTACT, normal_force=10.0 * x), [1e-7], [10.0]),
     "in a list": lambda x: slip_regimes(CONTACT, [1e-7, 1e-6 * x], [10.0]),
     "by its name": lambda x: slip_regimes(CONTACT, [1e-7], [10.0], rig_stiffness=1e7 * x),
     "bounds": lambda x: designs(CONTACT, FORCE, {"k": (-0.5, 0.5 * x)}),

@@ -103,11 +103,10 @@ def test_dtype_of_the_result(name):
             assert function(*arrays).dtype == dtype
         # A Python number takes the type of its partners, as everywhere in JAX.
         first = jax.ShapeDtypeStruct((), dtype)
-        assert jax.eval_shape(lambda first: function(first, *at[1:]), first).dtype == dtype
-        assert jax.eval_shape(lambda first: function(first, *(0 for _ in at[1:])), first).dtype == dtype
-    assert function(*(0 for _ in at)).dtype == jnp.float64
-    assert function(*(np.int32(0) for _ in at)).dtype == jnp.float64
-    assert function(*(np.zeros(functions.LENGTH, np.int64) for _ in at)).dtype == jnp.float64
+        for rest in (at[1:], [0 for _ in at[1:]]):
+            assert jax.eval_shape(lambda first, rest=rest: function(first, *rest), first).dtype == dtype
+    for zero in (0, np.int32(0), np.zeros(functions.LENGTH, np.int64)):
+        assert function(*(zero for _ in at)).dtype == jnp.float64
     if len(at) > 1:
         assert function(np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
 

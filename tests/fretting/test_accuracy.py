@@ -1,7 +1,6 @@
 """The accuracy that is promised, region by region, against the oracle; `make accuracy` prints the whole table."""
 
 import runpy
-from pathlib import Path
 
 import accuracy
 import functions
@@ -12,6 +11,7 @@ import oracle
 import pytest
 from hypothesis import given, target
 from hypothesis import strategies as st
+from inputs import ROOT
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose
 
@@ -187,7 +187,7 @@ def test_h_N_at_the_ends_of_poissons_ratio():
     ],
 )
 def test_the_gamma_tables_are_those_of_their_program(name):
-    program = runpy.run_path(str(Path(__file__).parents[2] / "tools" / "gamma_tables.py"))
+    program = runpy.run_path(str(ROOT / "tools" / "gamma_tables.py"))
     assert tuple(program[name]()) == getattr(gamma, f"_{name.upper()}")
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from inputs import ROOT
 from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose
 from processes import module_at, output
@@ -41,7 +42,6 @@ from plgwear_jax.contact import SteadyPunch, slip_regimes
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.scene import keys
 
-ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text("utf-8")
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in (ROOT / "docs").rglob("*.md")}
 BESIDE = "README.md", "CONTRIBUTING.md", "CHANGELOG.md"

@@ -2,14 +2,14 @@
 
 import base64
 import re
-from pathlib import Path
 
 import nbformat
 import processes
 import pytest
+from inputs import ROOT
 from marks import compiled, long, parametrize
 
-FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
+FOLDER = ROOT / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
 execute = processes.module_at(FOLDER / "execute.py")

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from marks import parametrize
 
+from plgwear_jax._core.units import text_cells
+
 pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[2]
@@ -97,12 +99,14 @@ def test_the_script_says_what_it_lacks(python, tmp_path):
 @parametrize(
     "code, extra",
     [
-        ("import plgwear_jax; plgwear_jax.sweep", "sweep"),
-        ("from plgwear_jax.sweep import sweep", "sweep"),
-        ("from plgwear_jax import plots", "plots"),
-        ("from plgwear_jax.plots import maps", "plots"),
-        ("from plgwear_jax.plots import figures", "plots"),
-        ("from plgwear_jax import scene; scene.scene_of({'material': {'k': 0.0}})", "cli"),
+        *text_cells("""
+    import plgwear_jax; plgwear_jax.sweep                                    sweep
+    from plgwear_jax.sweep import sweep                                      sweep
+    from plgwear_jax import plots                                            plots
+    from plgwear_jax.plots import maps                                       plots
+    from plgwear_jax.plots import figures                                    plots
+    from plgwear_jax import scene; scene.scene_of({'material': {'k': 0.0}})  cli
+    """)
     ],
 )
 def test_modules_say_which_extra_they_lack(python, tmp_path, code, extra):

@@ -12,25 +12,25 @@ import plgwear_jax
 PACKAGE = Path(plgwear_jax.__file__).parent
 
 # Each room may use those above it; those in one line do not know each other.
-FLOORS = [
-    {"_version"},
-    {"_core"},
-    {"special"},
-    {"material", "gross_slip", "fretting"},
-    {"partial_slip", "shapes"},
-    {"surfaces"},
-    {"loads", "wear_laws", "stresses"},
-    {"steady"},
-    {"wear"},
-    {"contact"},
-    {"optimise"},
-    {"tables", "fitting", "coating"},
-    {"scene", "sweep"},
-    {"plots"},
-    {"cli"},
-    {"__main__"},
-]
-FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+FLOORS = """
+    _version
+    _core
+    special
+    material gross_slip fretting
+    partial_slip shapes
+    surfaces
+    loads wear_laws stresses
+    steady
+    wear
+    contact
+    optimise
+    tables fitting coating
+    scene sweep
+    plots
+    cli
+    __main__
+"""
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS.strip().splitlines()) for room in rooms.split()}
 
 
 def module_of(file):

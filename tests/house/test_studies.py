@@ -2,17 +2,16 @@
 
 import importlib
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from inputs import DESIGNS
 from marks import compiled, long, parametrize
 from numpy.testing import assert_array_equal
 
 from plgwear_jax import FrettingContact, scene
 
-DESIGN = Path(__file__).resolve().parents[2] / "design"
-SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
+SCENES = {path.stem: scene.load(path) for path in sorted(DESIGNS.glob("*.toml"))}
 
 
 @parametrize("name", SCENES)
@@ -59,7 +58,7 @@ def study(monkeypatch, tmp_path, capsys):
     """Run a study in this process; what it prints."""
 
     def run(name, **small):
-        monkeypatch.syspath_prepend(DESIGN)
+        monkeypatch.syspath_prepend(DESIGNS)
         importlib.import_module(name).main(tmp_path, **small)
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         return capsys.readouterr().out
@@ -110,7 +109,7 @@ def test_the_rule_survives_in_thin_coatings_alone(study):
 
 def test_all_pictures_begin_on_a_page_of_the_common_style():
     """The size in cm, the resolution and the colours are those of plots.style; nothing has its own."""
-    root, own = DESIGN.parent, re.compile(r"\bFigure\(figsize|rcParams\[|#D55E00|#0072B2|font\.family")
+    root, own = DESIGNS.parent, re.compile(r"\bFigure\(figsize|rcParams\[|#D55E00|#0072B2|font\.family")
     places = [path for folder in ("plgwear_jax", "design", "benchmarks") for path in (root / folder).rglob("*.py")]
     found = {str(path.relative_to(root)) for path in places if own.search(path.read_text("utf-8"))}
     assert found <= {"plgwear_jax/plots/style.py"}

@@ -1,4 +1,4 @@
-"""What the tests of designs share: a coated contact, others on its half-space, and a life."""
+"""What the tests of designs share: a coated contact, others on its half-space, a punch, and a life."""
 
 import dataclasses
 
@@ -6,9 +6,11 @@ import kinds
 import numpy as np
 from kinds import dome
 
+from plgwear_jax import GrossSlipContact, PowerLawGraded
+
 RIGID, STEEL = dome(), dome(0.0, kinds.STEEL)
-COATING, COEFFICIENT = RIGID.material, kinds.COEFFICIENT
-LIFE = {"cycles": 4e5, "law": COEFFICIENT}
+PUNCH = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
+LIFE = {"cycles": 4e5, "law": kinds.COEFFICIENT}
 HOLD = "contact_radius"
 
 

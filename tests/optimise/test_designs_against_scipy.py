@@ -1,12 +1,12 @@
 """A few random design problems against SciPy's searches on SciPy's formulas; `benchmarks/designs.py` takes hundreds."""
 
 import sys
-from pathlib import Path
 
+from inputs import ROOT
 from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+sys.path.append(str(ROOT / "benchmarks"))
 
 import random_designs
 import scipy_designs

@@ -7,12 +7,11 @@ from commands import told, write
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import Elastic, optimise
+from plgwear_jax import optimise
 from plgwear_jax._core.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of, with_variables
 
-STEEL = Elastic(210e9, 0.3)
 PLACES = {"distance": 2e-6, "r": 6.6e-5, "x": -5e-5, "z": 1e-5, "least": 1e-6, "most": 1e-5}  # within the worn ring
 POSITIVE = [
     name for name in FRETTING | TANGENTIAL if name not in ("initial_displacement", "steady_displacement", "tension")

@@ -1,20 +1,17 @@
 """Which layers and which thickness wear least: one design, in Python and on the command line."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from coated import on
 from commands import told
-from inputs import scene_of
+from inputs import DESIGNS, scene_of
 from marks import compiled
 from numpy.testing import assert_allclose, assert_array_equal
 
 from plgwear_jax import Elastic, FrettingContact, Layered, optimise, scene
 from plgwear_jax.loads import Force
 
-ROOT = Path(__file__).parents[2]
-LAYERS = ROOT / "design" / "coatings" / "layers.toml"
+LAYERS = DESIGNS / "coatings" / "layers.toml"
 FORCE, TUNGSTEN = 0.4, Elastic(410e9, 0.28)
 CONTACT = FrettingContact(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3), 5e-3, 10.0, 0.4, TUNGSTEN)
 VARY = {"material.thickness[0]": (1e-6, 1e-4), "material.thickness[1]": (1e-6, 1e-4)}

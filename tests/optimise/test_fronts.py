@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from coated import HOLD, LIFE, RIGID, held, on
+from coated import HOLD, LIFE, PUNCH, RIGID, held, on
 from commands import told, write
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from test_designs_of_any_quantity import SCENE
 
-from plgwear_jax import GrossSlipContact, PowerLawGraded, optimise
+from plgwear_jax import optimise
 from plgwear_jax._core import catalogue
 
 FORCE = 1.0
@@ -84,9 +84,8 @@ def test_wear_after_a_life(x, rounding):
 
 @compiled
 def test_a_punch_trades_its_force_for_its_wear():
-    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
-    curve = optimise.front(punch, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
-    punches = on(punch, k=K)
+    curve = optimise.front(PUNCH, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
+    punches = on(PUNCH, k=K)
     is_the_envelope(curve, punches.steady().steady_force, punches.steady().volume_change, within=0.01)
     assert curve.best == ("largest steady force", "least effective volume worn off")
 

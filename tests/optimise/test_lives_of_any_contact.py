@@ -3,20 +3,13 @@
 import jax
 import numpy as np
 import pytest
-from coated import COEFFICIENT, HOLD, LIFE, RIGID, STEEL, held, is_least, on
-from kinds import contact_of
+from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on
+from kinds import COEFFICIENT, contact_of
 from marks import compiled, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import Reduced
 
-from plgwear_jax import (
-    DepthGraded,
-    Layered,
-    loads,
-    material,
-    optimise,
-    wear_laws,
-)
+from plgwear_jax import DepthGraded, Layered, loads, material, optimise, wear_laws
 from plgwear_jax.optimise.afterwards import overtaken_at
 from plgwear_jax.optimise.question import question_of
 

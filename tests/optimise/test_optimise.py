@@ -9,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 import oracle
 import pytest
-from coated import COATING as REFERENCE
+from coated import PUNCH, on, over
 from coated import RIGID as CONTACT
-from coated import on, over
 from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -20,15 +19,11 @@ from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
-from plgwear_jax import DepthGraded, GrossSlipContact, Layered, optimise
+from plgwear_jax import DepthGraded, Layered, optimise
 from plgwear_jax.optimise import Interval, afterwards, exponent, minimise, search
 from plgwear_jax.optimise.question import question_of
 
 SQUARE = {"x": Interval(-2.0, 2.0), "y": Interval(0.1, 10.0, "logarithmic")}
-
-
-def searched(objective, space, **options):
-    return jax.jit(lambda: minimise(objective, space, **options))()
 
 
 # --- minimise -------------------------------------------------------------------------------------------------------
@@ -159,7 +154,10 @@ def test_limits_are_kept_and_weighed_or_it_is_said(in_square):
 
 @compiled
 def test_a_descent_that_is_cut_short_says_so():
-    found = searched(lambda v: jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2, {"x": Interval(-1.0, 1.0)}, max_steps=1)
+    def hills(v):
+        return jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2
+
+    found = jax.jit(lambda: minimise(hills, {"x": Interval(-1.0, 1.0)}, max_steps=1))()
     assert found.steps == 1
 
 
@@ -372,6 +370,7 @@ def test_what_python_prints_of_a_design_fits_a_screen(held, monkeypatch):
         lines = repr(design).splitlines()
         assert len(lines) <= 12 and max(map(len, lines)) <= 100
         assert f"k = {held.variables['k']:.4g}, between -0.9 and 0.9" in repr(design)
+        assert "  the wear is only 27.57 nm deep: the roughness of most surfaces is larger" in lines
     assert "BROKEN" in repr(design)
     comparison = optimise.compared(held)  # instead of that of layers, which takes the compiler seconds
     monkeypatch.setattr("plgwear_jax.optimise.best.compared", lambda _: comparison)
@@ -411,12 +410,11 @@ def test_inputs_are_all_numbers_of_a_question_as_they_were_given():
 
 
 def test_gross_slip_hangs_on_the_exponent():
-    punch = GrossSlipContact(dataclasses.replace(REFERENCE, k=0.1), radius=1e-3, depth=1e-6)
-    found = optimise.design(punch, None, {"k": (-0.5, 0.9)})
+    found = optimise.design(PUNCH, None, {"k": (-0.5, 0.9)})
     ends = gross_slip.volume_change(jnp.array([-0.5, 0.9]))
     assert found.variables["k"] == [-0.5, 0.9][int(jnp.argmin(ends))] and found.rival is not None
     assert_allclose(found.value, found.contact.steady().volume_change, rtol=1e-6)
-    drop = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
+    drop = optimise.design(PUNCH, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
     assert drop.variables["k"] == 0.9
     assert_allclose(drop.rival_value, gross_slip.force_drop(-0.5), rtol=1e-6)
     with pytest.raises(ValueError, match="no amplitude to misjudge"):

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from coated import HOLD, RIGID, on
+from coated import HOLD, PUNCH, RIGID, on
 from kinds import contact_of
 from marks import parametrize
 from refusals import cases
 
-from plgwear_jax import GrossSlipContact, Layered, optimise
+from plgwear_jax import Layered, optimise
 from plgwear_jax.loads import Displacement
 
 NAMED = {
     "NONE": None,
-    "PUNCH": GrossSlipContact(RIGID.material, 1e-3, 1e-6),
+    "PUNCH": PUNCH,
     "GRADED": on(RIGID, k=0.3),
     "LAYERS": contact_of(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)),
     "GROSS": Displacement(1e-5),

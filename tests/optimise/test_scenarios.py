@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from coated import HOLD, LIFE, RIGID, STEEL, held, is_least, on, over
+from coated import HOLD, LIFE, PUNCH, RIGID, STEEL, held, is_least, on, over
 from commands import told
 from inputs import changed, scene_of
 from marks import compiled, compiled_case, parametrize
@@ -12,12 +12,7 @@ from numpy.testing import assert_allclose
 from refusals import cases, is_told, refusal
 from test_designs_of_any_quantity import SCENE
 
-from plgwear_jax import (
-    GrossSlipContact,
-    PowerLawGraded,
-    optimise,
-    scene,
-)
+from plgwear_jax import optimise, scene
 from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise import Scenarios
 from plgwear_jax.scene.designing import forces_in_scenarios
@@ -143,12 +138,11 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
 
 @compiled
 def test_uncertain_punches():
-    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
     depth = np.array([0.5e-6, 1e-6, 2e-6])
-    scenarios = on(punch, depth=depth)
-    found = optimise.design(punch, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
+    scenarios = on(PUNCH, depth=depth)
+    found = optimise.design(PUNCH, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
     k = np.linspace(-0.5, 0.5, 201)
-    grid = on(punch, depth=depth[:, None], k=k)
+    grid = on(PUNCH, depth=depth[:, None], k=k)
     is_least(found, grid.steady().volume_change.max(0), within=1e-3)
 
 

@@ -103,8 +103,10 @@ def test_what_has_no_weight_neither_counts_nor_limits():
     limits = {"edge_pressure": {"below": 6.2e8, "distance": 1e-6}, "penetration": {"below": 9e-7}}
     asked = {"hold": "contact_radius", "minimise": "deepest_wear", "limits": limits}
     vary, force, weight = {"k": (-0.9, 0.9)}, np.array([0.2, 0.6, 1.0]), np.array([3.0, 2.0, 1.0])
-    three = optimise.design(CONTACT, np.append(force, 3.0), vary, weight=np.append(weight, 0.0), **asked)
-    many = optimise.designs(CONTACT, np.append(force, 3.0), vary, weight=np.append(weight, 0.0), **asked)
+    question = CONTACT, np.append(force, 3.0), vary
+    three, many = (
+        search(*question, weight=np.append(weight, 0.0), **asked) for search in (optimise.design, optimise.designs)
+    )
     assert_allclose(many.value, three.value, rtol=1e-12)
     steady = three.contact.steady(force)
     assert_allclose(three.value, np.average(steady.deepest_wear, weights=weight), rtol=1e-13)

@@ -9,6 +9,7 @@ import oracle
 import paper_numbers
 import pytest
 from commands import plgwear
+from inputs import ROOT
 from marks import compiled, long, long_case, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
@@ -20,7 +21,7 @@ from plgwear_jax.plots.figures import drawings
 from plgwear_jax.plots.figures.drawings import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
 from plgwear_jax.plots.style import BLUE, ORANGE
 
-PAGE = Path(__file__).parents[2] / "docs" / "reference" / "hess_numbers.md"
+PAGE = ROOT / "docs" / "reference" / "hess_numbers.md"
 IN_PART = "table-1", "7", "9"  # figures of which not all that is said holds
 
 

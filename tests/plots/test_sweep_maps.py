@@ -17,6 +17,7 @@ from refusals import cases, refusal
 
 from plgwear_jax import plots, sweep
 from plgwear_jax._core.catalogue import AXES, leaf
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.plots.maps import MapError, map_picture
 from plgwear_jax.sweep.axes import read_axis, spacing_of
 from plgwear_jax.sweep.names import label_of
@@ -180,12 +181,14 @@ def test_yes_and_no_are_two_colours():
 @parametrize(
     "axis, text, scale",
     [
-        ("phi", "0.1:0.9:9", "linear"),
-        ("phi", "1e-4:0.5:30:log", "log"),
-        ("phi", "1e-4:0.9999:30:logit", "logit"),
-        ("k", "-0.999:0.999:30:logit", "function"),
-        ("z0", "1e-6:1e-3:7:log", "log"),
-        ("nu", "0:0.5:2", "linear"),
+        *text_cells("""
+    phi  0.1:0.9:9              linear
+    phi  1e-4:0.5:30:log        log
+    phi  1e-4:0.9999:30:logit   logit
+    k    -0.999:0.999:30:logit  function
+    z0   1e-6:1e-3:7:log        log
+    nu   0:0.5:2                linear
+    """)
     ],
 )
 @parametrize("dtype", [np.float64, np.float32])

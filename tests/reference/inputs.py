@@ -1,8 +1,11 @@
-"""Input files of tests."""
+"""Input files of tests, and where those of the repository lie."""
 
 from pathlib import Path
 
 from plgwear_jax import scene
+
+ROOT = Path(__file__).parents[2]
+DESIGNS = ROOT / "design"
 
 
 def changed(text, *replacements):

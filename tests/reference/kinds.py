@@ -3,6 +3,7 @@
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape, WearLaw
 
 FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
+LIMIT = FRICTION * FORCE  # N, at which all of the contact slips
 COEFFICIENT = 1e-14
 STEEL = Elastic(210e9, 0.3)
 LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)

@@ -5,7 +5,7 @@ Radii are in units of a_0, depths in a_0^2/R, volumes in a_0^4/R, pressures in F
 
 import jax
 import jax.numpy as jnp
-from kinds import FORCE, FRICTION, RADIUS, dome
+from kinds import FORCE, LIMIT, RADIUS, dome
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax.loads import Block, Displacement
@@ -39,7 +39,7 @@ class Reduced:
         self.contact = one
         self.a = one.steady(0.0).contact_radius
         self.mean = FORCE / (jnp.pi * self.a**2)
-        load = FRICTION * FORCE * phi
+        load = LIMIT * phi
         if held:
             load = Displacement(one.steady(load).displacement_amplitude)
         if blocks is not None:

@@ -15,10 +15,6 @@ material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
 contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0.4 }
 output = { quantities = ["wear_volume"] }
 """
-PUNCH = """
-material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
-contact = { kind = "gross-slip", radius = 0.005, depth = 1e-6 }
-"""
 MOVED = "load = { displacement = 5e-8 }"
 OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
 
@@ -148,11 +144,6 @@ def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
 def test_refusal(case):
     line = refusal(scene.SceneError, read, case["more"], forces="tangential_force\n0.3\n")
     assert is_told(line, case, "scene.toml")
-
-
-def test_a_punch_has_no_wear_over_cycles():
-    line = refusal(scene.SceneError, read, "wear = { coefficient = 1e-14 }", PUNCH)
-    assert line.startswith('scene.toml: [wear]: only a contact with kind = "fretting" wears')
 
 
 # --- tests over cycles ------------------------------------------------------------------------------------------------

@@ -8,9 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dependence import PLACES
 from hypothesis import given
 from hypothesis import strategies as st
-from inputs import changed, scene_of
+from inputs import DESIGNS, changed, scene_of
 from kinds import dome
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -69,8 +70,7 @@ minimise = "force_drop"
 """
 
 FRETTING_LAWS, PUNCH_LAWS = LAWS.values()
-PLACES = {"distance": 1e-6, "x": -3e-5, "z": 1e-5, "least": 1e-6, "most": 1e-4}
-AT_PLACES = "\n".join(f"{place} = {value}" for place, value in PLACES.items())
+AT_PLACES = "\n".join(f"{place} = {value}" for place, value in PLACES.items() if place != "r")
 WITHOUT_LOAD = [name for name, law in FRETTING_LAWS.items() if not {"F_x", "r"} & {*law.arguments}]
 UNSTRESSED = [name for name in FRETTING_LAWS if name not in catalogue.STRESSES]
 SINGLE = [name for name in UNSTRESSED if {*FRETTING_LAWS[name].arguments} <= {"F_x"}]
@@ -119,7 +119,9 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
 
 @cases("scene/refused.toml", "loads")
 def test_refusal_of_a_table_names_its_file_and_row(case):
-    assert complaint(with_files(FRETTING, case["load"], loads=case["content"])) == case["line"]
+    """Before it is read, the keys of all sections are checked."""
+    text = changed(FRETTING, *case.get("changes", ()))
+    assert is_told(complaint(with_files(text, case["load"], loads=case.get("content", ""))), case)
 
 
 def test_tables_lie_beside_the_scene():
@@ -132,24 +134,6 @@ def test_tables_lie_beside_the_scene():
     absolute = changed(text, ("below/loads.csv", str(loads.absolute())))
     for found in (scene.load(inside), scene.load(inside.absolute()), read(absolute)):
         assert found.load.amplitudes.tolist() == [0.1, 0.4, 0.2]
-
-
-def test_a_table_is_read_after_the_keys_of_all_sections_are_checked():
-    text = with_files(FRETTING, 'table = "missing.csv"')
-    assert complaint(text) == "missing.csv: there is no such file"
-    for change, line in {
-        ("k = 0.25", "k = 2"): "[material] k = 2: ",
-        ('hold = "contact_radius"', "hold = 1"): "[design] hold = 1: ",
-    }.items():
-        assert complaint(changed(text, change)).startswith(f"scene.toml: {line}")
-
-
-def test_refusal_of_what_does_not_go_with_a_load():
-    text = with_files(FRETTING, 'history = "amplitudes.csv"', amplitudes=CYCLES)
-    line = (
-        'over = "worst": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'
-    )
-    assert complaint(changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: [design] {line}"
 
 
 @cases("scene/refused.toml", "files")
@@ -314,12 +298,6 @@ def law_of(name):
     return (PUNCH_LAWS | FRETTING_LAWS)[name]
 
 
-def said_by(steady, name, radii):
-    """What a contact says of a quantity, at the places of [output] or over the radius."""
-    found, places = getattr(steady, name), {place: PLACES[place] for place in law_of(name).arguments if place in PLACES}
-    return found(radii) if radii is not None else found(**places) if places else found
-
-
 def test_a_table_is_solved_for_its_mean():
     wanted = 'quantities = ["contact_radius", "wear_volume", "edge_pressure", "initial_pressure"]\ndistance = 1e-6'
     given = read(with_files(changed(FRETTING, (QUANTITIES, wanted)), 'table = "loads.csv"', loads=LOADS))
@@ -359,7 +337,10 @@ def test_every_quantity_is_that_of_the_contact(text, names):
             assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * edge, rtol=1e-14)
         # A peak is searched for, and rounding decides where it is found.
         rtol = 1e-9 if name in catalogue.STRESSES else 1e-12
-        assert_allclose(quantity.value, said_by(steady, name, quantity.radii), rtol=rtol, atol=1e-30)
+        # At the places of [output], or over the radius.
+        at = {x: quantity.radii if x == "r" else PLACES[x] for x in law_of(name).arguments if x in PLACES}
+        said = getattr(steady, name)
+        assert_allclose(quantity.value, said(**at) if at else said, rtol=rtol, atol=1e-30)
 
 
 def test_without_output_all_single_numbers_are_computed():
@@ -437,7 +418,6 @@ def test_refusal_of_what_cannot_be_solved(case):
 # --- whatever a file holds ------------------------------------------------------------------------------------------
 
 
-DESIGNS = Path(__file__).parents[2] / "design"
 WHOLE = [tomllib.loads(file.read_text()) for file in DESIGNS.glob("*.toml")]
 WHOLE += [tomllib.loads(text) for text in (FRETTING, f"{GROSS_SLIP}{PUNCH_DESIGN}")]
 

@@ -7,27 +7,23 @@ import json
 import logging
 import os
 import re
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optima
-import pytest
+from inputs import DESIGNS
 from kinds import contact_of, dome
 from marks import compiled, parametrize
 from processes import output
-from test_kernels import PINNED, Size
+from test_kernels import OF_PINNED, Size, size_in
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
 from plgwear_jax.optimise import evaluation, exponent
 from plgwear_jax.optimise.question import question_of
 from plgwear_jax.scene import solving
 
-pytestmark = [
-    pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the programs are those of JAX {PINNED}"),
-    pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
-]
+pytestmark = OF_PINNED
 
 CONTACT = dome()
 OTHER = FrettingContact(PowerLawGraded(90e9, 2e-4, 0.1, 0.2), radius=6e-3, normal_force=11.0, friction=0.5)
@@ -126,8 +122,7 @@ def test_a_second_gradient_over_cycles_compiles_nothing(caplog):
 
 def size_of(lowered):
     """Of the whole program, loops and branches included."""
-    text = lowered.compile().as_text()
-    return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
+    return size_in(lowered.compile().as_text())
 
 
 @parametrize(
@@ -149,7 +144,7 @@ def test_an_evaluation_grows_no_further(asked, most):
 
 def test_what_is_asked_once_takes_few_steps(monkeypatch):
     monkeypatch.setattr(solving.scene_values, "known", {})
-    scene.load(Path(__file__).parents[2] / "design" / "electrical_contact.toml").solve()
+    scene.load(DESIGNS / "electrical_contact.toml").solve()
     (steps,) = solving.scene_values.known.values()
     assert len(steps._block.steps) <= 9500, len(steps._block.steps)
 

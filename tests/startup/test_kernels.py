@@ -7,13 +7,13 @@ is taken away in turn, and XLA must then make more of the same formula; one that
 import functools
 import itertools
 import re
-from pathlib import Path
 from typing import NamedTuple
 
 import functions
 import jax
 import jax.numpy as jnp
 import pytest
+from inputs import ROOT
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from processes import output
@@ -23,11 +23,13 @@ from plgwear_jax._core import formula
 from plgwear_jax.fretting import ring
 from plgwear_jax.special import elementary
 
-PINNED = re.search(r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text("utf-8"), re.MULTILINE)[1]
-pytestmark = [
+PINNED = re.search(r"^jax==(\S+)", (ROOT / "constraints.txt").read_text("utf-8"), re.MULTILINE)[1]
+OF_PINNED = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the numbers are those of JAX {PINNED}"),
     pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
 ]
+
+pytestmark = OF_PINNED
 
 AS_USERS_BUT_FOR_LLVM = functions.AS_USERS | {"xla_backend_optimization_level": 0}  # which comes after what is counted
 
@@ -41,6 +43,11 @@ class Size(NamedTuple):
     instructions: int
 
 
+def size_in(text):
+    """The size of a program in words."""
+    return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
+
+
 @functools.cache
 def plain_size(function, *ends):
     """The size with all tricks, always at the same length, so that it is compiled once."""
@@ -52,7 +59,7 @@ def size_of(function, *ends, lanes):
     at = (jnp.linspace(low, high, lanes) for low, high in ends)
     text = jax.jit(lambda *at: function(*at)).lower(*at).compile(compiler_options=AS_USERS_BUT_FOR_LLVM).as_text()
     entry = text[text.index("ENTRY") :]
-    return Size(len(re.findall(r" fusion\(", entry)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
+    return size_in(text)._replace(kernels=size_in(entry).kernels)
 
 
 K, PHI, R = (-0.5, 0.5), (0.1, 0.9), (0.2, 1.8)

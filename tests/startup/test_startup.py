@@ -1,9 +1,9 @@
 """What shortens the start changes no result: a sample of all questions with it, from kept files, and without it."""
 
 import json
-from pathlib import Path
 
 import pytest
+from inputs import DESIGNS
 from numpy.testing import assert_allclose
 from processes import output
 
@@ -50,8 +50,7 @@ ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 
 def told(folder, **variables):
-    scenes = Path(__file__).parents[2] / "design"
-    return json.loads(output("-c", QUESTIONS, folder, scenes, without=("JAX_", "PLGWEAR_", "XLA_"), **variables))
+    return json.loads(output("-c", QUESTIONS, folder, DESIGNS, without=("JAX_", "PLGWEAR_", "XLA_"), **variables))
 
 
 @pytest.mark.compiled

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import surface_oracle
 from functions import by_numpy
-from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of, dome
+from kinds import FORCE, FRICTION, LAYERS, LIMIT, RADIUS, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
@@ -26,8 +26,7 @@ from plgwear_jax.surfaces.half_space import excess_compliance
 from plgwear_jax.surfaces.ring import Lack, deepest
 
 A = 1e-4  # about a contact radius
-THICKNESS, MODULUS, NU, F_X = np.array([2e-5, 3e-5]), np.array([50e9, 300e9, 100e9]), 0.3, 2.0
-LAYERS = Layered(THICKNESS, MODULUS, NU)
+THICKNESS, MODULUS, NU, F_X = LAYERS.thickness, LAYERS.modulus, 0.3, 2.0
 STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
 
 
@@ -233,7 +232,7 @@ def test_slopes_by_the_half_space_in_single_precision(contact):
     [
         (dome(0.4, STEEL), 110e9, 0.4, 1e-4),
         (dome(-0.4, STEEL), 110e9, -0.4, 1e-4),
-        (contact_of(Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), STEEL), 100e9, 0.0, 2e-3),
+        (contact_of(LAYERS, STEEL), 100e9, 0.0, 2e-3),
     ],
 )
 def test_displacements_far_beside_a_contact_are_those_of_a_concentrated_force(contact, E, k, error):
@@ -256,10 +255,8 @@ def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     layer = Layered(thickness[:, None], moduli, 0.3)
     whole, part = contact_of(layer), contact_of(layer, force=FORCE * (1.0 - phi))
     # The steady state is the unworn contact of the same radius, which a flat punch has pressed deeper.
-    c = whole.steady(FRICTION * FORCE * phi, digits=5).stick_radius
-    deeper = whole.steady(FRICTION * FORCE * phi, digits=5).penetration - part.steady(
-        0.0, digits=5
-    ).initial_displacement(0.0 * c)
+    c = whole.steady(LIMIT * phi, digits=5).stick_radius
+    deeper = whole.steady(LIMIT * phi, digits=5).penetration - part.steady(0.0, digits=5).initial_displacement(0.0 * c)
     slope = np.squeeze(np.diff(np.log(deeper * c), axis=0)) / (2.0 * 0.02)
     assert_allclose(slope, coating.felt(thickness / np.mean(c, 0), 0.3), rtol=5e-5)
 
@@ -316,7 +313,7 @@ def test_a_narrow_ring_beside_a_kink():
     def volume(log_force):
         return jnp.log(contact.steady(jnp.exp(log_force)).wear_volume)
 
-    at = np.log(0.003 * FRICTION * FORCE)
+    at = np.log(0.003 * LIMIT)
     difference = (volume(at + 1e-3) - volume(at - 1e-3)) / 2e-3
     assert_allclose(jax.grad(volume)(at), difference, rtol=1e-5)
     single = jax.tree.map(jnp.float32, contact)

@@ -78,10 +78,7 @@ def rule(a, count=100):
     [
         pytest.param(STEEL, {}, id="one modulus"),
         pytest.param(LAYERS, {}, id="layers"),
-        compiled_case(
-            *(Layered([0.05 * A], [800e9, 210e9], 0.0), {"indenter": STEEL}),
-            id="a thin layer under steel",
-        ),
+        compiled_case(Layered([0.05 * A], [800e9, 210e9], 0.0), {"indenter": STEEL}, id="a thin layer under steel"),
         compiled_case(Layered([0.5 * A], [60e9, 210e9], 0.49), {"shape": PowerShape(4.0)}, id="a compliant layer"),
     ],
 )
@@ -288,13 +285,8 @@ def test_derivatives_of_peaks_by_all_numbers(material, name):
 # --- the border -------------------------------------------------------------------------------------------------------
 
 
-def test_bad_places_are_refused():
-    steady = steady_of(STEEL, 0.3)
-    with pytest.raises(ValueError, match="z = -1e-06 is outside the allowed range"):
-        steady.stress(0.0, -1e-6)
-    with pytest.raises(ValueError, match="x = nan is outside the allowed range"):
-        steady.tension(np.nan, 0.0)
-    assert np.isnan(jax.jit(steady.mises)(0.0, -1e-6))
+def test_a_traced_depth_below_zero_gives_nan():
+    assert np.isnan(jax.jit(steady_of(STEEL, 0.3).mises)(0.0, -1e-6))
 
 
 @compiled

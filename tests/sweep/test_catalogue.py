@@ -12,7 +12,6 @@ import pytest
 from kinds import KINDS, LAW
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from processes import output
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import (
@@ -229,8 +228,3 @@ def test_every_quantity_has_words_and_a_unit_that_tables_can_print():
 def test_what_a_name_differentiates():
     for one in NAMES["derivatives"]:
         assert derivative(one["name"]) == (one["stem"], one["slopes"])
-
-
-def test_the_catalogue_does_without_jax():
-    code = "import sys, plgwear_jax._core.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
-    output("-c", code)

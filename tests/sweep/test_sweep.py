@@ -17,7 +17,6 @@ from kinds import KINDS
 from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
-from processes import output
 from refusals import cases, is_told, refusal
 from stores import AXES, CHUNKS, QUANTITIES
 
@@ -265,12 +264,3 @@ def test_what_lacks_its_extra_says_so_however_it_is_imported(monkeypatch, module
     line = f"{what} need the extra {extra} ({package} is missing)"
     assert str(lacking.value) == f"{line}: pip install 'plgwear-jax[{extra}]', in a clone '.[{extra}]'"
     assert lacking.value.name == package
-
-
-def test_the_core_loads_nothing_of_the_extra():
-    code = (
-        "import sys, plgwear_jax\n"
-        "assert not {'xarray', 'zarr', 'dask', 'distributed', 'matplotlib'} & sys.modules.keys()\n"
-        "assert plgwear_jax.sweep.sweep and 'xarray' in sys.modules\n"
-    )
-    output("-c", code, JAX_PLATFORMS="cpu")

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from balance import sums
-from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, RADIUS, STEEL, Linear, contact_of, dome
+from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, LIMIT, RADIUS, STEEL, Linear, contact_of, dome
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -51,7 +51,7 @@ def errors(one, force):
 )
 def test_one_force_is_worn_as_in_closed_form(ks, shares):
     k, phi = (x.ravel() for x in np.meshgrid(ks, shares))
-    volume, end, radius, stick = errors(dome(k), phi * FRICTION * FORCE)
+    volume, end, radius, stick = errors(dome(k), phi * LIMIT)
     assert max(np.max(abs(volume)), np.max(abs(end))) < ERROR
     # There the edge moves outwards under a pressure that is too small for its cells.
     shallow = (k < -0.7) & (phi > 0.7) | (k < -0.9)
@@ -80,7 +80,7 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
 def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     """Of a fine ring around the radius that sticks at first nothing is left where it sticks in the end."""
     one = dome(k)
-    u = one.steady(phi * FRICTION * FORCE).displacement_amplitude
+    u = one.steady(phi * LIMIT).displacement_amplitude
     run = one.over_cycles(Displacement(u), coefficient_of(one))
     last, held = 2.0 * float(run.cycles_to(0.97)) / MANY, 1.0 - (1.0 - phi) ** (2.0 / (3.0 + k))
     n, worn, _, _, stick = on_power_law(k, edges_to(1.6, 240, 100)).march([Given(last, displacement=held)], 160)
@@ -109,8 +109,8 @@ def test_it_wears_as_rings_do(k, history):
 
     def load(given):
         if given.displacement is None:
-            return given.force * FRICTION * FORCE
-        return Displacement(given.displacement * onset, FRICTION * FORCE / (given.rig * onset) if given.rig else None)
+            return given.force * LIMIT
+        return Displacement(given.displacement * onset, LIMIT / (given.rig * onset) if given.rig else None)
 
     # Several blocks are always four, so that they share their program.
     more = [blocks[-1]._replace(n=0.0)] * (0 if len(blocks) == 1 else 4 - len(blocks))
@@ -189,7 +189,7 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     assert_allclose(way, 0.5, atol=0.02)
     assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
     assert_array_equal(run.stick_radius(cycles), 0.0)
-    assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
+    assert_allclose(run.force_amplitude(cycles), LIMIT, rtol=1e-9)
 
 
 @compiled
@@ -227,7 +227,7 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     ],
 )
 def test_equal_blocks_are_one(k, load, law):
-    one, force = dome(k), 0.7 * FRICTION * FORCE
+    one, force = dome(k), 0.7 * LIMIT
     if load != "force":
         stiffness = 3e7 if load == "rig" else None
         force = Displacement(one.steady(Force(force, stiffness)).displacement_amplitude, stiffness)
@@ -313,7 +313,7 @@ def test_nothing_wears_without_amplitude_or_cycles():
 
 def test_a_narrow_slip_ring_is_followed_or_refused():
     """Narrower ones would seem to stick, and nothing would wear."""
-    force = 1e-3 * FRICTION * FORCE
+    force = 1e-3 * LIMIT
     assert_allclose(ONE.over_cycles(force, SAME).volume(1e30), ONE.steady(force).wear_volume, rtol=0.02)
     for load in (Displacement(3e-7 * ONSET), Force(0.1 * force)):
         with pytest.raises(ValueError, match=r"the slip ring is narrower than 0\.0003 contact radii"):

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of, dome
+from kinds import COEFFICIENT, LIMIT, STEEL, contact_of, dome
 from march_oracle import worn_shares
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -226,7 +226,7 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     """The cells of A p_0 = H: in too coarse cells inside c the ones next to c would have pressures of any size."""
     one = dome(-0.8, STEEL)
     steps, effort = RESOLUTIONS[5], effort_of(None)
-    state = states_of(one, phi * FRICTION * FORCE, effort)
+    state = states_of(one, phi * LIMIT, effort)
 
     @jax.jit
     def ring(state):
@@ -261,7 +261,7 @@ def test_narrow_rings_beside_a_flat_face_wear_to_their_steady_state(body):
         "layers": Layered([2e-6, 3e-6], [400e9, 200e9, 110e9], 0.3),
         "a power law": PowerLawGraded(110e9, 1e-4, np.linspace(-0.4, 0.5, flat.size), 0.3),
     }
-    force = FRICTION * FORCE * (phi if body == "layers" else 8.0 * phi)
+    force = LIMIT * (phi if body == "layers" else 8.0 * phi)
     one = contact_of(bodies[body], STEEL, TruncatedSphere(flat))
     run, steady = one.over_cycles(force, COEFFICIENT), one.steady(force).wear_volume
     assert_allclose(run.volume(np.full_like(flat, 1e15)), steady, rtol=1e-6)
