@@ -214,7 +214,7 @@ class TruncatedSphere(_Flat):
 
 
 class Profile(_Splined):
-    """A with_fall shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
+    """A measured shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
 
     The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.

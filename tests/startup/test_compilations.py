@@ -72,7 +72,7 @@ def questions():
 
 EXPECTED = {
     "an amplitude": ["_next_directions", "_wear"],
-    "a front": ["_at_once"],  # until then it ran in steps, of which there are so many at most
+    "a front": ["_at_points"],  # until then it ran in steps, of which there are so many at most
     "a design for a life": ["_shares_at_nodes"],
 }
 
@@ -138,7 +138,7 @@ def test_an_evaluation_grows_no_further(asked, most):
     evaluator = evaluation.Evaluator(question_of(CONTACT, 1.0, **asked))
     points = np.full((evaluator.lanes, len(asked["vary"])), 0.1)
     names = tuple(asked["vary"])
-    found = size_of(evaluation._at_once.jitted.lower(names, evaluator.question, evaluator.shared, points))
+    found = size_of(evaluation._at_level[0].jitted.lower(names, evaluator.question, evaluator.shared, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 
 
@@ -152,5 +152,5 @@ def test_what_is_asked_once_takes_few_steps(monkeypatch):
 @compiled
 def test_the_loop_of_a_batch_holds_the_objective_once():
     phi = jnp.full(optima.LENGTH, 0.3)
-    found = size_of(exponent._optimal_exponents.lower(phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi, None))
+    found = size_of(exponent._many_optimal_exponents.lower(None, phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi))
     assert found.kernels <= 245 and found.instructions <= 7200, found
