@@ -17,7 +17,7 @@ from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, check
 from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
-from plgwear_jax.contact.fretting_contact import FrettingContact, check_frets
+from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 from plgwear_jax.loads import Block, Load, load_of
 from plgwear_jax.steady.arguments import NUMBER, refuse_array
 from plgwear_jax.wear import Run
@@ -290,7 +290,7 @@ def fit_wear_coefficient(
     """
     from scipy import special
 
-    check_frets(contact)
+    check_fretting_contact(contact)
     refuse_array(contact)
     doubt(*of_contact(contact))
     with own_numbers():  # wear coefficients with which it searches

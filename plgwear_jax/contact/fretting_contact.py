@@ -34,7 +34,7 @@ def is_closed(contact: Any) -> bool:
     return isinstance(contact.material, Elastic)
 
 
-def check_frets(contact: Any) -> None:
+def check_fretting_contact(contact: Any) -> None:
     """Check that a contact is one of fretting."""
     if not isinstance(contact, FrettingContact):
         raise TypeError(f"contact takes a FrettingContact, not {contact!r}")

@@ -12,7 +12,7 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.contact.fretting_contact import check_frets, is_closed
+from plgwear_jax.contact.fretting_contact import check_fretting_contact, is_closed
 from plgwear_jax.loads import Force
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
@@ -150,7 +150,7 @@ def slip_regimes(
     References:
         Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46; `docs/explanation/numerics.md`, "Wear over cycles".
     """
-    check_frets(contact)
+    check_fretting_contact(contact)
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)
     if rig_stiffness is not None:

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import POSITIVE, Numbers, check
 from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import refuse_question
-from plgwear_jax.contact.fretting_contact import FrettingContact, check_frets
+from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 from plgwear_jax.optimise.best import certainty, headline, of_question, placed_between, printed
 from plgwear_jax.optimise.evaluation import Candidate, Evaluator
 from plgwear_jax.optimise.question import (
@@ -276,7 +276,7 @@ def free_design(
     Raises:
         ValueError: An argument is outside its range.
     """
-    check_frets(contact)
+    check_fretting_contact(contact)
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
     if keywords.get("scenarios") is not None:
