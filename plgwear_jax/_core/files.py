@@ -1,7 +1,6 @@
 """Writing files whole or not at all."""
 
 import csv
-import io
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -43,12 +42,12 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def write(path: str | os.PathLike[str], content: bytes | Callable[[Path], object]) -> None:
+def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
     """Write a file, which afterwards is either complete or as it was before.
 
     Args:
         path: The file.
-        content: It, or a function that writes the content to a path.
+        content: A function that writes the content to a path.
 
     Raises:
         TargetError: The file cannot be written there.
@@ -56,10 +55,7 @@ def write(path: str | os.PathLike[str], content: bytes | Callable[[Path], object
     path = Path(path)
     sibling = _sibling(path)
     try:
-        if isinstance(content, bytes):
-            sibling.write_bytes(content)
-        else:
-            content(sibling)
+        content(sibling)
         sibling.replace(path)
     except OSError as error:
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
@@ -73,9 +69,12 @@ def _sibling(path: Path) -> Path:
 
 
 def write_table(path: Path, columns: "Mapping[str, np.ndarray]") -> None:
-    """Write a CSV file whole: the names of the columns, and their rows; of a map row after row."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*(column.ravel().tolist() for column in columns.values()), strict=True))
-    write(path, text.getvalue().encode())
+    """Write a CSV file whole: the names of the columns, and their rows."""
+
+    def write_rows(target: Path) -> None:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+    write(path, write_rows)

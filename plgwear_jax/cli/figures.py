@@ -54,4 +54,5 @@ def figures(
         sheet = library.contact_sheet(chosen)
         for suffix in suffixes:
             plots.save(sheet, out / f"contact-sheet{suffix}")
-    files.write(out / "figures.md", library.report(chosen).encode())
+        text = library.report(chosen).encode()
+    files.write(out / "figures.md", lambda path: path.write_bytes(text))

@@ -123,7 +123,7 @@ def new(
         refuse(f"{scene_file}: exists already; name another file")
     text = _HEAD.format(name=shlex.quote(one_line(scene_file.name))) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
     files.check_target(scene_file, (".toml",))
-    files.write(scene_file, text.encode())
+    files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
     name = one_line(str(scene_file))
     file = shlex.quote(name)
     typer.echo(f"{name}: written; next: plgwear solve {file}, then plgwear design {file}")

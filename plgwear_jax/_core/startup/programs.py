@@ -389,7 +389,7 @@ class _Store:
                 if left < 0:
                     file.unlink(missing_ok=True)
             if len(content) <= self.most:
-                files.write(self.folder / key, content)
+                files.write(self.folder / key, lambda target: target.write_bytes(content))
 
 
 _store: _Store | None = None
