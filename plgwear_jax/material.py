@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.record import guarded_field, number_or, record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
@@ -81,8 +81,8 @@ def _is_holl(nu: ArrayLike | str) -> bool:
 
 def _of_both_ratios(kernel: Callable[..., Array]) -> Callable[..., Array]:
     """The function of k and of nu, which may be "holl"."""
-    by_number = formula(joint={"k": None}, k=EXPONENT, nu=POISSON_RATIO)(kernel)
-    at_holl = formula(joint={"k": None}, k=EXPONENT)(kernel)
+    by_number = formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)(kernel)
+    at_holl = formula(joint=("k",), k=EXPONENT)(kernel)
 
     def of_both(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
         return at_holl(k, digits=digits) if _is_holl(nu) else by_number(k, nu, digits=digits)
@@ -207,7 +207,7 @@ class PowerLawGraded:
     E0: Numbers
     z0: Numbers
     k: Numbers
-    nu: ArrayLike | Literal["holl"]
+    nu: ArrayLike | Literal["holl"] = number_or("holl")
 
     def __post_init__(self) -> None:
         if not _is_holl(self.nu):

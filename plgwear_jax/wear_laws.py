@@ -6,13 +6,13 @@ from typing import Any, ClassVar, dataclass_transform
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Numbers
-from plgwear_jax._core.record import guarded_field, record, static
+from plgwear_jax._core.record import guarded_field, number_or, record, static
 from plgwear_jax.special.elementary import power_where
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static))
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
 class WearLaw:
     """A wear law: `FrettingContact.over_cycles(load, law)` takes an instance of any subclass.
 

@@ -112,10 +112,11 @@ def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> d
     there is no dimensionless function; equations; arguments; and what it is.
     """
     found = {}
-    for given, symbol, kind, equation, taken, description in text_cells(text):
-        name, star, _ = given.partition("*")
+    for name, symbol, kind, equation, taken, description in text_cells(text):
+        place = unbounded_at if name.endswith("*") else None
+        name = name.rstrip("*")
         unit, scale = _UNITS.get(kind, (kind, None))
-        words, place = _CALLED.get(name, name.replace("_", " ") + when), unbounded_at if star else None
+        words = _CALLED.get(name, name.replace("_", " ") + when)
         found[name] = Law(words, symbol, unit, description, scale, equation, tuple(taken.split()), place)
     return found
 
@@ -216,9 +217,8 @@ def kind_of(contact: Any) -> Kind:
 
 def laws_of(contact: Any) -> dict[str, Law]:
     """All quantities of a contact, or of the section [contact] of a scene, also those over cycles."""
-    kind = kind_of(contact)
-    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items() if kind == "fretting"}
-    return QUANTITIES[kind] | over_cycles
+    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items()}
+    return QUANTITIES[kind_of(contact)] | (over_cycles if kind_of(contact) == "fretting" else {})
 
 
 def read(
@@ -359,16 +359,20 @@ def leaf(path: str) -> AxisKind:
     return dataclasses.replace(known, **told)
 
 
-_NAMED = "|".join(map(re.escape, (*AXES, *BODIES)))
-_FIELD = "".join(rf"(?<![.]d{body})" for body in BODIES)
-_SLOPE = re.compile(rf"{_FIELD}[.]d(?=(?:{_NAMED})(?![^.[]))")  # ".d" before a known name, unless a field of a body
-
-
 def derivative(name: str) -> tuple[str, list[str]]:
     """The quantity that a name differentiates, and by what: of `wear_volume.dk.dindenter.E` k and indenter.E."""
-    stem, *slopes = _SLOPE.split(name)
-    unknown = any(".d" in slope and slope.partition(".")[0] not in BODIES for slope in slopes)
-    return (name, []) if unknown else (stem, slopes)
+    stem, slopes = [], []
+    for word in name.split("."):
+        first = word[1:].partition("[")[0]
+        if slopes and (slopes[-1] in BODIES or word[:1] != "d"):
+            slopes[-1] += f".{word}"
+        elif stem and word[:1] == "d" and (first in AXES or first in BODIES):
+            slopes.append(word[1:])
+        elif slopes:
+            return name, []
+        else:
+            stem.append(word)
+    return ".".join(stem), slopes
 
 
 # --- designs and courses --------------------------------------------------------------------------------------------

@@ -33,15 +33,16 @@ Kernel = Callable[..., Array]  # takes arrays of one floating dtype, and perhaps
 def formula(
     *,
     slopes: Mapping[str, Kernel] = {},
-    joint: Mapping[str, Callable[..., tuple[Array, Array]] | None] = {},
+    pairs: Mapping[str, Callable[..., tuple[Array, Array]]] = {},
+    joint: tuple[str, ...] = (),
     **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
     """Make a public function from a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
 
     `domains` names the array arguments of the kernel in their order; its only other argument is the keyword `digits`.
     `slopes` holds closed forms of the derivatives with respect to an argument, with the kernel's signature, where they
-    are better than automatic differentiation. The value and the derivative by the argument in `joint`, if there is one,
-    are computed together by one kernel: what returns this pair, or None if automatic differentiation makes it.
+    are better than automatic differentiation. `pairs` returns the value and such a derivative, which one kernel then
+    computes together. For the arguments in `joint`, automatic differentiation makes such a pair.
     """
     names = tuple(domains)
 
@@ -51,16 +52,14 @@ def formula(
         def run(digits: int | None, *values: Array) -> Array:
             dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
             values = tuple(jnp.asarray(value, dtype) for value in values)
-            function, together = functools.partial(plain, digits=digits), None
-            alone: dict[int, Any] = {
-                names.index(name): functools.partial(slope, digits=digits) for name, slope in slopes.items()
-            }
-            for name, given in joint.items():
-                i = names.index(name)
-                together = i, functools.partial(_value_and_slope, function, i)
-                if given:
-                    together = i, functools.partial(given, digits=digits)
-                    alone[i] = lambda *at, pair=together[1]: pair(*at)[1]
+
+            def given(functions: Mapping[str, Callable[..., Any]]) -> dict[int, Any]:
+                found = functions.items()
+                return {names.index(name): functools.partial(function, digits=digits) for name, function in found}
+
+            function, together = functools.partial(plain, digits=digits), given(pairs)
+            alone = {i: lambda *at, pair=pair: pair(*at)[1] for i, pair in together.items()} | given(slopes)
+            together |= {i: functools.partial(_value_and_slope, function, i) for i in map(names.index, joint)}
             result = _by_forward_mode(function, alone, together)(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
             return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
@@ -136,15 +135,14 @@ def _program(run: Kernel, named: Callable[..., Any]) -> Kernel:
 # --- derivatives of programs ------------------------------------------------------------------------------------------
 
 
-def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], joint: tuple[int, Any] | None = None) -> Kernel:
+def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], pairs: Mapping[int, Any] = {}) -> Kernel:
     """The elementwise function of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
     the same for each higher derivative. Only the partial derivatives that are needed are computed; those in `slopes`
-    (by position of the argument) are taken from there. The slope by the argument in `joint`, if it is needed, comes
-    with the value as a pair.
+    (by position of the argument) are taken from there. The first of `pairs`, a value and its slope together, that is
+    needed gives the value as well.
     """
-    first, pair = joint or (-1, function)
 
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
@@ -155,28 +153,36 @@ def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], joint: tuple[i
         better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
         return _by_forward_mode(slopes.get(i) or _partial(function, i), better)
 
-    @jax.custom_jvp
-    def ruled_pair(*values: Array) -> tuple[Array, Array]:
-        return one_kernel(*pair(*values))
+    def together(i: int) -> Callable[..., tuple[Array, Array]]:
+        """The pair of value and slope, whose derivatives are those of both alone."""
 
-    def rule_of_pair(primals, tangents):  # its derivatives are those of both alone
-        moves, steps = steps_of(tangents)
-        moving, whole = parted(primals, moves)
+        @jax.custom_jvp
+        def ruled_pair(*values: Array) -> tuple[Array, Array]:
+            value, slope = pairs[i](*values)
+            return one_kernel(value, slope)
 
-        def both(at: Any) -> tuple[Array, Array]:
-            values = whole(at)
-            return ruled(*values), derivative(first)(*values)
+        def rule(primals, tangents):
+            moves, steps = steps_of(tangents)
+            moving, whole = parted(primals, moves)
 
-        return ruled_pair(*primals), jax.jvp(both, (moving,), (steps,))[1]
+            def both(at: Any) -> tuple[Array, Array]:
+                values = whole(at)
+                return ruled(*values), derivative(i)(*values)
+
+            return ruled_pair(*primals), jax.jvp(both, (moving,), (steps,))[1]
+
+        ruled_pair.defjvp(rule, symbolic_zeros=True)
+        return ruled_pair
 
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
-        if first in wanted:
-            result, slope = ruled_pair(*values)
-            found = {first: slope}
-        else:
+        first = next((i for i in pairs if i in wanted), None)
+        if first is None:
             result, found = ruled(*values), {}
+        else:
+            result, slope = together(first)(*values)
+            found = {first: slope}
         for i in wanted:
             if i not in found:
                 found[i] = derivative(i)(*values)
@@ -187,7 +193,6 @@ def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], joint: tuple[i
             total = total + found[i] * tangent
         return result, total
 
-    ruled_pair.defjvp(rule_of_pair, symbolic_zeros=True)
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled
 

@@ -11,8 +11,7 @@ from plgwear_jax._core.domains import as_array, check, guarded
 
 T = TypeVar("T")
 
-_STATIC = "static"
-_WORD = "holl"  # the one word that a field of numbers may hold, for Poisson's ratio
+_STATIC, _WORD = "static", "word"
 
 
 def static(**options: Any) -> Any:
@@ -20,14 +19,19 @@ def static(**options: Any) -> Any:
     return dataclasses.field(metadata={_STATIC: True}, **options)
 
 
+def number_or(word: str, **options: Any) -> Any:
+    """A field of numbers that may hold this word instead, which is then part of the structure."""
+    return dataclasses.field(metadata={_WORD: word}, **options)
+
+
 def _takes_numbers(kind: Any) -> bool:
     options = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     return any(option in (Any, float, "float") for option in options)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static))
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
 def record(cls: type[T]) -> type[T]:
-    """A frozen dataclass that is a pytree of its fields, except for those declared by `static`, and for "holl".
+    """A frozen dataclass that is a pytree of its fields, except for those declared by `static` or `number_or`.
 
     `__post_init__` makes arrays of lists and tuples in fields of numbers and checks the fields that have a `Domain` in
     the class variable `ranges`, if there is one. JAX rebuilds records without calling it, with traced values.
@@ -47,14 +51,14 @@ def record(cls: type[T]) -> type[T]:
     cls.__post_init__ = post_init  # pyright: ignore[reportAttributeAccessIssue]
     cls = dataclasses.dataclass(frozen=True)(cls)
     fields = dataclasses.fields(cls)  # pyright: ignore[reportArgumentType]
-    fixed = {field.name: _STATIC in field.metadata for field in fields}
+    about = {field.name: field.metadata for field in fields}
     numbers = [field.name for field in fields if _STATIC not in field.metadata and _takes_numbers(field.type)]
 
     def flatten(instance: T) -> tuple[list[tuple[Any, Any]], tuple[tuple[str, Any], ...]]:
         children, structure = [], []
-        for name, is_fixed in fixed.items():
+        for name, known in about.items():
             value = getattr(instance, name)
-            if is_fixed or (isinstance(value, str) and value == _WORD):
+            if _STATIC in known or (isinstance(value, str) and value == known.get(_WORD)):
                 structure.append((name, value))
             else:
                 children.append((jax.tree_util.GetAttrKey(name), value))
@@ -63,7 +67,7 @@ def record(cls: type[T]) -> type[T]:
     def unflatten(structure: tuple[tuple[str, Any], ...], children: Any) -> T:
         instance = object.__new__(cls)
         words, numbers = dict(structure), iter(children)
-        for name in fixed:
+        for name in about:
             object.__setattr__(instance, name, words[name] if name in words else next(numbers))
         return instance
 

@@ -191,10 +191,11 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind) -> tuple[s
 
 def limit_form(name: str) -> str:
     """How the limit of a quantity is written."""
-    law = (GROSS_SLIP | FRETTING).get("edge_pressure" if name == "pressure" else name)
-    places = (place for place in getattr(law, "arguments", ()) if place in PLACES)
-    form, unit = ", ".join(f"{one} = ..." for one in ("below", *places)), getattr(law, "unit", "1")
-    return f"{{ {form} }}{f' in {unit}' if unit != '1' else ''}, or with above, or with between = [lowest, highest]"
+    law = (GROSS_SLIP | FRETTING).get(name)
+    arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
+    form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
+    unit = law.unit if law is not None and law.unit != "1" else None
+    return f"{{ {form} }}{f' in {unit}' if unit else ''}, or with above, or with between = [lowest, highest]"
 
 
 # --- free gradients ---------------------------------------------------------------------------------------------------

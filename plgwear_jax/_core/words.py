@@ -4,7 +4,6 @@ import datetime
 import difflib
 import json
 import os
-import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -75,7 +74,8 @@ def cut(text: str) -> str:
 
 def bare(key: str) -> str:
     """A key as TOML writes it, shortened to a maximum length."""
-    return cut(key if re.fullmatch(r"[\w-]*[^\W_-][\w-]*", key, re.ASCII) else shown(key))
+    plain = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
+    return cut(key if plain else shown(key))
 
 
 def shown(value: Any) -> str:

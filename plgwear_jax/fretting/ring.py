@@ -156,7 +156,7 @@ def stationary_and_by_k(
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 
-@formula(joint={"k": None}, k=EXPONENT, phi=AMPLITUDE)
+@formula(joint=("k",), k=EXPONENT, phi=AMPLITUDE)
 def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Outer radius a_inf of the worn ring, where the worn profile meets the initial one, Eq. (26).
 

@@ -40,7 +40,7 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 @formula(
     slopes={"phi": _wear_volume_by_phi},
-    joint={"k": functools.partial(stationary_and_by_k, EDGE, _wear_volume)},
+    pairs={"k": functools.partial(stationary_and_by_k, EDGE, _wear_volume)},
     k=EXPONENT,
     phi=AMPLITUDE,
 )

@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import Domain
-from plgwear_jax._core.record import guarded_field, record, static
+from plgwear_jax._core.record import guarded_field, number_or, record, static
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -49,7 +49,7 @@ class Image:
         return jax.jvp(self.at, (T,), (jnp.ones_like(T),))[1]
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static))
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
 class Shape:
     """The shape of an indenter: `FrettingContact(..., shape=...)` takes an instance of any subclass.
 
