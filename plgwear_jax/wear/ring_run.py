@@ -43,7 +43,8 @@ class RunSolution(NamedTuple):
 
     def field(self, name: str, r: Array, cycles: Array) -> Array:
         """The worn depth or the pressure at radii."""
-        read = _pressure if name == "pressure" and self.phi.size else _depth_over_radii  # as empty
+        # Of no contact at all both are empty, and the integrals of a pressure need one.
+        read = _pressure if name == "pressure" and self.phi.size else _depth_over_radii
         return self._known(read(self, r, cycles), cycles, r)
 
     def cycles_to(self, name: str, goal: Array) -> Array:
@@ -190,8 +191,8 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     inner = jnp.maximum(inner, jnp.finfo(r.dtype).tiny)
     # Close to c, after few cycles, the blend is a difference of infinite pressures, which may be negative.
     mean = jnp.log(inner) * touching + jnp.log(jnp.maximum(blend, 0.1 * inner)) * (1.0 - touching)
-    under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
-    worn = jnp.where(r < c, under, jnp.where(slips, around, jnp.where(r == c, edge, 0.0)))
+    inside = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
+    worn = jnp.where(r < c, inside, jnp.where(slips, around, jnp.where(r == c, edge, 0.0)))
     return jnp.where(run.phi > 0.0, worn, unworn)
 
 
