@@ -43,15 +43,16 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
 def jacobi_table(count: int, s: Array, c: Array, x: Array) -> Array:
     """2F1(-n, n+s; c; (1-x)/2) for n < count and x of shape (m,), shape (count, m)."""
     below, along = c - 1.0, s - c
+    n = jnp.asarray(np.arange(1, count - 1), s.dtype)
+    m, below_all = 2.0 * n + s, (n + s) * (c + n)
+    shift = (below - along) * (s - 1.0) / (m - 1.0)
+    by_now = (0.5 * m / below_all)[:, None] * ((m + 1.0)[:, None] * x + shift[:, None])
+    by_before = n * (n + along) * (m + 1.0) / (m - 1.0) / below_all
 
-    def step(state: tuple[Array, Array], n: Array) -> tuple[tuple[Array, Array], Array]:
+    def step(state: tuple[Array, Array], by: tuple[Array, Array]) -> tuple[tuple[Array, Array], Array]:
         before, now = state
-        m = 2.0 * n + s
-        two = m * ((m + 1.0) * x + (below - along) * (s - 1.0) / (m - 1.0)) * now
-        three = 2.0 * n * (n + along) * (m + 1.0) / (m - 1.0) * before
-        after = (two - three) / (2.0 * (n + s) * (c + n))
+        after = by[0] * now - by[1] * before
         return (now, after), after
 
     first, second = jnp.ones_like(x), ((s + 1.0) * x + below - along) / (2.0 * c)
-    n = jnp.asarray(np.arange(1, count - 1), s.dtype)
-    return jnp.concatenate([jnp.stack([first, second]), jax.lax.scan(step, (first, second), n)[1]])
+    return jnp.concatenate([jnp.stack([first, second]), jax.lax.scan(step, (first, second), (by_now, by_before))[1]])
