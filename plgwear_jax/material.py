@@ -23,13 +23,13 @@ def _gamma_factor(k: Array, s: Array, beta_squared: Array, digits: int | None) -
     """h_N m/((1+k)^2 q sine_quotient), Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0, k = -1.
 
     Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
+    Of the other gamma functions Gamma(1+k/2)^2 is left, as Gamma(2+k) = 2^(1+k) Gamma(1+k/2) Gamma((3+k)/2)/sqrt(pi).
     """
     even, odd = reciprocal_gamma_pair(s, 0.25 * beta_squared, digits)
     gammas = even * even - 0.25 * beta_squared * odd * odd
     sine = (1.0 - 0.25 * beta_squared) * sinc_quotient(0.25 * beta_squared, digits)  # 2 sin(pi beta/2)/(pi beta)
-    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) / sine
-    factor = factor * reciprocal_gamma(s, digits) * gammas
-    return factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
+    root = reciprocal_gamma(0.5 * k, digits)
+    return gammas / (sine * root * root)
 
 
 def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:

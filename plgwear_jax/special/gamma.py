@@ -56,16 +56,16 @@ def reciprocal_gamma(z: Array, digits: int | None = None) -> Array:
 def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(even, odd) with 1/Gamma(1 + z +- d) = even +- d odd, where d^2 = square.
 
-    Horner's rule on numbers even + d odd needs no square root of `square`, so the pair stays differentiable at d = 0.
+    Division of the polynomial by (x - t)^2 - d^2, whose zeros are t +- d, leaves odd (x - t) + even. It needs no square
+    root of `square`, so the pair stays differentiable at d = 0.
     """
     t = (z - 0.75) / 1.25
     square = square / 1.25**2
-    coefficients = leading(RECIPROCAL_GAMMA, digits, t.dtype)
-    even = jnp.full_like(t * square, coefficients[-1])
-    odd = jnp.zeros_like(even)
-    for coefficient in reversed(coefficients[:-1]):
-        even, odd = even * t + odd * square + coefficient, even + odd * t
-    return even, odd / 1.25
+    twice, product = t + t, t * t - square
+    odd, before = jnp.zeros_like(product), jnp.zeros_like(product)
+    for coefficient in reversed(leading(RECIPROCAL_GAMMA, digits, t.dtype)):
+        odd, before = twice * odd - product * before + coefficient, odd
+    return odd - t * before, before / 1.25
 
 
 def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
