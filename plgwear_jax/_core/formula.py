@@ -23,7 +23,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.startup.programs import Program, follows, parted, steps_of, with_slopes
+from plgwear_jax._core.startup.programs import Program, follows, moved_along, with_slopes
 from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
@@ -162,14 +162,10 @@ def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], pairs: Mapping
             return one_kernel(value, slope)
 
         def rule(primals, tangents):
-            moves, steps = steps_of(tangents)
-            moving, whole = parted(primals, moves)
-
-            def both(at: Any) -> tuple[Array, Array]:
-                values = whole(at)
+            def both(*values: Array) -> tuple[Array, Array]:
                 return ruled(*values), derivative(i)(*values)
 
-            return ruled_pair(*primals), jax.jvp(both, (moving,), (steps,))[1]
+            return ruled_pair(*primals), moved_along(both, primals, tangents)[1]
 
         ruled_pair.defjvp(rule, symbolic_zeros=True)
         return ruled_pair

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._core.startup.programs import along_each, parted, steps_of
+from plgwear_jax._core.startup.programs import along_each, moved_along, parted, steps_of
 from plgwear_jax._core.xla import materialised
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
@@ -24,12 +24,12 @@ def sequential_vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     implicit = jax.custom_jvp(_alone(function))
 
     def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
-        found, moved = jax.jvp(function, primals, tangents)
+        found, moved = moved_along(function, primals, tangents)
         # Of a batch all results have the axis, in the rule as in `_alone`, also those that depend on no batched number.
         zero = materialised(jnp.asarray(sum(0.0 * jnp.sum(x) for x in jax.tree.leaves(primals))))
         return jax.tree.map(lambda x: x + zero, found), moved
 
-    implicit.defjvp(rule)
+    implicit.defjvp(rule, symbolic_zeros=True)
     return implicit
 
 

@@ -290,7 +290,8 @@ def _at_points(names: tuple[str, ...], question: Question, shared: Shared, point
     return jax.vmap(at)(points) if len(points) > 1 else jax.tree.map(lambda x: x[None], at(points[0]))
 
 
-_at_level = [program(static=1, level=level)(_at_points) for level in (0, 1)]
+_together = program(static=1)(_at_points)
+_in_turn = [program(static=1, level=level, steps=False)(_at_points) for level in (0, 1)]
 
 
 def concrete(tree: Any) -> Any:
@@ -332,7 +333,8 @@ class Evaluator:
         lanes = np.pad(points, ((0, self.lanes - len(points)), (0, 0)), mode="edge")
         # A search along one variable ends sooner if its program is not optimised: it needs some 150 states.
         few = tells_states(self.question) and len(self.names) == 1
-        found = jax.device_get(_at_level[self.in_turn and not few](self.names, self.question, shared, lanes))
+        solved = _in_turn[not few] if self.in_turn else _together
+        found = jax.device_get(solved(self.names, self.question, shared, lanes))
         for i in _left_out(self.question):
             from plgwear_jax.steady.stressed import peak_with_slopes  # which few designs need
 
@@ -372,7 +374,7 @@ def plan_for(question: Question) -> SearchPlan:
     if not solved_in_turn(question):
         return plan
     # Wear changes smoothly with a gradient.
-    along = plan.samples if question.horizon is None else 17
+    along = 33 if question.horizon is None else 17
     plan = plan._replace(samples=along if plan.variables == 1 else 9, starts=3)
     # Points are solved one after the other and remembered: a step is tried with one length, and solved once.
     return plan._replace(tries=1) if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
 from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.cholesky import solve_symmetric
@@ -93,13 +94,13 @@ def _carrying(punch: Punch, load: Array) -> Punch:
     return punch._replace(force=force, depth=pressed(punch, force))
 
 
-@punch_under.defjvp
+@functools.partial(punch_under.defjvp, symbolic_zeros=True)
 def _punch_under_jvp(primals: Any, tangents: Any) -> tuple[Punch, Punch]:
     # By the implicit function theorem: with log(c) held, and what log(c) then adds.
-    (bodies, load), (dbodies, dload) = primals, tangents
+    bodies, load = primals
     punch = punch_under(bodies, load)
     by_c = along_radius(bodies, punch)
-    _, held = jax.jvp(lambda bodies: punch_at(bodies, punch.log_c), (bodies,), (dbodies,))
+    _, (held, dload) = moved_along(lambda bodies, load: (punch_at(bodies, punch.log_c), load), primals, tangents)
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
     along = jax.tree.map(lambda one, other: one + moved * other, held, by_c)
     return punch, jax.jvp(_carrying, (punch, load), (along, dload))[1]

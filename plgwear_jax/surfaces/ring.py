@@ -17,6 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.record import record, static
+from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.shape import Image, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of
 from plgwear_jax.special.quadrature import logistic, pieces
@@ -200,7 +201,7 @@ def ring_of(lack: Lack) -> Ring:
     return Ring(log_y, own @ lack.at(places))
 
 
-@ring_of.defjvp
+@functools.partial(ring_of.defjvp, symbolic_zeros=True)
 def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
     # Depth and volume are sums over D at places that move with the edge, where the depth stays 0.
     def sums(lack: Lack, log_y: Array) -> Array:
@@ -210,7 +211,7 @@ def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
     (lack,), ring = primals, ring_of(*primals)
     log_y = ring.log_y
     _, by_y = jax.jvp(functools.partial(sums, lack), (log_y,), (jnp.ones_like(log_y),))
-    _, held = jax.jvp(lambda lack: sums(lack, log_y), primals, tangents)
+    _, held = moved_along(lambda lack: sums(lack, log_y), primals, tangents)
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 

@@ -138,7 +138,7 @@ def test_an_evaluation_grows_no_further(asked, most):
     evaluator = evaluation.Evaluator(question_of(CONTACT, 1.0, **asked))
     points = np.full((evaluator.lanes, len(asked["vary"])), 0.1)
     names = tuple(asked["vary"])
-    found = size_of(evaluation._at_level[0].jitted.lower(names, evaluator.question, evaluator.shared, points))
+    found = size_of(evaluation._together.jitted.lower(names, evaluator.question, evaluator.shared, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 
 

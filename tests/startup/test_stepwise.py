@@ -65,12 +65,20 @@ def looped(x, y):
 def indexed(x, y):
     """Numbers taken from arrays, and put into them."""
     at, table = jnp.array([2, 0, 7, -1]), jnp.outer(x, y)
+
+    def of_each_row(row, at):
+        return row[at], row[:, at], row.at[at].set(0.0), row.at[:, at].add(y[0])
+
     moved = jnp.round(3.0 * x[:3]).astype(int)
     return (
         (x[at], table[at], table[:, moved], table[moved, moved], x.at[moved].get(mode="fill")),
         (x.at[:2].set(y[:2]), table.at[1].set(y), table.at[2, -1].set(0.0), x.at[moved].set(y[:3], mode="clip")),
         (x.at[0].add(y[1]), table.at[:, 1].add(y), x.at[jnp.array([1, 1])].add(y[:2])),
         jax.vmap(lambda row: (row[moved], jax.lax.dynamic_slice(row, (moved[0],), (2,))))(table),
+        jax.vmap(of_each_row)(jnp.stack([table, 2.0 * table, table]), moved),
+        jax.vmap(jax.vmap(lambda row, at: row[at]), (1, 0))(
+            jnp.stack([table[:3], table[2:5]], 1), jnp.stack([moved, 1 - moved])
+        ),
         jax.lax.dynamic_slice(table, (moved[0], moved[1]), (2, 6)),
         jax.lax.pad(table, 0.5, ((1, 3, 2), (0, 1, 0))),
     )
@@ -168,7 +176,6 @@ REST = {
     "long": lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=10_000)[0],
     "a loop that does not end soon": lambda x: jax.lax.while_loop(lambda n: n < 1000.0, lambda n: n + 1.0, 0.0 * x[0]),
     "places beyond an array": lambda x: x.at[jnp.array([1, 9])].get(mode="fill"),
-    "batch of places": lambda x: jax.vmap(lambda row, i: row[i])(jnp.outer(x, x), jnp.arange(3)),
     "cut off": lambda x: jax.lax.pad(x, 0.0, ((-1, 0, 0),)),
     "rounded away from zero": jax.lax.round,
 }

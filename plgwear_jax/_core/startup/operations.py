@@ -23,8 +23,6 @@ def parameters_of(equation: Any) -> dict[str, Any]:
     name, params = equation.primitive.name, equation.params
     if name not in FUNCTIONS or (name in _OF_FLOATS and not np.issubdtype(equation.outvars[0].aval.dtype, np.inexact)):
         raise UnknownError(name)
-    if getattr(params.get("dimension_numbers"), "operand_batching_dims", ()):
-        raise UnknownError("places in each of a batch")
     if name == "scan":  # each JAX tells in its own way what stays and what is carried; rows have one axis less within
         inside = params["jaxpr"]
         same, carried = (
@@ -91,14 +89,17 @@ def _accumulated(ufunc, x, *, axis, reverse):
 # --- places -----------------------------------------------------------------------------------------------------------
 
 
-def _window_places(x, at, axes, sizes, mode):
+def _window_places(x, at, axes, beside, sizes, mode):
     """The indices of windows of some sizes in x: first the axes of the windows, then those of x.
 
-    Along its last axis `at` has where a window begins, for these `axes` of x. The mode says what JAX does beyond x.
+    Along its last axis `at` has where a window begins, for these `axes` of x. Those of a batch are axes of x `beside`
+    axes of the windows. The mode says what JAX does beyond x.
     """
     found = []
     for axis, (whole, size) in enumerate(zip(x.shape, sizes, strict=True)):
         place = np.arange(size).reshape([-1] + [1] * (x.ndim - axis - 1))
+        if axis in beside:
+            place = np.arange(whole).reshape([-1] + [1] * (at.ndim - 2 - beside[axis] + x.ndim))
         if axis in axes:
             begin = at[..., axes.index(axis)]
             inside = np.clip(begin, 0, whole - size)
@@ -116,8 +117,9 @@ def _window(x, *at, slice_sizes):
 
 def _gathered(x, at, *, dimension_numbers, slice_sizes, mode):
     numbers, count = dimension_numbers, at.ndim - 1
-    found = x[_window_places(x, at, numbers.start_index_map, slice_sizes, mode)]
-    found = found.squeeze(tuple(count + axis for axis in numbers.collapsed_slice_dims))
+    beside = dict(zip(numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True))
+    found = x[_window_places(x, at, numbers.start_index_map, beside, slice_sizes, mode)]
+    found = found.squeeze(tuple(count + axis for axis in (*numbers.collapsed_slice_dims, *beside)))
     return np.moveaxis(found, range(count, found.ndim), numbers.offset_dims)
 
 
@@ -125,9 +127,10 @@ def _scattering(put):
     def scattered(x, at, updates, *, dimension_numbers, mode):
         numbers, count = dimension_numbers, at.ndim - 1
         new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
-        new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
+        beside = dict(zip(numbers.operand_batching_dims, numbers.scatter_indices_batching_dims, strict=True))
+        new = np.expand_dims(new, tuple(count + axis for axis in sorted((*numbers.inserted_window_dims, *beside))))
         x = x.copy()
-        put(x, _window_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode), new)
+        put(x, _window_places(x, at, numbers.scatter_dims_to_operand_dims, beside, new.shape[count:], mode), new)
         return x
 
     return scattered

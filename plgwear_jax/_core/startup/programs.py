@@ -73,12 +73,16 @@ class Program:
         static: How many of its first arguments are no numbers; their reprs tell them apart.
         level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
         slopes: The same for the program's derivatives at known numbers.
+        steps: Whether it may be run step by step at first, which takes longer where hundreds of answers are wanted.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0):
+    def __init__(
+        self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0, steps: bool = True
+    ):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.function, self.static, self.level, self.slopes = in_full(function), static, level, slopes
+        self.steps = steps
         self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
@@ -149,7 +153,7 @@ class Program:
             made = _store.read(key) if _store else None
             if made is None:
                 traced = self.jitted.trace(*static, *numbers)
-                made = stepwise(traced) if on("steps") else None
+                made = stepwise(traced) if self.steps and on("steps") else None
                 if _store:
                     made = made or traced.lower().compile()
                     _store.write(key, made)
@@ -158,9 +162,9 @@ class Program:
         return run if getattr(run, "worthwhile", True) else functools.partial(self.jitted, *static)
 
 
-def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Callable[..., Any]], Program]:
-    """Make a function a `Program`."""
-    return lambda function: Program(function, static, level, slopes)
+def program(**options: Any) -> Callable[[Callable[..., Any]], Program]:
+    """Make a function a `Program` with these options."""
+    return lambda function: Program(function, **options)
 
 
 _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
@@ -198,6 +202,13 @@ def steps_of(tangents: Any) -> tuple[list[bool], list[Any]]:
     steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
     moves = [not isinstance(step, SymbolicZero) for step in steps]
     return moves, [step for step, move in zip(steps, moves, strict=True) if move]
+
+
+def moved_along(function: Callable[..., Any], primals: Any, tangents: Any) -> tuple[Any, Any]:
+    """`jax.jvp` for a rule of derivatives that has symbolic zeros: of what does not move nothing is traced."""
+    moves, steps = steps_of(tangents)
+    moving, whole = parted(primals, moves)
+    return jax.jvp(lambda at: function(*whole(at)), (moving,), (steps,))
 
 
 def along_each(function: Callable[[Any], Any], moving: Any, directions: Any) -> tuple[Any, Any]:
