@@ -37,13 +37,14 @@ def each(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     if shape == ():
         return one(*arguments)
     count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
-    moves[0] |= not any(moves)  # where all axes have the length one
     ends = [x.shape[len(single) :] for x, single in zip(leaves, shapes, strict=True)]
-    flat = [
+    flat = tree.unflatten(
         jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
         for x, last, move in zip(leaves, ends, moves, strict=True)
-    ]
-    found = jax.vmap(one, tree.unflatten([0 if move else None for move in moves]))(*tree.unflatten(flat))
+    )
+    if not any(moves):
+        return jax.tree.map(lambda x: x.reshape(*shape, *x.shape), one(*flat))
+    found = jax.vmap(one, tree.unflatten([0 if move else None for move in moves]))(*flat)
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
@@ -57,11 +58,15 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
     whole = np.broadcast_shapes(shape, *(x.shape for x in jax.tree.leaves(more)))
     if whole == ():
         return function(*trees, *more)
+    if math.prod(whole) == 1:
+        given = jax.tree.map(lambda x: x.reshape(x.shape[len(shape) :]), trees)
+        found = function(*given, *jax.tree.map(lambda x: x.reshape(()), more))
+        return jax.tree.map(lambda x: x.reshape(*whole, *x.shape), found)
     if 0 in whole:
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
         found = jax.eval_shape(function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), x.dtype), more))
         return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
-    rows = jnp.broadcast_to(jnp.arange(math.prod(shape)).reshape(shape), whole).ravel()
+    rows = jnp.broadcast_to(jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape), whole).ravel()
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
 
     def one(moving: tuple[Array, Any]) -> Any:
