@@ -26,7 +26,7 @@ def sequential_vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
         found, moved = moved_along(function, primals, tangents)
         # Of a batch all results have the axis, in the rule as in `_alone`, also those that depend on no batched number.
-        zero = materialised(jnp.asarray(sum(0.0 * jnp.sum(x) for x in jax.tree.leaves(primals))))
+        zero = materialised(jnp.asarray(sum(0.0 * (jnp.sum(x) if x.ndim else x) for x in jax.tree.leaves(primals))))
         return jax.tree.map(lambda x: x + zero, found), moved
 
     implicit.defjvp(rule, symbolic_zeros=True)

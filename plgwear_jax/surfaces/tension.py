@@ -4,7 +4,8 @@ Bodies only press on each other. A state whose pressure is negative somewhere is
 open there, and its equations would be others.
 """
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -32,12 +33,12 @@ class Least(NamedTuple):
     pulled: Array  # 1 where it is tension, 0 where it is none
 
 
+@jax.custom_jvp
 def least_pressures(found: Worn, phi: Array) -> Least:
     """The least pressures of both states. Before any wear not only F_N has to press, but also (1 - phi) F_N."""
     if found.bodies.never_pulls:
         none = 0.0 * jnp.stack([phi, phi])
         return Least(1.0 + none, none, none)
-    found, phi = jax.lax.stop_gradient((found, phi))
     shares, places, usual = _of_springs(found, phi) if found.punch.flat is None else _of_sums(found)
     scaled = shares / usual
     least = jnp.argmin(scaled, -1)
@@ -46,6 +47,13 @@ def least_pressures(found: Worn, phi: Array) -> Least:
     which = jnp.stack([first, jnp.full_like(first, 2)])
     pulled = (scaled < -MOST).astype(shares.dtype)
     return Least(*jnp.stack([shares, places, pulled])[:, which])
+
+
+@functools.partial(least_pressures.defjvp, symbolic_zeros=True)
+def _without_slopes_of_least(primals: Any, tangents: Any) -> tuple[Least, Least]:
+    del tangents  # nothing is differentiated by what only refuses
+    least = least_pressures(*primals)
+    return least, jax.tree.map(jnp.zeros_like, least)
 
 
 def _of_sums(found: Worn) -> tuple[Array, Array, Array]:
