@@ -87,11 +87,16 @@ _FAST = 10.0  # pressure over that of the step before, from which on Euler's for
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
 
-def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Array, control: Control) -> _Pressed:
-    """matrix p = depth size - shape where p > 0; displacement_factor depth + force_factor load/`Disc.area` = value.
+def _pressed(
+    compliance: Array, slope: Array, lower: Array, shape: Array, size: Array, middle: Array, control: Control
+) -> _Pressed:
+    """The contact: compliance p + slope p = depth size - shape where p > 0, and the control equation.
 
-    The Cholesky factor of a leading block is a block of the whole factor: one forward substitution serves every contact
-    radius. Derivatives are those of the linear equations of the cells that touch, without those of the whole factor.
+        displacement_factor depth + force_factor load/`Disc.area` = value
+
+    `lower` is the Cholesky factor of the compliance with the slopes on its diagonal. The factor of a leading block is a
+    block of it: one forward substitution serves every contact radius. Derivatives are those of the linear equations of
+    the cells that touch, without those of the whole factor.
     """
     right = jnp.stack([size, shape], -1)
     fixed = jax.lax.stop_gradient(control)
@@ -109,8 +114,11 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     touches, _, _ = jax.lax.while_loop(lambda state: state[1] & (state[2] < _MOST), body, start)
     there = touches[:, None]
 
+    def times(x: Array) -> Array:  # one matrix of both would be one for each derivative
+        return compliance @ x + slope[:, None] * x
+
     def product(x: Array) -> Array:
-        return jnp.where(there, matrix @ jnp.where(there, x, 0.0), x)
+        return jnp.where(there, times(jnp.where(there, x, 0.0)), x)
 
     def solve(_: Any, x: Array) -> Array:
         within = jnp.where(there, forward(lower, jnp.where(there, x, 0.0)), 0.0)
@@ -119,13 +127,13 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Arr
     by = jax.lax.custom_linear_solve(product, jnp.where(there, right, 0.0), solve, symmetric=True)
     depth = _depth(control, size @ by[:, 0], size @ by[:, 1])
     pressure = depth * by[:, 0] - by[:, 1]
-    gap = jnp.where(touches, 0.0, shape + matrix @ pressure - depth * size)
+    gap = jnp.where(touches, 0.0, shape + times(pressure[:, None])[:, 0] - depth * size)
     # It ends where the forward substitution changes its sign, between the middles of the last cell that touches and the
     # next. The substitution divides by the diagonal of the factor, of which dA changes y' dA y/2.
     count = jnp.sum(pressure > 0.0)
     ends = jnp.clip(jnp.stack([count - 1, count]), 0, size.size - 1)
     y = backward(lower, (np.arange(size.size)[:, None] == ends).astype(size.dtype))
-    grown = jnp.sum(y * (matrix @ y), 0)
+    grown = jnp.sum(y * times(y), 0)
     diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - jax.lax.stop_gradient(grown)))
     # A worn ring ends as nothing but roundings of either sign.
     inner, outer = diagonal[0] * pressure[ends[0]], jnp.maximum(gap[ends[1]], 0.0) / diagonal[1]
@@ -154,6 +162,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
     size = jnp.diff(disc.edges)
     factor = cholesky(jax.lax.stop_gradient(disc.compliance))
     middle = jnp.append(0.5 * (disc.radii[1:] + disc.radii[:-1]), disc.radii[-1])
+    zero = 0.0 * size  # with derivatives from the start, or JAX would trace the steps twice for these
 
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
@@ -181,8 +190,8 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
             some = jax.lax.stop_gradient(jnp.maximum(found, _FALL * some))
             worn_there, slope = jax.jvp(lambda p: length * size * law.rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
-            matrix = disc.compliance + jnp.diag(slope)
-            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, middle, force)
+            lower = cholesky(jax.lax.stop_gradient(disc.compliance + jnp.diag(slope)))
+            contact = _pressed(disc.compliance, slope, lower, disc.unworn + bare, size, middle, force)
             depth, found, radius = contact.depth, contact.pressure, contact.radius
             now = jnp.where(found > 0.0, jnp.maximum(bare + slope * found, known), known)
 
@@ -190,7 +199,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         tangential = given.friction * theta
         moved, loaded = given.displacement_factor * tangential, given.force_factor * given.friction
         control = Control(moved, loaded * disc.area, moved * depth + loaded * given.normal_force - given.value)
-        second = _pressed(disc.compliance, factor, disc.unworn + now, size, middle, control)
+        second = _pressed(disc.compliance, zero, factor, disc.unworn + now, size, middle, control)
         sliding = tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)
         area = size[:_WITHIN].reshape(-1, _BESIDE)
@@ -213,7 +222,6 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         )
         return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
 
-    zero = 0.0 * size  # with derivatives from the start, or JAX would trace the steps twice for these
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
     outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.given.normal_force
