@@ -326,8 +326,10 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     levels = [level for level in bar.ax.get_yticks() if seen.size and seen.min() < level < seen.max()]
     if levels:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
-        lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5)
-        axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())
+        lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5, linestyles="solid")
+        for number in axes.clabel(lines, fontsize=6, inline_spacing=4, fmt=bar.ax.yaxis.get_major_formatter()):
+            across, _ = (axes.transData - axes.transAxes).transform(number.get_position())
+            number.set_visible(0.03 < across < 0.97)  # contours crowd at the edge, and so would their numbers
     return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 
