@@ -32,27 +32,14 @@ def leading(coefficients: tuple[float, ...], digits: int | None, dtype: DTypeLik
 
 
 def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = None) -> Array:
-    """The sum of coefficients[n] x^n on abs(x) <= 1."""
-    return _sum_of_powers(leading(coefficients, digits, x.dtype), x)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _sum_of_powers(coefficients: tuple[float, ...], x: Array) -> Array:
-    """The sum of coefficients[n] x^n by Estrin's rule, whose pairs a processor adds in parallel."""
-    terms: list[Any] = list(coefficients)
+    """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule, whose pairs a processor adds in parallel."""
+    terms: list[Any] = list(leading(coefficients, digits, x.dtype))
     power = x
     while len(terms) > 1:
         paired = [terms[n] + power * terms[n + 1] for n in range(0, len(terms) - 1, 2)]
         terms = [*paired, *terms[2 * len(paired) :]]
         power = power * power
     return terms[0] + 0.0 * x if isinstance(terms[0], float) else terms[0]
-
-
-@_sum_of_powers.defjvp
-def _sum_of_powers_jvp(coefficients: tuple[float, ...], primals, tangents):
-    (x,), (dx,) = primals, tangents
-    slope = tuple(n * coefficient for n, coefficient in enumerate(coefficients))[1:] or (0.0,)
-    return _sum_of_powers(coefficients, x), _sum_of_powers(slope, x) * dx
 
 
 # --- bounds ---------------------------------------------------------------------------------------------------------
