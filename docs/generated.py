@@ -246,7 +246,7 @@ def _range(one: dict[str, Any]) -> str:
     low = f"≥ {one['minimum']:g}" if "minimum" in one else low
     high = f"< {one['exclusiveMaximum']:g}" if "exclusiveMaximum" in one else ""
     high = f"≤ {one['maximum']:g}" if "maximum" in one else high
-    return " and ".join(part for part in (low, high) if part) or "a name"
+    return " and ".join(part for part in (low, high) if part) or "a finite number"
 
 
 # --- quantities -----------------------------------------------------------------------------------------------------

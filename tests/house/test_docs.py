@@ -364,6 +364,7 @@ def test_every_key_of_an_input_file_is_described():
     assert all(f"| `{key}` | " in told for name in listed for key in keys.SECTIONS[name]["properties"])
     assert "| `normal_force` | Normal force. | N | > 0 | required |" in told
     assert "| `points` | Number of radii at which a function of the radius is given. |  |" in told
+    assert "behind the contact, at which stresses are given. | m | a finite number |" in told
 
 
 def test_every_quantity_is_described():
