@@ -38,7 +38,7 @@ WITHIN = "x", "z", "least", "most"  # places in the half-space, which a scene gi
 
 ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
 OF_POWER_LAW = ("k", "E0", "z0")
-_DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "depth": RADIUS}
+_DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "indenter.nu": POISSON_RATIO, "material.depth": RADIUS}
 
 
 def is_linear(name: str) -> bool:
@@ -53,7 +53,7 @@ def is_after_cycles(name: str) -> bool:
 
 def domain_of(name: str) -> Domain:
     """Which values a variable of this name may have, as far as it is known without the contact."""
-    return _DOMAINS.get(name.rpartition(".")[2].partition("[")[0], POSITIVE)
+    return _DOMAINS.get(name.partition("[")[0], POSITIVE)
 
 
 class WrongKeyError(GivenError):
