@@ -116,14 +116,18 @@ def _refuse_element(name: str, value: Any, domain: Domain, first: Any) -> None:
     raise ValueError(f"{name} = {element}{where} is outside the allowed range {domain.text}")
 
 
-def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any) -> None:
-    """Raise for concrete bounds of the exponent that are outside a domain, or not increasing in the dtype."""
-    for i, bound in enumerate(bounds):
-        check(f"bounds[{i}]", bound, domain)
-    if not any(isinstance(bound, Tracer) for bound in bounds) and not np.all(
-        np.less(*(np.asarray(bound, dtype) for bound in bounds))
-    ):
+def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, *others: Any) -> Any:
+    """The dtype of the bounds of an exponent and other arguments, in which concrete ones increase, or an error."""
+    try:
+        lower, upper = bounds
+    except (TypeError, ValueError):
+        raise TypeError(f"bounds takes a pair of exponents, not {bounds!r}") from None
+    check_all(("bounds[0]", "bounds[1]"), (lower, upper), (domain, domain))
+    dtype = real_dtype("bounds", (lower, upper, *others))
+    known = [np.asarray(bound, dtype) for bound in bounds if not isinstance(bound, Tracer)]
+    if len(known) == 2 and not np.all(np.less(*known)):
         raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
+    return dtype
 
 
 def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
@@ -170,7 +174,8 @@ def whole(name: str, value: Any, least: int, most: float = float("inf"), more: s
         found = None
     if found is None or not least <= found <= most:
         allowed = f"{least} <= {name}" if most == float("inf") else f"{least} <= {name} <= {most}"
-        raise RefusedError(f"{name} = {value!r} is outside the allowed range {allowed}{more}")
+        kind = ", a whole number" if found is None else ""
+        raise RefusedError(f"{name} = {value!r} is outside the allowed range {allowed}{more}{kind}")
     return found
 
 

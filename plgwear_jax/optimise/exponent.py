@@ -19,10 +19,10 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     check,
+    check_all,
     check_bounds,
     check_digits,
     one_or_nan,
-    real_dtype,
 )
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
@@ -100,18 +100,15 @@ def optimal_exponent(
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the least of Eq. (28).
     """
-    lower, upper = bounds
     check("phi", phi, AMPLITUDE)
     if (life is None) != (nu is None):
         raise TypeError("life and nu go together: n/theta depends on Poisson's ratio, the steady state does not")
-    given = phi, lower, upper, *(value for value in (life, nu) if value is not None)
-    dtype = real_dtype("optimal_exponent", given)
-    check_bounds(bounds, EXPONENT, dtype)
+    of_life: Any = () if life is None else (life, nu)
+    if of_life:
+        check_all(("life", "nu"), of_life, (POSITIVE, POISSON_RATIO))
+    dtype = check_bounds(bounds, EXPONENT, phi, *of_life)
     digits = check_digits(digits, dtype)
-    values = [jnp.asarray(value, dtype) for value in given]
-    if life is not None and nu is not None:
-        check("life", life, POSITIVE)
-        check("nu", nu, POISSON_RATIO)
+    values = [jnp.asarray(value, dtype) for value in (phi, *bounds, *of_life)]
     many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     return _many_optimal_exponents(digits, *values) if many or values[3:] else _few_optimal_exponents(values, digits)
 
@@ -263,9 +260,8 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (28).
     """
-    dtype = real_dtype("critical_amplitudes", bounds)
+    dtype = check_bounds(bounds, _CLOSED)
     working = jnp.promote_types(dtype, jnp.float32)
-    check_bounds(bounds, _CLOSED, working)
     lower, upper = (jnp.asarray(bound, working) for bound in bounds)
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 

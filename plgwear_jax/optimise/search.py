@@ -14,7 +14,8 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import check_real
+from plgwear_jax._core.domains import check, check_real, whole
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.optimise.ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
@@ -138,9 +139,14 @@ def minimise(
     References:
         Nocedal and Wright, Numerical Optimization (2006).
     """
-    for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
-        if number is not None and number < least:
-            raise ValueError(f"{name} = {number} is below {least}")
+    whole("max_steps", max_steps, 1)
+    for name, number, least in (("samples", samples, 3), ("starts", starts, 1)):
+        if number is not None:
+            whole(name, number, least)
+    if noise is not None:
+        check("noise", noise, NUMBER)
+    if not isinstance(space, Mapping):
+        raise TypeError(f"space takes an Interval for each name, not {space!r}")
     if not space:
         raise ValueError("space is empty: name at least one variable")
     for name, one in space.items():

@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.catalogue import entry, placed
+from plgwear_jax._core.domains import whole
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import LARGER
@@ -165,8 +166,7 @@ def front(
     limits = keywords.get("limits")
     if any(one.quantity == name for one in limits_of(limits, kind)):
         raise ValueError(f"limits: the front itself sets the {entry(name).name}")
-    if points < 2:
-        raise ValueError(f"points = {points}: at least 2")
+    whole("points", points, 2)
     # All searches have x among their limits, so that they share a program; for the ends it has no effect. The limit of
     # the question stays 1 in SI units: what is known of its points serves all values of x.
     keywords["limits"] = {**(limits or {}), name: {"above" if "x" in larger else "below": 1.0, **places}}

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from plgwear_jax._core.catalogue import AMPLITUDES, leaf
-from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
+from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits, whole
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
@@ -105,10 +105,13 @@ def sweep(
         >>> print(dict(ds.sizes), ds.wear_volume.attrs["units"])
         {'k': 5, 'phi': 2} a_0^4/R
     """
-    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    given: Any = quantities if np.iterable(quantities) and not isinstance(quantities, str) else [quantities]
+    names: tuple[str, ...] = tuple(given)
     if not names:
         raise QuantityError("quantities: name at least one")
     for name in names:
+        if not isinstance(name, str):
+            raise QuantityError(f"quantities takes names, not {name!r}")
         if names.count(name) > 1:
             raise QuantityError(f"{name}: is asked for more than once")
     for name, one, has in (("load", load, "one"), ("loads", loads, "them")):
@@ -138,8 +141,8 @@ def sweep(
     check_bounds(bounds, EXPONENT, dtype)
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
-    if chunk is not None and chunk < 1:
-        raise SweepError(f"chunk = {chunk}: must be at least 1 point")
+    if chunk is not None:
+        whole("chunk", chunk, 1)
     plan = SweepPlan(
         contact=contact,
         known=known,
