@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import gross_slip
-from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, guarded
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax.material import PowerLawGraded
@@ -146,5 +146,5 @@ class SteadyPunch(Solution):
 
     def _of(self, function: Callable[..., Array], *r: ArrayLike) -> Array:
         """A dimensionless function of the exponent, and of radii in m if given."""
-        relative = (guarded("r", x, RADIUS) / self._radius for x in r)
+        relative = (self._relative("r", x, self._radius) for x in r)
         return function(*relative, self.contact.material.k, digits=self.digits)

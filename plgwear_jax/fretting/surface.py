@@ -37,7 +37,7 @@ def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int |
     y = fold_outside(r, c)
     _, body, moment = arcsine_tail(y, s, q, digits)
     density = jnp.exp(jnp.where(y.inner, -s, s) * y.log_x)  # y^-s
-    outer = jnp.where(under, 2.0 * c, r)
+    outer = jnp.where(under | (r == jnp.inf), 2.0 * c, r)
     flat = c * q * sine_quotient(s, q, digits) * density * (c / outer)
     near = flat * (jnp.where(y.inner, y.x, 0.0) - m) - outer * body
     far = outer * over_abscissa(moment, y) - (1.0 + m) * flat

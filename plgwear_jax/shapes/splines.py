@@ -294,7 +294,8 @@ class Profile(_Splined):
         """f(r) in m; beyond the table its slope stays."""
         cubic, r = self._cubic(), jnp.asarray(r)
         place = cubic.interval(r)
-        return horner(jnp.unstack(cubic.coefficients[:, place]), r - cubic.start[place])
+        found = horner(jnp.unstack(cubic.coefficients[:, place]), r - cubic.start[place])
+        return jnp.where(r == jnp.inf, cubic.coefficients[1, -1] * r, found)
 
     def _cubic(self) -> Piecewise:
         """The heights; beyond the last radius, where a search may look, the slope stays."""

@@ -78,7 +78,9 @@ def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tupl
     Q and 1 - Q have full relative accuracy also where they tend to 0: Q as y -> 0, 1 - Q as y -> infinity.
     T_1(x) = sum of (-1)^n x^n/(n+1+s); the last one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
-    x, log_x, inner = y
+    # Infinitely far away powers, and what differentiates them, would be products of 0 and infinity.
+    endless = ~y.inner & (y.log_x == -jnp.inf)
+    x, log_x, inner = y = y._replace(log_x=jnp.where(endless, 0.0, y.log_x))
     p, other = jnp.where(inner, q, s), jnp.where(inner, s, q)
     n, _, t, d, power, less_one, omega, deficit = _folded_terms(y, s, q, digits)
     # Q(y; s) = 1 - Q(1/y; 1-s): for y up to the fold Q is small, for larger y 1 - Q is small.
@@ -91,7 +93,8 @@ def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tupl
     deficit = 1.0 - q * q * sine_excess(s, q, digits)
     small = x * (tail + less_one - s * deficit * density)
     difference = jnp.where(s < 0.5, small, q * omega * power - x * body)
-    return tail, body, jnp.where(inner, difference, s * q * omega * power * rest)
+    moment = jnp.where(inner, difference, s * q * omega * power * rest)
+    return tail, jnp.where(endless, 0.0, body), jnp.where(endless, 0.0, moment)
 
 
 # --- the arc from 0 to y --------------------------------------------------------------------------------------------

@@ -151,4 +151,5 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -
         digits,
     )
     exponent = jnp.where(away, jnp.where(outside, -s, q) * (first + second), -s * second)
-    return exponentials(exponent, digits)[0] * jnp.where(away, far, near)
+    found = exponentials(exponent, digits)[0] * jnp.where(away, far, near)
+    return jnp.where(r == jnp.inf, 0.0, found)

@@ -15,7 +15,7 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.catalogue import FRETTING
-from plgwear_jax._core.domains import EXPONENT, RADIUS, ArrayLike, Domain, check, guarded, one_or_nan
+from plgwear_jax._core.domains import EXPONENT, ArrayLike, Domain, check, guarded, one_or_nan
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
@@ -24,7 +24,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.steady.arguments import ARGUMENTS, amplitude_of
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, dtype_of
 from plgwear_jax.steady.solution import Solution
 
@@ -171,12 +171,12 @@ class Steady(Solution):
 
     def _scaled(self, unit: Array, function: Callable[..., Array], **at: ArrayLike) -> Array:
         """A dimensionless function, of radii or distances in m if given, in this unit."""
-        relative = (guarded(name, x, ARGUMENTS[name]) / self.contact_radius for name, x in at.items())
+        relative = (self._relative(name, x, self.contact_radius) for name, x in at.items())
         return unit * function(*relative, self._k, self.amplitude, digits=self.digits)
 
     def _before_wear(self, unit: Array, function: Callable[..., Array], r: ArrayLike) -> Array:
         """The same of a function that does not depend on the load."""
-        return unit * function(guarded("r", r, RADIUS) / self.contact_radius, self._k, digits=self.digits)
+        return unit * function(self._relative("r", r, self.contact_radius), self._k, digits=self.digits)
 
     # --- scalars ----------------------------------------------------------------------------------------------------
 

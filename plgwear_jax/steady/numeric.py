@@ -64,11 +64,11 @@ def deepest_of(state: State) -> Array:
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
-    """(Whether distances are inside the edge, 1 - (r/c)^2 there and anything outside)."""
-    inside = distance > 0.0
-    relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
-    return inside, relative * (2.0 - relative)
+def _edgewise(c: Array, distance: Array) -> tuple[Array, Array]:
+    """(Whether distances are outside the edge or on it, 1 - (r/c)^2 inside and anything there, NaN where it is)."""
+    outside = distance <= 0.0
+    relative = jnp.where(outside, 0.5 * c, jnp.minimum(distance, c)) / c
+    return outside, relative * (2.0 - relative)
 
 
 def _infinite_at(state: State) -> tuple[Array, Array]:
@@ -79,7 +79,7 @@ def _infinite_at(state: State) -> tuple[Array, Array]:
 
 def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
-    inside, z = _inside(punch.c, distance)
+    outside, z = _edgewise(punch.c, distance)
     tip, _ = _infinite_at(state)
     # `own_pressure` knows no place nearer to a tip: there the pressure is that of the nearest one, and infinite at the
     # tip alone, or integrals would be infinite. A program may round c in two ways.
@@ -87,15 +87,15 @@ def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     known = jnp.where(tip, jnp.minimum(z, 1.0 - nearest), z)
     found = state.height(punch) * own_pressure(state.bodies, punch, known)
     found = jnp.where(tip & (1.0 - z < rounding), jnp.inf, found)
-    return jnp.where(inside, clamp_keep_slope(0.0, found), 0.0 * distance)
+    return jnp.where(outside, 0.0 * punch.c, clamp_keep_slope(0.0, found))
 
 
 def _more_pressure(state: State, distance: Array) -> Array:
     """The pressure in Pa that the worn contact adds, which is that of a flat punch, 0 outside."""
     punch = state.punch
-    inside, z = _inside(state.c, distance)
+    outside, z = _edgewise(state.c, distance)
     further = state.height(punch) * state.further
-    found = jnp.where(inside, further * flat_pressure(state.bodies, punch, z), 0.0 * distance * further)
+    found = jnp.where(outside, 0.0 * further, further * flat_pressure(state.bodies, punch, z))
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
@@ -150,9 +150,9 @@ def intensity_of(state: State) -> Array:
 
 
 def _outside(c: Array, r: Array) -> tuple[Array, Array]:
-    """(Whether radii are outside c, (r/c)^2 - 1 there and anything inside)."""
+    """(Whether radii are outside c, (r/c)^2 - 1 there and anything inside or at infinity)."""
     outside = r > c
-    near = jnp.where(outside, r, 1.5 * c)
+    near = jnp.where(outside & (r < jnp.inf), r, 1.5 * c)
     return outside, ((near - c) / c) * ((near + c) / c)
 
 
@@ -174,8 +174,9 @@ def unworn_gap_at(state: State, r: Array) -> Array:
 def worn_depth_at(state: State, r: Array) -> Array:
     """The depth in m worn off in the end at radii, shape (m,)."""
     edge = state.c * jnp.sqrt(1.0 + state.end)
-    found = _gap(state, state.further, jnp.minimum(r, edge))
-    return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
+    within = jnp.minimum(r, edge)
+    found = jnp.maximum(_gap(state, state.further, within), 0.0)
+    return jnp.where((r < edge) & (state.phi > 0.0), found, 0.0 * within)
 
 
 def _profile(state: State, r: Array) -> Array:
@@ -185,7 +186,7 @@ def _profile(state: State, r: Array) -> Array:
 def _worn_displacement(state: State, r: Array) -> Array:
     c, punch, further = state.c, state.punch, state.further
     outside, y = _outside(c, r)
-    beyond = sunk_beside(state.bodies, punch, state.beside, further, y)
+    beyond = jnp.where(r == jnp.inf, 0.0, sunk_beside(state.bodies, punch, state.beside, further, y))
     under = state.height(punch) * (punch.depth + further) - state.bodies.outline.height(jnp.minimum(r, c))
     return jnp.where(outside, state.height(punch) * beyond, under)
 
@@ -221,8 +222,9 @@ def _force(state: State, moved: Array, rig: Array) -> Array:
 
 def _slip(state: State, r: Array) -> Array:
     edge = state.unworn.c
-    slip = state.tangential * unworn_gap_at(state, jnp.minimum(r, edge))
-    return jnp.where(r <= edge, slip, 0.0 * r * state.c)
+    within = jnp.minimum(r, edge)
+    slip = state.tangential * unworn_gap_at(state, within)
+    return jnp.where(r <= edge, slip, 0.0 * within * state.c)
 
 
 def energy_of(state: State) -> Array:

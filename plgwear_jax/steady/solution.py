@@ -4,6 +4,8 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 import jax
+import jax.numpy as jnp
+from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, guarded, real_dtype
@@ -93,6 +95,12 @@ class Solution:
         """An argument of a method, checked where it is concrete; NaN where it is traced and outside its range."""
         self._check(**{name: value})
         return guarded(name, value, ARGUMENTS[name])
+
+    def _relative(self, name: str, value: ArrayLike, unit: Array) -> Array:
+        """A distance in a unit, on which what is infinitely far away does not depend."""
+        value = guarded(name, value, ARGUMENTS[name])
+        endless = value == jnp.inf
+        return jnp.where(endless, value, jnp.where(endless, unit, value) / unit)
 
 
 def _traces(tree: Any) -> set[int]:

@@ -16,7 +16,9 @@ import numpy as np
 import pytest
 from dependence import FRETTING, GOOD, GROSS_SLIP, MATERIAL, PLACES, build, depends, quantities
 from functions import FUNCTIONS, arguments
+from kinds import LAYERS, STEEL, contact_of
 from marks import compiled_case, parametrize
+from numpy.testing import assert_array_equal
 from refusals import refusal
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
@@ -259,6 +261,19 @@ def test_a_negative_length_is_refused(cls):
                     ask(build(cls), name, **{key: value})
             with pytest.raises(ValueError, match=rf"^{key} = -1.0 at index 1\b"):
                 ask(build(cls), name, **{key: np.array([0.0, -1.0])})
+
+
+@parametrize("contact", [build(FrettingContact), build(GrossSlipContact), contact_of(LAYERS, STEEL)])
+def test_infinitely_far_away_all_but_the_profile_ends(contact):
+    names = {name for name, keys in quantities(type(contact)).items() if keys == ["r"]}
+    assert "profile" not in names or ask(contact, "profile", r=math.inf) == math.inf
+
+    def ended(contact, r):
+        return jnp.stack([ask(contact, name, r=r) for name in sorted(names - {"profile"})])
+
+    assert_array_equal(ended(contact, math.inf), 0.0)
+    assert np.all(np.isnan(functions.by_numpy(ended)(*jax.tree.map(jnp.asarray, (contact, math.nan)))))
+    assert not any(map(np.any, jax.tree.leaves(jax.grad(lambda contact: jnp.sum(ended(contact, math.inf)))(contact))))
 
 
 TRACED = {

@@ -81,8 +81,9 @@ def test_heights_are_those_of_their_slopes(name):
 
 def test_beyond_a_table_its_slope_stays():
     r = np.array([0.0, 3e-5, 7e-5, 2e-4])
-    found = Profile(r, r * r / (2.0 * R)).height(r[-1] + np.array([0.0, 1e-5, 4e-4]), R)
-    assert_allclose(found, r[-1] * (0.5 * r[-1] + np.array([0.0, 1e-5, 4e-4])) / R, rtol=1e-12)
+    beyond = np.array([0.0, 1e-5, 4e-4, np.inf])
+    found = Profile(r, r * r / (2.0 * R)).height(r[-1] + beyond, R)
+    assert_allclose(found, r[-1] * (0.5 * r[-1] + beyond) / R, rtol=1e-12)
 
 
 @long
