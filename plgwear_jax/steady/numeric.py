@@ -234,7 +234,7 @@ def energy_of(state: State) -> Array:
     begin, end, bends = state.punch.log_c, state.unworn.log_c, state.beside.image.bends
     # Where the contact grows beyond a kink F has one too: few are ends of pieces, many take more places.
     few, count = len(bends) < FEW_KINKS, state.bodies.effort.nodes
-    inner = 0.5 * jnp.log1p(bends) / (end - begin) if few else np.zeros(0)
+    inner = ratio_where(end > begin, 0.5 * jnp.log1p(bends), end - begin, 1.0) if few else np.zeros(0)
     parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
@@ -279,7 +279,8 @@ def _first(state: State) -> tuple[Array, Array, Array]:
 
 def energy_ratio_of(state: State) -> Array:
     around = 4.0 * state.phi * state.friction * state.force * _moved(state)
-    return ratio_where(state.phi > 0.0, energy_of(state), around, 0.0 * state.phi)
+    _, s, _ = _first(state)
+    return ratio_where(state.phi > 0.0, energy_of(state), around, state.phi * s / (6.0 + 6.0 * s))
 
 
 def aperture_of(state: State) -> Array:

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 
 from plgwear_jax import Elastic, fretting, material, partial_slip
 from plgwear_jax.loads import Displacement, Force
+from plgwear_jax.shapes import PowerShape, TruncatedSphere
 
 EXPONENTS = np.array([-0.9, -0.5, 0.0, 0.3, 0.9])
 GROSS = r"0 <= displacement_amplitude < .* m, where gross slip begins"
@@ -109,6 +110,15 @@ def test_both_vanish_with_the_force(name, part):
     at_rest = jax.grad(lambda force: getattr(dome(0.3).steady(Force(force, 1e7)), name))(0.0)
     moved = dome(0.3).steady(1e-9).displacement_amplitude
     assert_allclose(at_rest, slope[3] / LIMIT * moved / (moved + 1e-9 / 1e7), rtol=1e-9)
+
+
+@parametrize("shape", [PowerShape(2.0), TruncatedSphere(2e-5)])
+@parametrize("name", ["energy_ratio", "loop_aperture"])
+def test_loops_of_any_shape_vanish_with_the_force(name, shape):
+    def asked(force):
+        return getattr(dome(0.3, shape=shape).steady(force), name)
+
+    assert_allclose(jax.grad(asked)(0.0), asked(4e-5) / 4e-5, rtol=1e-5)
 
 
 @parametrize("stiffness", [0.0, -1.0, np.nan])
