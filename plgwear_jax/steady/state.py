@@ -22,7 +22,7 @@ from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
 from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
-from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.effort import EFFORTS, Effort
 from plgwear_jax.surfaces.ring import Worn, worn
 from plgwear_jax.surfaces.tension import Least, least_pressures
 
@@ -109,7 +109,9 @@ def theta_of(contact: Any, bodies: Any, c: Array, flat: Array | None = None) -> 
 def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The state of one contact, NaN where it would have to pull: all of it but the least pressures, or what is worn."""
     force, friction = (guarded_field(contact, name) for name in ("normal_force", "friction"))
-    bodies = bodies_of(effort, contact)
+    # Few pressures do not resolve what lies between a corner and a contact that ends next to it.
+    corner = getattr(shape_of(contact), "corner", 0.0)
+    bodies = bodies_of(max(effort, EFFORTS[4 if corner else 2]), contact)
     phi = amplitude_of(contact, tangential_force)
     # Rings are resolved down to roundings of the radius: a smaller amplitude counts as none.
     phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from inputs import scene_of
-from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, LIMIT, STEEL, contact_of
+from kinds import COEFFICIENT, FORCE, FRICTION, LAYERS, LIMIT, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
@@ -84,6 +84,13 @@ def test_beyond_a_table_its_slope_stays():
     beyond = np.array([0.0, 1e-5, 4e-4, np.inf])
     found = Profile(r, r * r / (2.0 * R)).height(r[-1] + beyond, R)
     assert_allclose(found, r[-1] * (0.5 * r[-1] + beyond) / R, rtol=1e-12)
+
+
+@parametrize("digits", [2, 3])
+def test_few_digits_next_to_a_corner(digits):
+    """The stick area ends 1e-3 of its radius beyond the flat face."""
+    found = dome(-0.36, STEEL, TruncatedSphere(8.812e-5)).steady(0.8 * LIMIT, digits=digits)
+    assert_allclose(found.wear_volume, 5.6539336e-17, rtol=10.0**-digits / 5.0)  # by 5 digits
 
 
 @long
