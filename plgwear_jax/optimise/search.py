@@ -145,10 +145,8 @@ def minimise(
             whole(name, number, least)
     if noise is not None:
         check("noise", noise, NUMBER)
-    if not isinstance(space, Mapping):
-        raise TypeError(f"space takes an Interval for each name, not {space!r}")
-    if not space:
-        raise ValueError("space is empty: name at least one variable")
+    if not (isinstance(space, Mapping) and space):
+        raise ValueError(f"space takes an Interval for at least one name, not {space!r}")
     for name, one in space.items():
         if not isinstance(one, Interval):
             raise TypeError(f"space takes an Interval for {name}, not {one!r}")

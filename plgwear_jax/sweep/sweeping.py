@@ -114,6 +114,11 @@ def sweep(
             raise QuantityError(f"quantities takes names, not {name!r}")
         if names.count(name) > 1:
             raise QuantityError(f"{name}: is asked for more than once")
+    if not isinstance(contact, FrettingContact | GrossSlipContact | None):
+        raise SweepError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
+    for name, one in (("loads", loads), ("design", design)):
+        if not isinstance(one, Mapping | None):
+            raise SweepError(f"{name} takes a mapping by names, not {one!r}")
     for name, one, has in (("load", load, "one"), ("loads", loads, "them")):
         if one is not None and not isinstance(contact, FrettingContact):
             raise SweepError(f"{name}: only a FrettingContact has {has}")
