@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
@@ -24,6 +23,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.startup.programs import traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
@@ -204,7 +204,7 @@ class Displacement(Load):
 
     def check_at_rest(self, at_rest: Any) -> None:
         """Refuse concrete amplitudes under which the unworn contact slips as a whole."""
-        if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, self))):
+        if not traced((at_rest.contact, self)):
             limit = at_rest.gross_slip_displacement
             where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement, where"
             allowed = Domain(f"0 <= displacement_amplitude < {where} gross slip begins", lambda u: u / limit < 1.0)

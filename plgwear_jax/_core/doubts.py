@@ -68,6 +68,7 @@ def of_contact(contact: Any) -> list[str]:
     radius, found = contact.radius, []
     if not _readable(radius):
         return found
+    radius = np.asarray(radius)  # while JAX traces, it would trace what is asked of its own arrays
     if np.max(radius) > WIDE:
         found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
     thickness = layers(contact.material)
@@ -81,7 +82,7 @@ def layers(material: Any) -> Any:
     """The thicknesses of layers in m; none of a modulus without jumps."""
     thickness, depth = getattr(material, "thickness", None), getattr(material, "depth", None)
     if thickness is not None:
-        return thickness if _readable(thickness) else ()
+        return np.asarray(thickness) if _readable(thickness) else ()
     if depth is None or np.ndim(depth) != 1 or not _readable(depth):
         return ()
     z = np.asarray(depth)

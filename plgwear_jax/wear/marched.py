@@ -355,7 +355,8 @@ class MarchedRun(Run):
 
     @property
     def steady(self) -> Steady | None:
-        ever_slips = not self.load.holds_force and np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
+        known = not (self.load.holds_force or traced(self._solution.moments.stick_radius))
+        ever_slips = known and np.any(self._solution.moments.stick_radius <= 0.0)
         if not self.load.lasts or ever_slips:
             return None
         with one_question(*of_contact(self.contact)):

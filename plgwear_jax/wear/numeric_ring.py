@@ -69,7 +69,7 @@ def _not_zero(contact: Any, force: Array) -> Array:
 
 
 def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: Any) -> _Runs:
-    if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
+    if isinstance(force, Tracer) or np.any(np.asarray(value_of(force)) == 0.0):
         force = _not_zero(contact, force)
     given = contact, force
     if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):

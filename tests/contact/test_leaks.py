@@ -17,6 +17,7 @@ from marks import compiled, parametrize
 from rigid_shapes import Blend
 
 from plgwear_jax import optimise
+from plgwear_jax.loads import Displacement
 
 OWN = KINDS | {"a shape of one's own": dataclasses.replace(KINDS["a shape"], shape=Blend(flat=2e-5))}
 FORCES = np.array([1.0, batches.F_X])
@@ -57,6 +58,21 @@ def nothing_leaks(question, kind, run=False, ways=None):
 @parametrize("kind", ["closed forms", "layers under steel"])
 def test_no_steady_question_leaks(kind):
     nothing_leaks("steady", kind, ways=("jit", "a contact from outside", "vmap", "jit in jit"))
+
+
+@parametrize(
+    "ask",
+    [
+        lambda contact: contact.steady(2.0).wear_volume,
+        lambda contact: contact.steady(Displacement(1e-7)).wear_volume,
+        lambda contact: contact.over_cycles(jnp.asarray(2.0), 1e-14).volume(1e5),
+        lambda contact: contact.over_cycles(Displacement(1e-7), 1e-14).steady.wear_volume,
+    ],
+)
+def test_arrays_of_jax_may_be_known_while_it_traces(ask):
+    """What is asked of them there is traced, and cannot decide anything."""
+    contact = jax.tree.map(jnp.asarray, KINDS["layers under steel"])
+    assert jax.eval_shape(lambda x: x * ask(contact), 1.0).shape == ()
 
 
 @compiled

@@ -4,6 +4,7 @@ import dataclasses
 import warnings
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from kinds import COEFFICIENT, LAW, contact_of
 from marks import compiled_case, parametrize
@@ -85,6 +86,8 @@ def test_a_question_is_doubted_once_and_answered(name):
 def test_what_is_not_known_is_not_doubted():
     """Nor what is within the limits, nor the coefficients with which a fit searches: a warning here is an error."""
     jax.jit(lambda radius: dataclasses.replace(ONE, radius=radius).steady(2.0).wear_volume)(2.0)
+    known = dataclasses.replace(ONE, radius=jnp.asarray(5e-3))
+    jax.eval_shape(lambda force: known.steady(force).wear_volume, 2.0)
     jax.eval_shape(lambda K: ONE.over_cycles(2.0, K).volume(1.0), 1e-9)
     dataclasses.replace(ONE, radius=1.0).steady(2.0).wear_volume
     dataclasses.replace(THICK, radius=1e-2).steady(2.0)
