@@ -107,7 +107,8 @@ def solve_symmetric(matrix: Array, right: Array) -> Array:
 @jax.custom_jvp
 def _inverse_factor(matrix: Array) -> Array:
     """L^-1, as a constant: products with it, unlike substitutions, need no loop in a batch."""
-    return _inverse_of(matrix)
+    # In a loop JAX forgets the rule after the first derivative in reverse.
+    return _inverse_of(jax.lax.stop_gradient(matrix))
 
 
 @_inverse_factor.defjvp

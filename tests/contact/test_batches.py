@@ -111,6 +111,16 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
         assert_allclose(both[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
 
 
+@parametrize("twice", [jax.hessian, lambda f: jax.jacrev(jax.jacrev(f))])
+def test_systems_in_a_loop_have_second_derivatives(twice, seed):
+    matrix, right = systems(seed)
+
+    def total(x):
+        return jnp.sum(jax.lax.map(lambda one: cholesky.solve_symmetric(x * matrix[0], one), right))
+
+    assert_allclose(twice(total)(1.0), 2.0 * total(1.0), rtol=1e-12)  # it is as 1/x
+
+
 # --- threads of OpenBLAS ------------------------------------------------------------------------------------------
 
 
