@@ -161,7 +161,10 @@ class Force(Load):
             return
         dtype = real_dtype("tangential_force", values)
         force, mu, normal = (np.asarray(value, dtype) for value in values)  # NumPy compiles nothing
-        check("tangential_force/(friction * normal_force)", force / (mu * normal), shares)
+        try:
+            check("tangential_force/(friction * normal_force)", force / (mu * normal), shares)
+        except ValueError as error:  # of numbers that are allowed one by one
+            raise RefusedError(str(error)) from None
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""
