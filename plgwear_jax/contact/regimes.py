@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, RefusedError, check
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.startup.programs import program
@@ -167,6 +167,10 @@ def slip_regimes(
     closed = is_closed(contact)
     at = moves if closed else _SHARES
     onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, at))
+    unknown = np.isnan(onset.displacement)
+    if unknown.any():
+        told = "before any wear the contact would have to pull, or reaches beyond the table of its shape"
+        raise RefusedError(f"normal_force = {forces[unknown[:, 0]][0]}: {told}")
     doubt(of_onset(onset.displacement - rig * limit))
     if not closed:
         loops = _between(loops, onset, moves, rig)

@@ -206,6 +206,7 @@ def _most(state: State) -> Array:
 
 def _force(state: State, moved: Array, rig: Array) -> Array:
     most = _most(state)
+    whole = most + rig * state.friction * state.force  # in its units nothing overflows, whatever the rig
 
     def at(log_c: Array) -> tuple[Array, Array]:
         punch = punch_at(state.bodies, log_c)
@@ -214,7 +215,7 @@ def _force(state: State, moved: Array, rig: Array) -> Array:
 
     def excess(log_c: Array) -> Array:
         force, alone = at(log_c)
-        return (moved - alone - rig * force) / most
+        return (moved - alone - rig * force) / whole
 
     found = clamp_keep_slope(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
     return found - jax.lax.stop_gradient(jnp.where(moved > 0.0, 0.0, found))  # a rounding of the root

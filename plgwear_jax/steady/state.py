@@ -117,21 +117,19 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)
     found = worn(bodies, force * bodies.outline.radius, phi)
     theta = theta_of(contact, bodies, found.unworn.c, found.unworn.flat)
-    least, known, reach = least_pressures(found, phi), [], bodies.outline.shape.reach
+    least, reach = least_pressures(found, phi), bodies.outline.shape.reach
+    before, after = jnp.unstack(least.pulled == 0.0)
     if reach is not None:  # what is beyond a table is guessed
-        known.append(found.c * jnp.sqrt(1.0 + found.end) <= reach)
-    if not bodies.never_pulls:
-        before, after = jnp.unstack(least.pulled == 0.0)
+        before, after = before & (found.unworn.c <= reach), after & (found.c * jnp.sqrt(1.0 + found.end) <= reach)
+    if not (bodies.never_pulls and reach is None):
         after = one_or_nan(after)
         further, end, volume = after * found.further, after * found.end, after * found.volume
-        found = dataclasses.replace(found, further=further, end=end, volume=volume)
-        known.append(before)
-    if known:  # all that is read of a state depends on one of these
-        factor = materialised(one_or_nan(functools.reduce(jnp.logical_and, known)))
-        numbers = force, phi, found.unworn.log_c, found.punch.log_c, found.end
+        # All that is read of a state depends on one of these.
+        factor = materialised(one_or_nan(before))
+        numbers = force, phi, found.unworn.log_c, found.punch.log_c, end
         force, phi, unworn, punch, end = (factor * x for x in numbers)
         unworn, punch = found.unworn._replace(log_c=unworn), found.punch._replace(log_c=punch)
-        found = dataclasses.replace(found, unworn=unworn, punch=punch, end=end)
+        found = dataclasses.replace(found, unworn=unworn, punch=punch, further=further, end=end, volume=volume)
     tangential, a_0, c = friction * theta, found.unworn.c, found.c
     square = c * c
     height = square / bodies.outline.radius

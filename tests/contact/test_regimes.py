@@ -2,13 +2,14 @@
 
 import dataclasses
 
+import jax
 import numpy as np
-from kinds import FORCE, FRICTION, KINDS, dome
+from kinds import FORCE, FRICTION, KINDS, RADIUS, dome
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, refusal
 
-from plgwear_jax import Elastic, GrossSlipContact
+from plgwear_jax import Elastic, GrossSlipContact, Profile
 from plgwear_jax.contact import CRITERIA, slip_regimes
 from plgwear_jax.loads import Displacement, Force
 
@@ -60,6 +61,24 @@ def test_nothing_jumps_at_the_onset(rig):
 def test_no_displacement_needs_no_force(indenter):
     force = dome(np.array([0.2, 0.3]), indenter).steady(Displacement(0.0)).tangential_force
     assert str(np.asarray(force)) == "[0. 0.]"  # neither a rounding nor -0
+
+
+@compiled
+def test_a_rig_may_be_as_soft_as_can_be():
+    load = Displacement(1e-7, 1e-300)
+    assert_allclose(dome(0.2, Elastic(210e9, 0.3)).steady(load).tangential_force, 0.0, atol=1e-12)
+
+
+@compiled
+def test_a_table_of_heights_may_end_within_what_wears_close_to_gross_slip():
+    r = np.linspace(0.0, 4e-4, 41)
+    short = dome(0.0, shape=Profile(r, r * r / (2.0 * RADIUS)))
+    found, expected = (slip_regimes(each, [2e-7, 1e-5], [1.0, 10.0]) for each in (short, dome(0.0)))
+    assert_allclose(found.energy_ratio, expected.energy_ratio, rtol=1e-2)
+    state = jax.jit(lambda force: [getattr(short.steady(force), name) for name in ("worn_radius", "energy_ratio")])
+    assert np.isnan(state(0.99999 * LIMIT[1])[0]) and np.isfinite(state(0.99999 * LIMIT[1])[1])
+    line = refusal(ValueError, slip_regimes, short, [1e-7], [1.0, 1e5])
+    assert line.startswith("normal_force = 100000.0: before any wear the contact would have to pull, or reaches beyond")
 
 
 @compiled
