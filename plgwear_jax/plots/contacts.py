@@ -203,7 +203,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     depths, pressures = (np.asarray(field(r, np.array(states)[:, None])) for field in (run.depth, run.pressure))
     start = run.contact.steady(0.0)
     shape, before = (np.asarray(field(r)) for field in (start.profile, start.initial_pressure))
-    deepest, highest = depths.max(), (2.5 if inner > 0.0 else 1.1) * before.max()
+    deepest, highest = depths.max(), (2.5 if inner > 0.0 else 1.1) * before[before < np.inf].max()  # infinite at a tip
     mark_roughness(panels["c"], deepest)
     panels["d"].set_ylim(0.0, highest)
     for key, name, words, unworn, rows in (

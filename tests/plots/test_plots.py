@@ -13,7 +13,7 @@ from marks import compiled, parametrize
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from plgwear_jax import gross_slip, loads, optimise, plots
+from plgwear_jax import Cone, gross_slip, loads, optimise, plots
 from plgwear_jax._core.units import text_cells
 from plgwear_jax.optimise.question import Limit
 
@@ -156,6 +156,13 @@ def test_the_end_of_a_run_is_drawn_as_its_steady_state():
         seen = beside & (drawn < by_ordinate[label].get_ylim()[1])
         assert_allclose(drawn[seen], field(r[seen]), rtol=1e-3, atol=1e-3 * drawn[seen].max())
     assert legend(figure)[1:3] == ["worn volume", "before wear"] and "steady state" in legend(figure)
+
+
+@compiled
+def test_a_run_of_a_pointed_indenter_is_drawn():
+    run = dome(shape=Cone(0.01)).over_cycles(3.6, 1e-14)
+    low, high = plots.wear_picture(run, np.geomspace(1e3, 1e7, 20), [1e5]).axes[-1].get_ylim()
+    assert low == 0.0 and np.isfinite(high)
 
 
 def test_no_radius_of_a_block_is_cut_off():
