@@ -267,7 +267,7 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
             if isinstance(wanted, Program):
                 return wanted.moved(tuple(moves), *words, *primals, steps)
-            return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
+            return moved_along(functools.partial(wanted, *words), primals, tangents)
         found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _unit_directions(moving)))))
         return jax.tree.map(value_of, found), _along_steps(found, steps)
 
