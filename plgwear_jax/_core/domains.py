@@ -93,9 +93,10 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
                 _refuse_element(name, value, domain, np.argmin(np.asarray(inside)))
     if on_device:
         _, arrays, rules = zip(*on_device, strict=True)
-        for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), on_device, strict=True):
-            if not inside:
-                _refuse_element(name, value, domain, jnp.argmin(domain.contains(value)))
+        with jax.ensure_compile_time_eval():  # known numbers, also while a function of others is traced
+            for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), on_device, strict=True):
+                if not inside:
+                    _refuse_element(name, value, domain, jnp.argmin(domain.contains(value)))
 
 
 def on_accelerator(value: ArrayLike) -> bool:

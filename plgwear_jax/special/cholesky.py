@@ -86,8 +86,9 @@ def _substitution(transposed: bool) -> Any:
     def _rule(size: int, batched: list[bool], factor: Array, right: Array) -> tuple[Array, bool]:
         if batched[0]:
             return jax.vmap(sequential_vmap(plain), [0 if move else None for move in batched])(factor, right), True
-        found = single(factor, jnp.moveaxis(right, 0, 1).reshape(right.shape[1], -1))
-        return jnp.moveaxis(found.reshape(right.shape[1], size, -1), 1, 0), True
+        _, rows, columns = right.shape
+        found = single(factor, jnp.moveaxis(right, 0, 1).reshape(rows, size * columns))
+        return jnp.moveaxis(found.reshape(rows, size, columns), 1, 0), True
 
     return single
 
