@@ -1,4 +1,4 @@
-"""First derivatives at single known numbers, which NumPy computes: they are those of the compiled programs."""
+"""Derivatives at single known numbers, which NumPy computes: they are those of the compiled programs."""
 
 import dataclasses
 
@@ -78,7 +78,9 @@ def test_forward_mode_and_higher_derivatives(ran):
     assert jax.jvp(value, (0.3,), (2.0,))[1] == 2.0 * slope
     assert jax.jacfwd(value)(0.3) == slope
     assert_allclose(jax.jit(jax.grad(jax.grad(value)))(0.3), second, rtol=64 * EPS)
-    assert_allclose(jax.hessian(value)(0.3), second, rtol=64 * EPS)
+    curvature = jax.hessian(fretting.stick_radius, (0, 1))
+    assert_allclose(curvature(0.3, 0.4), jax.jit(curvature)(0.3, 0.4), rtol=64 * EPS)
+    assert ran == 5 * [True]
     assert_allclose(jax.vmap(jax.grad(value))(jnp.array([0.3])), [slope], rtol=64 * EPS)
 
 

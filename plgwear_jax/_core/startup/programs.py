@@ -116,9 +116,14 @@ class Program:
         def along(moves, *arguments):
             return along_each(*self._of_moving(moves, arguments[:-1]), arguments[-1])
 
-        functools.update_wrapper(along, self.function)
-        along.__qualname__ += ".along"
-        return Program(along, 1 + self.static, self.slopes)
+        # No `functools.update_wrapper`, as JAX would take the arguments of the function for those of `along`.
+        along.__module__, along.__qualname__ = self.function.__module__, f"{self.function.__qualname__}.along"
+        return Program(along, 1 + self.static, self.slopes, self.slopes)
+
+    @functools.cached_property
+    def derivative(self):
+        """`along`, whose derivatives at known numbers are a program of their own."""
+        return with_slopes(self.along)
 
     def _of_moving(self, moves, given):
         moving, whole = parted(given[self.static :], moves)
@@ -223,7 +228,7 @@ def along_each(function: Callable[[Any], Any], moving: Any, directions: Any) -> 
 
 # --- derivatives ------------------------------------------------------------------------------------------------------
 
-_FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
+_FEW = 128  # derivatives by known numbers; of a batch most would be zero
 
 
 class NumbersWithSlopes:
@@ -263,11 +268,18 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         *words, primals, tangents = arguments
         moves, steps = steps_of(tangents)
         moving, whole = parted(primals, moves)
-        leaves = jax.tree.leaves(primals)
-        if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
-            if isinstance(wanted, Program):
-                return wanted.moved(tuple(moves), *words, *primals, steps)
-            return moved_along(functools.partial(wanted, *words), primals, tangents)
+        leaves, again = list(map(_beneath, jax.tree.leaves(primals))), traced(primals)
+        # Second derivatives are symmetric.
+        count = sum(map(np.size, moving)) * (sum(map(np.size, leaves)) // 2 if again else 1)
+        few = not (traced(leaves) or count > _FEW or any(map(_committed, leaves)))
+        if not isinstance(wanted, Program):
+            if again or not few:
+                return moved_along(functools.partial(wanted, *words), primals, tangents)
+        elif not few:
+            return wanted.moved(tuple(moves), *words, *primals, steps)
+        elif again:
+            value, slopes = wanted.derivative(tuple(moves), *words, *primals, _unit_directions(moving))
+            return value, _along_steps(jax.tree.map(NumbersWithSlopes, value, slopes), steps)
         found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _unit_directions(moving)))))
         return jax.tree.map(value_of, found), _along_steps(found, steps)
 
@@ -302,6 +314,11 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
         return read(kept[key], more)
 
     return with_slopes(lambda given, more: read(solve(given), more), parts)(given, more)
+
+
+def _beneath(leaf):
+    """The number at which a derivative of any order is taken."""
+    return _beneath(leaf.primal) if hasattr(leaf, "primal") else leaf
 
 
 def _committed(leaf):
