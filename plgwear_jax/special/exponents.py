@@ -39,8 +39,13 @@ def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singu
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
     inside = jnp.where(under, r, 0.0)
-    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel.
+    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel, and 1 - (r/c)^2 rounds away what is less than 1.
+    central = inside < 0.5 * c
     edgewise = ((c - inside) / c) * ((c + inside) / c)
-    log_z = jnp.log(jnp.where(inside < 0.5 * c, 1.0 - (inside / c) ** 2, edgewise))
+    log_z = jnp.where(
+        central,
+        log_complement(jnp.where(central, inside / c, 0.0) ** 2),
+        jnp.log(jnp.where(central, 1.0, edgewise)),
+    )
     stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
     return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))

