@@ -7,7 +7,7 @@ from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS, Arr
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import slip, stick, stick_power
 from plgwear_jax.special.elementary import exponentials, log, quotient, reciprocal
-from plgwear_jax.special.exponents import exponents, punch_stress
+from plgwear_jax.special.exponents import exponents, log_beside_edge, punch_stress
 
 # --- stresses -------------------------------------------------------------------------------------------------------
 
@@ -46,9 +46,8 @@ def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | Non
     s, q = exponents(k)
     c = stick(k, phi)
     under = r < c
-    inside = jnp.where(under, r, 0.0)
-    z = ((c - inside) / c) * ((c + inside) / c)
-    rate = s * slip(s, phi) * (q + s * z) * jnp.exp(-q * jnp.log(z)) / (z * c * c)
+    log_z = log_beside_edge(jnp.where(under, r, 0.0), c)
+    rate = s * slip(s, phi) * (q * jnp.exp(-(1.0 + q) * log_z) + s * jnp.exp(-q * log_z)) / (c * c)
     return jnp.where(under, rate, 0.0)
 
 

@@ -35,17 +35,17 @@ def fold_outside(r: Array, c: Array) -> Fold:
     return Fold(x, log_x, inner)
 
 
+def log_beside_edge(r: Array, c: Array) -> Array:
+    """log(1 - (r/c)^2) for r < c."""
+    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel, and 1 - (r/c)^2 rounds away what is less than 1.
+    central = r < 0.5 * c
+    near = log_complement(jnp.where(central, r / c, 0.0) ** 2)
+    return jnp.where(central, near, jnp.log(jnp.where(central, 1.0, ((c - r) / c) * ((c + r) / c))))
+
+
 def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
-    inside = jnp.where(under, r, 0.0)
-    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel, and 1 - (r/c)^2 rounds away what is less than 1.
-    central = inside < 0.5 * c
-    edgewise = ((c - inside) / c) * ((c + inside) / c)
-    log_z = jnp.where(
-        central,
-        log_complement(jnp.where(central, inside / c, 0.0) ** 2),
-        jnp.log(jnp.where(central, 1.0, edgewise)),
-    )
+    log_z = log_beside_edge(jnp.where(under, r, 0.0), c)
     stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
     return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))
