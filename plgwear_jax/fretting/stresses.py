@@ -12,7 +12,16 @@ from plgwear_jax.special.exponents import exponents, log_beside_edge, punch_stre
 # --- stresses -------------------------------------------------------------------------------------------------------
 
 
-@formula(r=RADIUS, k=EXPONENT)
+def _initial_pressure_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
+    """dp_0/dr = -2 r s (1+s) (1 - r^2)^-q for r < 1, whose own slopes do not cancel towards k = 1."""
+    del digits
+    s, q = exponents(k)
+    under = r < 1.0
+    rate = -2.0 * r * s * (1.0 + s) * jnp.exp(-q * log_beside_edge(jnp.where(under, r, 0.0), jnp.ones_like(s)))
+    return jnp.where(under, rate, 0.0)
+
+
+@formula(slopes={"r": _initial_pressure_by_r}, r=RADIUS, k=EXPONENT)
 def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure before any wear, p_0 = (k+3)/2 (1 - r^2)^((1+k)/2), Eq. (13); zero for r >= 1.
 
