@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
@@ -92,10 +93,16 @@ def highest(pressed: Pressed, wanted: Wanted) -> Peak:
 def peak_at(pressed: Pressed, wanted: Wanted, x: Array, z: Array) -> Peak:
     """The value in Pa and the place in m, as functions of the contact, of a peak whose place in units of a_0 is known.
 
-    It is there in units of a_0 as the derivatives go, but for depths that are ends, and beside an edge, where there may
-    be a kink: it moves with that.
+    It is there in units of a_0 as the slopes of the place go, but for depths that are ends, and beside an edge, where
+    there may be a kink: it moves with that.
     """
-    body = body_of(pressed)
+    place = _with_ends(pressed, wanted, jnp.stack([x, z]))
+    return in_si(pressed, wanted, Peak(_value_at(pressed, wanted, place), *jnp.unstack(place)))
+
+
+def _with_ends(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
+    """The place, which moves with a depth that is an end and with an edge that is near."""
+    x, z = jnp.unstack(place)
     ends = wanted.ends(pressed)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
@@ -104,7 +111,48 @@ def peak_at(pressed: Pressed, wanted: Wanted, x: Array, z: Array) -> Peak:
         edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
         beside = abs(abs(x) - edge) < _BESIDE
         x += jnp.where(beside, jnp.sign(x), 0.0) * (edge - lax.stop_gradient(edge))
-    return in_si(pressed, wanted, Peak(wanted.of(field(pressed, body, False, x, z)), x, z))
+    return jnp.stack([x, z])
+
+
+def _stress_at(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
+    return wanted.of(field(pressed, body_of(pressed), False, *jnp.unstack(place)))
+
+
+@jax.custom_jvp
+def _value_at(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
+    """The stress at the place, whose derivatives are those of a peak: the first is at the place, which moves then."""
+    return _stress_at(pressed, wanted, place)
+
+
+@_value_at.defjvp
+def _value_at_jvp(primals, tangents):
+    pressed, wanted, place = primals
+    moving = pressed, wanted, place + _moved(*primals)
+    return jax.jvp(_stress_at, moving, tangents)
+
+
+@jax.custom_jvp
+def _moved(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
+    """By how much the peak is elsewhere than the place that was found: not at all, but for its derivatives."""
+    del pressed, wanted
+    return jnp.zeros_like(place)
+
+
+@_moved.defjvp
+def _moved_jvp(primals, tangents):
+    pressed, wanted, place = primals
+    x, z = jnp.unstack(place)
+    free = jnp.stack(
+        [
+            jnp.min(abs(abs(x) - _contact_edges(pressed))) >= _BESIDE,
+            jnp.min(abs(wanted.ends(pressed) - z)) > 0.0,
+        ]
+    )
+    slope = jax.grad(_stress_at, 2)
+    matrix = jax.jacfwd(slope, 2)(*primals)
+    along = jax.jvp(slope, primals, tangents)[1]
+    matrix = jnp.where(free[:, None] & free, matrix, jnp.eye(2, dtype=place.dtype))
+    return _moved(*primals), -jnp.linalg.solve(matrix, jnp.where(free, along, 0.0))
 
 
 def in_si(pressed: Pressed, wanted: Wanted, peak: Peak) -> Peak:

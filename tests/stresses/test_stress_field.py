@@ -282,6 +282,12 @@ def test_derivatives_of_peaks_by_all_numbers(material, name):
         assert along == pytest.approx((ends[0] - ends[1]) / 2.0, rel=2e-2, abs=2e-6 * ends[0])
 
 
+@compiled
+def test_second_derivatives_of_peaks_are_those_of_their_slopes():
+    slope = jax.grad(lambda friction: FrettingContact(STEEL, RADIUS, FORCE, friction).steady(1.5).peak_mises)
+    assert_allclose(jax.grad(slope)(0.4), (slope(0.404) - slope(0.396)) / 0.008, rtol=5e-3)
+
+
 # --- the border -------------------------------------------------------------------------------------------------------
 
 
