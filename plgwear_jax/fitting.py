@@ -6,7 +6,7 @@ The fit is by least squares. SciPy is imported when a fit is made.
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -31,7 +31,7 @@ _LEVEL = 0.95  # of confidence
 _STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
 _GRID = 96  # points of the curve for a picture
-_DENSE = 1024  # points between which the model interpolates
+_DENSE = 512  # wear coefficients of which a fit to one amplitude reads the volumes from its run, twice
 _TRIED = 256  # wear coefficients between which a fit looks for the best one
 _NODES = 17  # wear coefficients of which a fit to blocks computes the runs, twice
 _LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
@@ -180,58 +180,16 @@ def _worn(volume: Any) -> float:
     return float(volume)
 
 
-class _Model(NamedTuple):
-    """Worn volumes by the wear coefficient.
+def _by_log(curve: Any, cycles: np.ndarray, logs: np.ndarray, known: Any = None) -> Any:
+    """Volumes at the cycles of the data by log(K), a cubic between those at some log(K) and those that are known.
 
-    Attributes:
-        at: Volumes at the cycles of the data by log(K).
-        curve: Volumes with coefficients of shape (c, 1) at other cycles of shape (n,); both broadcast.
-        ends: log(K) between hardly any wear and all of it.
-        most: The most that any coefficient wears.
-        steady: The final volume; None without one.
+    Args:
+        curve: Volumes with coefficients of shape (c, 1) at cycles of shape (n,); both broadcast.
+        cycles: Numbers of cycles, shape (n,).
+        logs: Some log(K), rising.
+        known: Such a cubic, whose points stay.
     """
-
-    at: Callable[[Any], np.ndarray]
-    curve: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    ends: tuple[float, float]
-    most: Any
-    steady: float | None = None
-
-
-def _by_one_run(run: Run, cycles: np.ndarray) -> _Model:
-    """Volumes under one amplitude: the time scales with the wear coefficient, so that one run gives all of them.
-
-    Its values and slopes are taken at points so dense that cubics between them have errors below 1e-8 of the volume,
-    under a constant force.
-    """
-    from scipy.interpolate import CubicHermiteSpline
-
-    # Up to the end, or a tenth of it, where a run has no state at its last time.
-    grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
-    volume, rate, steady, logs = np.asarray(run.volume(grid)), np.asarray(run.rate(grid)), run.steady, np.log(grid)
-    most, spline = _worn(volume[-1]), CubicHermiteSpline(logs, volume, grid * rate)
-    # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
-    last = np.interp(most * (1.0 if steady is None else 1.0 - 1e-6), volume, logs)
-    ends = float(logs[0] - np.log(cycles.max())), float(last - np.log(cycles.min()))
-
-    def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        x = coefficient * cycles
-        # Before the first point the volume grows with x, after the last one not at all.
-        return np.minimum(x / grid[0], 1.0) * spline(np.log(np.clip(x, grid[0], grid[-1])))
-
-    final = None if steady is None else float(steady.wear_volume) if run.load.holds_force else most
-    return _Model(lambda log: curve(np.exp(log), cycles), curve, ends, most, final)
-
-
-def _by_many_runs(run_with: Callable[[Any], Run], cycles: np.ndarray, logs: np.ndarray, known: Any = None) -> _Model:
-    """Volumes over blocks of given cycles, by a run for each of some log(K), with those that are known."""
     from scipy.interpolate import PchipInterpolator
-
-    def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-        """NaN with infinite coefficients."""
-        wears = POSITIVE.contains(coefficient)
-        found = np.asarray(run_with(np.where(wears, coefficient, 1.0)[:, 0]).volume(cycles[:, None])).T
-        return np.where(wears, found, np.where(coefficient == 0.0, 0.0, math.nan))
 
     volumes = curve(np.exp(logs)[:, None], cycles)
     # The largest coefficients may wear more than a run follows.
@@ -240,7 +198,7 @@ def _by_many_runs(run_with: Callable[[Any], Run], cycles: np.ndarray, logs: np.n
     if known is not None:
         logs, places = np.unique(np.append(known.x, logs), return_index=True)
         volumes = np.append(known(known.x), volumes, axis=0)[places]
-    return _Model(PchipInterpolator(logs, volumes), curve, (float(logs[0]), float(logs[-1])), volumes.max(axis=0))
+    return PchipInterpolator(logs, volumes)
 
 
 @concrete_only("contact.over_cycles(load, law).volume(cycles) works there")
@@ -310,24 +268,42 @@ def fit_wear_coefficient(
         def run_with(coefficient: Any) -> Run:
             return contact.over_cycles(held, law_of(coefficient, exponent))
 
+        final = None
         if held.lasts:
-            model = _by_one_run(run_with(1.0), N)
+            # The time scales with the coefficient: one run tells all volumes up to its end, or up to a tenth of it
+            # where it has no state at its last time.
+            run = run_with(1.0)
+            last = float(run.lasting_cycles) * (1.0 if isinstance(run, MarchedRun) else 0.1)
+            logs = np.linspace(math.log(1e-12 * last / N.max()), math.log(last / N.min()), _DENSE)
+            final = run.final and float(run.final.volume)
+            _worn(run.volume(last))
+
+            def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+                volumes = np.asarray(run.volume(np.fmin(coefficient * cycles, last)))
+                return np.where(np.isnan(coefficient), math.nan, volumes)
         else:
             least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
             # the coefficient without any change of the contact by its wear
             slow = least * target.max() / _worn(np.max(run_with(least).volume(N)))
-            model = _by_many_runs(run_with, N, np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES)))
+            logs = np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES))
+
+            def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+                wears = POSITIVE.contains(coefficient)
+                found = np.asarray(run_with(np.where(wears, coefficient, 1.0)[:, 0]).volume(cycles[:, None])).T
+                return np.where(wears, found, np.where(coefficient == 0.0, 0.0, math.nan))
 
         def misfit(log: float) -> float:
-            return float(np.sum(((model.at(log) - target) / deviations[worn]) ** 2))
+            return float(np.sum(((model(log) - target) / deviations[worn]) ** 2))
 
-        best = _least_of(misfit, model.ends)
-        if not held.lasts:
-            model = _by_many_runs(run_with, N, best + np.linspace(-0.5, 0.5, _NODES), model.at)
-            best = _least_of(misfit, model.ends)
-        tried = np.linspace(*model.ends, _TRIED)
+        model = _by_log(curve, N, logs)
+        most, first = model(model.x).max(axis=0), model(model.x)[:, N.argmin()]
+        # From hardly any wear to all of it, also at the first point.
+        ends = logs[0], np.interp(first.max() * (1.0 if final is None else 1.0 - 1e-6), first, model.x)
+        model = _by_log(curve, N, _least_of(misfit, ends) + np.linspace(-0.5, 0.5, logs.size), model)
+        best = _least_of(misfit, ends)
+        tried = np.linspace(*ends, _TRIED)
         least, freedom, fitted = misfit(best), N.size - 1, np.zeros_like(volume)
-        fitted[worn] = model.at(best)
+        fitted[worn] = model(best)
         scatter = math.sqrt(least / freedom) if freedom else math.nan
         # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the
         # normal distribution if the deviations are known.
@@ -341,24 +317,24 @@ def fit_wear_coefficient(
             said = "one point and one unknown: without its deviation the data tell no interval"
         elif low == -math.inf:
             said = "the scatter is too large: the data do not tell the wear coefficient"
-        elif high == math.inf and model.steady is None:
+        elif high == math.inf and final is None:
             said = "the data do not bound the wear coefficient from above"
-        elif model.steady is not None and (high == math.inf or fitted[worn].min() > _STEADY * model.steady):
-            beyond = f"all points lie beyond {fitted[worn].min() / model.steady:.0%} of the steady state"
+        elif final is not None and (high == math.inf or fitted[worn].min() > _STEADY * final):
+            beyond = f"all points lie beyond {fitted[worn].min() / final:.0%} of the steady state"
             said = f"{beyond}: they tell little but the least coefficient"
         elif high - low > math.log(100.0):
             said = "the scatter is too large: the data hardly tell the wear coefficient"
         elif deviation is not None and freedom and special.chdtrc(freedom, least) < 0.01:
             said = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
-        if model.steady is not None:
-            ratio = target.max() / model.steady
+        if final is not None:
+            ratio = target.max() / final
             if min(ratio, np.mean(target / np.maximum(fitted[worn], 1e-300))) > _EXCESS:
                 more = f"up to {ratio:.3g} times the volume of the steady state is measured"
                 said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-        elif np.any(target > _EXCESS * model.most):
+        elif np.any(target > _EXCESS * most):
             said = "more is measured than any wear coefficient explains: the test is another than given"
-        most = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
-        curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), most), _GRID)
+        lasting = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
+        curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), lasting), _GRID)
         return Fit(
             wear_coefficient=math.exp(best),
             interval=(math.exp(low), math.exp(high)),
@@ -366,10 +342,10 @@ def fit_wear_coefficient(
             volume=volume,
             fitted=fitted,
             deviation=scatter * deviations if deviation is None else deviations,
-            steady_volume=model.steady,
+            steady_volume=final,
             doubt=said,
             curve_cycles=curve_cycles,
-            curve=model.curve(np.exp([[best], [low], [high]]), curve_cycles),
+            curve=curve(np.exp([[best], [low], [high]]), curve_cycles),
         )
 
 
