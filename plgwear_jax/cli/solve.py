@@ -129,9 +129,8 @@ def regimes(
     load = given.load
     if load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    within, form = (0.0, math.inf), "0 < LOWEST < HIGHEST"
-    moves = interval("--displacement", displacement, within, f" in m, {form}")
-    forces = interval("--normal-force", normal_force, within, f" in N, {form}")
+    moves = interval("--displacement", displacement, 0.0, math.inf, " in m")
+    forces = interval("--normal-force", normal_force, 0.0, math.inf, " in N")
     positive("--rig-stiffness", rig_stiffness, "in N/m")
     rig = rig_stiffness or load.rig_stiffness
     report = Report(scene_file, as_json, f"{scene_file.stem}-regimes", picture=picture, table=csv_file)

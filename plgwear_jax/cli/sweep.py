@@ -25,8 +25,6 @@ from plgwear_jax.cli.terminal import (
     warn,
 )
 
-_WITHIN = ", -1 < LOWEST < HIGHEST < 1"
-
 
 def sweep(
     *,
@@ -78,7 +76,7 @@ def sweep(
     """
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     wanted = {
-        "bounds": interval("--bounds =", bounds, (-1.0, 1.0), _WITHIN),
+        "bounds": interval("--bounds =", bounds, -1.0, 1.0),
         "digits": digits,
         "chunk": chunk,
         "scheduler": scheduler,

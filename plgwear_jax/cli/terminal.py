@@ -147,16 +147,17 @@ def refuse_extremes(finite: Any, what: str = "the wear exceeds") -> None:
         raise SceneError(f"{what} the range of numbers: some value in the input file is too extreme")
 
 
-def interval(key: str, text: str | None, ends: tuple[float, float], form: str) -> tuple[float, float] | None:
-    """The numbers of LOWEST:HIGHEST between these ends, or a line that says so, with a form behind it."""
+def interval(key: str, text: str | None, least: float, most: float, unit: str = "") -> tuple[float, float] | None:
+    """The numbers of LOWEST:HIGHEST between the least and the most, or a line that says so."""
     if text is None:
         return None
     try:
         lower, upper = map(float, text.split(":"))
     except ValueError:
         lower = upper = math.nan
-    if not ends[0] < lower < upper < ends[1]:
-        refuse(f"{key} {one_line(text)}: must be LOWEST:HIGHEST{form}")
+    if not least < lower < upper < most:
+        below = f" < {most:g}" if most < math.inf else ""
+        refuse(f"{key} {one_line(text)}: must be LOWEST:HIGHEST{unit}, {least:g} < LOWEST < HIGHEST{below}")
     return lower, upper
 
 
