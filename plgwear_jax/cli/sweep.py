@@ -211,7 +211,7 @@ def _subject(
         read = ((str(file), tables.read(file, tables.LOADS)) for file in loads)
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read}
     elif load is None:
-        pass
+        return found
     elif forces:
         if followed and load.of_displacement:
             refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
@@ -223,8 +223,9 @@ def _subject(
         from plgwear_jax.loads import Force
 
         found["load"] = Force(load.force, load.rig_stiffness)
-    elif load.rig_stiffness is not None and "rig_stiffness" not in axes:
-        found["rig_stiffness"] = load.rig_stiffness
+    rig = load and load.rig_stiffness
+    if rig and "load" not in found and "rig_stiffness" not in axes:
+        found["rig_stiffness"] = rig
     return found
 
 
