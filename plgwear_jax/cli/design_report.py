@@ -43,7 +43,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     report.put(
         less_wear_percent=100.0 * found.saving,
         **fields(found, "hold", "converged", "certified", "scan_found_nothing_better"),
-        conflict=conflict and fields(conflict, "allowed", "reachable"),
+        conflict=conflict and vars(conflict),
         verdict=verdict,
         **fields(found.minimum, "projected_gradient", "steps"),
         rival=found.rival and {"variables": found.rival, "value": found.rival_value},
@@ -256,7 +256,7 @@ def _verdict(found: optimise.Design) -> str:
 
 def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     """The changes if an input grows by 1 %; inputs that change nothing are only named."""
-    report.put(sensitivities=fields(slopes, "variables", "saving"))
+    report.put(sensitivities=vars(slopes))
     varied, rows, idle = [*next(iter(slopes.variables.values()))], [], []
     for source, by in slopes.variables.items():
         changes = slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())
