@@ -19,14 +19,17 @@ from plgwear_jax._core.ranges import FINITE, POSITIVE
 from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limited_quantity, placed_quantity
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import one_line, read_text, shown
-from plgwear_jax.scene.asking import DesignSpace, edge_distance, laws_of_scene, output_of
 from plgwear_jax.scene.keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
     Body,
+    DesignSpace,
     LoadSection,
     WearSection,
     body_from,
+    edge_distance,
+    laws_of_scene,
+    output_of,
 )
 
 if TYPE_CHECKING:
@@ -220,7 +223,8 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        return designing.arguments_of(self)
+        distance = edge_distance(self.asked())
+        return designing.arguments_of(self, "[design] limits.edge_pressure.distance", distance)
 
     def front(
         self,
@@ -251,7 +255,7 @@ class Scene:
         given = self if y is None else self.minimising(self.traded("y", y))
         asked, kind = self.traded("x", x, distance), self.contact.kind
         ((name, places),) = asked.items()
-        arguments = designing.arguments_of(given, places)
+        arguments = designing.arguments_of(given, "distance", places.get("distance"))
         if "scenarios" in arguments:
             raise SceneError("[design] scenarios: only plgwear design takes them")
         # A limit of x is replaced by its values; of several limits of one quantity those at other places stay.
@@ -261,7 +265,7 @@ class Scene:
                 for at in several
                 if limited_quantity(one, at, kind)[0] != name or (several[1:] and places.items() - at.items())
             ]
-            for one, several in designing.listed_limits(given.asked()).items()
+            for one, several in given.asked().allowed.items()
         }
         return designing.answer("front", **arguments | {"limits": limits}, x=asked, larger=larger, points=points)
 
@@ -364,10 +368,9 @@ class Scene:
         for name in (name for name in names if name in values):
             law, value = laws[name], values[name]
             if "r" in law.arguments:
-                beside: tuple[Any, ...] = ()
-                if f"{name} beside" in values and (load is None or load.largest > 0.0):
-                    beside = law.unbounded_at, float(values["edge distance"]), float(values[f"{name} beside"])
-                found[name] = Quantity(value, law.unit, law.description, values["radii"], *beside)
+                unbounded = law.unbounded_at is not None and (load is None or load.largest > 0.0)
+                beside: Any = (law.unbounded_at, float(values["edge distance"]), float(value[-1])) if unbounded else ()
+                found[name] = Quantity(value[:-1], law.unit, law.description, values["radii"][:-1], *beside)
                 continue
             over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
             at = {axis: places[axis] for axis in law.arguments if axis in WITHIN}

@@ -1,6 +1,5 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from plgwear_jax._core.rules import WrongKeyError, exponents_within
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
-from plgwear_jax.scene.asking import DesignSpace, edge_distance
 from plgwear_jax.scene.keys import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
@@ -20,17 +18,16 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Table
 
 
-def arguments_of(given: "Scene", places: Mapping[str, float | None] | None = None) -> dict[str, Any]:
-    """The arguments of `optimise.design`, or those of a front whose x is at these places.
+def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, Any]:
+    """The arguments of `optimise.design`.
 
-    Refused is a distance from the stick-slip boundary that is larger than the stick radius of the reference.
+    Refused is a distance from the stick-slip boundary, of this key, that is larger than the stick radius of the
+    reference.
     """
-    space, key = given.asked(), "distance"
+    space = given.asked()
     if space.free:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
-    if places is None:
-        key, places = "[design] limits.edge_pressure.distance", {"distance": edge_distance(space)}
-    asked, distance, contact = keywords_of(given), places.get("distance"), given.build_contact()
+    asked, contact = keywords_of(given), given.build_contact()
     if distance is not None:
         widest = float(contact.steady(given.load.largest).stick_radius)  # pyright: ignore
         if distance >= widest:
@@ -77,7 +74,7 @@ def keywords_of(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": {name: several if several[1:] else several[0] for name, several in listed_limits(space).items()},
+        "limits": {name: several if several[1:] else several[0] for name, several in space.allowed.items()},
         **lasting,
     }
 
@@ -99,18 +96,6 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     contacts = _in_scenarios(given, scatter)
     found = solving.displacement_effect(contacts, np.asarray(load.displacement), load.rig_stiffness)
     return np.broadcast_to(np.asarray(found.force), scatter.row.shape)
-
-
-def listed_limits(space: DesignSpace) -> dict[str, Any]:
-    """The limits of each quantity: a window, also one within which the modulus varies, is one at two depths."""
-    limits = space.allowed
-    windows = limits.pop("modulus", [])
-    if "modulus" in space.vary and not space.free:
-        windows = [space.vary["modulus"]]
-    for window in windows:
-        at_depths = ({"z": z, "between": ends} for z, ends in zip(window["at"], window["between"], strict=True))
-        limits["modulus_at"] = [*limits.get("modulus_at", ()), *at_depths]
-    return limits
 
 
 def answer(question: str, **arguments: Any) -> Any:

@@ -32,8 +32,8 @@ def scene_values(
 
     With them come the "radii" in m, if any quantity needs them, and of the edge where any quantity is unbounded, which
     is the stick radius at the largest amplitude or that of the punch, its "edge radius" and the "edge distance" inside
-    it: without a distance this is a hundredth of the contact radius. An unbounded function of the radius has its value
-    there, as "profile beside". Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
+    it: without a distance this is a hundredth of the contact radius. The last of the radii is there, 0 without an edge.
+    Of the peaks of stresses x and z in m come along, as "peak_tension at", without weights.
 
     The `places` are the distance, those in the half-space, and for quantities over cycles these and Archard's wear
     coefficient in 1/Pa.
@@ -52,16 +52,10 @@ def scene_values(
         beside = jnp.maximum(found["edge radius"] - found["edge distance"], 0.0)
     if any("r" in laws[name].arguments for name in names):
         widest = 1.25 * jnp.max(value_of("worn_radius")) if frets else 2.0 * punch
-        found["radii"] = widest * jnp.linspace(0.0, 1.0, points)
+        given["r"] = found["radii"] = jnp.append(widest * jnp.linspace(0.0, 1.0, points), beside)
     for name in names:
-        law, given["r"] = laws[name], found.get("radii")
-        at_edge = law.unbounded_at and "r" in law.arguments
-        if at_edge:
-            given["r"] = jnp.append(found["radii"], beside)
-        value = value_of(name)
-        if at_edge:
-            found[f"{name} beside"], value = value[-1], value[:-1]
-        found[name] = value if weights is None or "F_x" not in law.arguments else jnp.vdot(weights, value)
+        value, mean = value_of(name), weights is not None and "F_x" in laws[name].arguments
+        found[name] = jnp.vdot(weights, value) if mean else value  # pyright: ignore[reportArgumentType]
         if name in PEAKS and weights is None:
             found[f"{name} at"] = jnp.stack(getattr(solved[False, True], f"{name}_at"))
     return found
