@@ -1,6 +1,5 @@
 """The command `plgwear figures`: the figures of the paper, drawn by the library and checked."""
 
-import itertools
 from pathlib import Path
 from typing import Annotated
 
@@ -35,14 +34,16 @@ def figures(
         from plgwear_jax import plots
         from plgwear_jax.plots import figures as library
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
-    stems, suffixes = [figure.stem for figure in chosen], (".pdf", ".png")
+    suffixes = ".pdf", ".png"
     try:
         out.mkdir(exist_ok=True)
     except OSError as error:
         why = "is a file, not a folder to write to" if out.is_file() else f"cannot be made: {error.strerror}"
         raise files.TargetError(f"{out}: {why}") from None
-    for stem, suffix in [("figures", ".md"), *itertools.product([*stems, "contact-sheet"], suffixes)]:
-        files.check_target(out / f"{stem}{suffix}", (suffix,))
+    files.check_target(out / "figures.md", (".md",))
+    for stem in (*(figure.stem for figure in chosen), "contact-sheet"):
+        for suffix in suffixes:
+            files.check_target(out / f"{stem}{suffix}", suffixes)
     for figure in chosen:
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()

@@ -163,10 +163,9 @@ def regimes(
         between = np.linspace(0.0, max(2.5 * onsets[2], 1.1 * told[-1]), max(_CUT - told.size, 2))[1:]
         cut = slip_regimes(contact, np.sort(np.append(told, between)), [force], rig_stiffness=rig)
     report.draw("regimes_picture", found, cut, own, rig)
-    names = "normal_force", "displacement_amplitude"
-    pairs = np.meshgrid(*(getattr(found, name) for name in names), indexing="ij")
-    columns = dict(zip(names, pairs, strict=True)) | fields(found, *_NAMES)
-    report.write_table({name: np.ravel(values) for name, values in columns.items()})
+    every, at_each = np.meshgrid(found.normal_force, found.displacement_amplitude, indexing="ij")
+    columns = {"normal_force": every, "displacement_amplitude": at_each} | fields(found, *_NAMES)
+    report.write_table({name: values.ravel() for name, values in columns.items()})
     onset = cut.gross_slip_displacement[0]
     report.doubt(given, onset=onset)
     at_onset = dict(zip(CRITERIA, (cut.gross_slip_energy_ratio[0], cut.gross_slip_aperture[0]), strict=True))

@@ -75,12 +75,7 @@ def sweep(
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
-    wanted = {
-        "bounds": interval("--bounds =", bounds, -1.0, 1.0),
-        "digits": digits,
-        "chunk": chunk,
-        "scheduler": scheduler,
-    }
+    between: Any = interval("--bounds =", bounds, -1.0, 1.0)
     set_up(one_question=False)
     from rich.console import Console
     from rich.progress import Progress
@@ -114,7 +109,17 @@ def sweep(
             bar.start()
 
     try:
-        found = library.sweep(names, out=out, progress=follow, **wanted, **subject, **axes)
+        found = library.sweep(
+            names,
+            bounds=between,
+            digits=digits,
+            out=out,
+            chunk=chunk,
+            scheduler=scheduler,
+            progress=follow,
+            **subject,
+            **axes,
+        )
     except KeyboardInterrupt:
         bar.stop()
         warn(f"{out}: stopped with {task.percentage:.1f} % done; the same command continues it")

@@ -326,7 +326,7 @@ def _fit(given: "Scene", volumes: Path, share: float | None, report: Report, unt
         reached = (first if high < math.inf else 0.0, last if low > 0.0 else math.inf) if low == low else None
         report.put(interval_95_percent_until=reached)
         within = reached and _interval_in_words(reached, about)
-        _tell_until(given, report, until, best, "", f", {within}" if within and best < math.inf else "")
+        _tell_until(given, report, until, best, "", f", {within}" if within else "")
     report.end()
     if found.doubt:
         warn(f"{data.name}: {found.doubt}")
