@@ -125,7 +125,9 @@ def coating(
         E0_interval_95_percent=fit.modulus_interval,
         covariance_of_k_and_log_E0=fit.covariance,
         **columns,
-        **fields(fit, "scatter", "felt", "covered"),
+        **fields(fit, "scatter", "felt", "covered", "doubt"),
+        where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
+        remark=_REMARK,
     )
     report.say(load.remark)
     fitted = np.where((fit.fitted > 0.0) & np.isfinite(fit.fitted), fit.fitted, np.nan)
@@ -152,9 +154,6 @@ def coating(
     errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
     sides = {"as_given": "E(z) as given", "power_law": "power law"}
     report.compare(sides, idealisation.quantities, Column("difference (%)", errors))
-    report.put(
-        where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]}, doubt=fit.doubt, remark=_REMARK
-    )
     report.say(f"indentation: {_REMARK}")
     report.end()
     if fit.doubt:

@@ -38,9 +38,11 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
-    report.put(edge_distance=comparison.distance, objective=objective, load=load)
     _tell_allowed(report, found, best_called, limited)
     report.put(
+        edge_distance=comparison.distance,
+        objective=objective,
+        load=load,
         less_wear_percent=100.0 * found.saving,
         **fields(found, "hold", "converged", "certified", "scan_found_nothing_better"),
         conflict=conflict and vars(conflict),
@@ -292,9 +294,8 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     report.put(
         {"value": objective.unit, "contact_radius": entry("contact_radius").unit},
         load=load,
-        **fields(found, "objective", "modulus"),
+        **fields(found, "objective", "modulus", "at_bound", "starts", "evaluations", "converged", "certified"),
         depth=profile.at,
-        at_bound=found.at_bound,
         **fields(profile, "lower", "upper", "steepness"),
         value=dict(zip(sides, values, strict=True)),
         contact_radius=dict(zip(sides, found.contact_radii, strict=True)),
@@ -302,7 +303,6 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         less_wear_percent=100.0 * found.saving,
         less_than_power_law_percent=100.0 * found.freedom,
         minima=[minimum._asdict() for minimum in found.minima],
-        **fields(found, "starts", "evaluations", "converged", "certified"),
         verdict=verdict,
         where_it_counts=dict(zip(("depth", "dlogV_dlogE_per_decade"), counts, strict=True)),
     )
