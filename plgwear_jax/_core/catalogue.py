@@ -206,8 +206,9 @@ TRANSIENT = _laws_in(
 )
 
 
-# all that can be asked of a contact of each kind in its steady state
+# all that can be asked of a contact of each kind in its steady state, and also over cycles
 QUANTITIES: dict[Kind, dict[str, Law]] = {"fretting": FRETTING, "gross-slip": GROSS_SLIP}
+_ALL_LAWS = QUANTITIES | {"fretting": FRETTING | {f"transient.{name}": law for name, law in TRANSIENT.items()}}
 
 
 def kind_of(contact: Any) -> Kind:
@@ -217,8 +218,7 @@ def kind_of(contact: Any) -> Kind:
 
 def laws_of(contact: Any) -> dict[str, Law]:
     """All quantities of a contact, or of the section [contact] of a scene, also those over cycles."""
-    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items()}
-    return QUANTITIES[kind_of(contact)] | (over_cycles if kind_of(contact) == "fretting" else {})
+    return _ALL_LAWS[kind_of(contact)]
 
 
 def read(
