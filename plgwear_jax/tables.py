@@ -300,8 +300,8 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
 def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
     """What reads a cell of a column in a unit of this size, None without one; a ValueError says what is wrong."""
     domain, plain = form.domains.get(column), None if size else _PLAIN.get(column)
-    if domain:
-        si, wanted = "", f"must be in {domain.text}"
+    if domain:  # of a contact, whose depth is not that of a coating
+        si, wanted, plain = "", f"must be in {domain.text}", None
     else:
         si, domain, meaning = _COLUMNS[column]
         wanted = f"must be a finite number {'>= 0' if domain is NUMBER else '> 0'}{meaning and f', {meaning}'}"

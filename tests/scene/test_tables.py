@@ -44,12 +44,12 @@ def test_a_table_is_read_however_it_is_written():
 
 def test_scenarios_name_their_units():
     columns = dict.fromkeys(
-        ("friction", "radius", "E0", "indenter.E", "normal_force"), tables.Domain("> 0", np.isfinite)
+        ("friction", "radius", "E0", "indenter.E", "normal_force", "depth"), tables.Domain("> 0", np.isfinite)
     )
-    content = "friction,radius (mm),E0_GPa,indenter.E [GPa],normal_force (kN)\n0.4,5,110,210,1\n"
+    content = "friction,radius (mm),E0_GPa,indenter.E [GPa],normal_force (kN),depth\n0.4,5,110,210,1,0.2\n"
     found = read(content, tables.scenarios(columns)).columns
     assert [*found] == [*columns]
-    assert_allclose(np.ravel([*found.values()]), [0.4, 5e-3, 110e9, 210e9, 1e3], rtol=1e-15)
+    assert_allclose(np.ravel([*found.values()]), [0.4, 5e-3, 110e9, 210e9, 1e3, 0.2], rtol=1e-15)
 
 
 positive = st.floats(0, 1e300)
