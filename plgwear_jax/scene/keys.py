@@ -24,16 +24,13 @@ from plgwear_jax._core.words import GivenError, bare, near, near_or_all, shown
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
-_BY_KEY = {"table": "Tabulated", "thickness": "Layers", "modulus": "Layers"}
-_CONTACTS: dict[Any, str] = {"fretting": "Fretting", "gross-slip": "GrossSlip"}
 _SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
 SECTIONS: dict[str, Any] = _SCHEMA["$defs"]  # and the forms of values, in lower case
 KeyValues = dict[str, Any]  # what a section holds, by key
-_ALLOWED = {"$ref": "#/$defs/Allowed"}
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
 SECTIONS["Limits"]["properties"] |= {
-    name: {"title": entry(name).name, "description": limit_form(name), **_ALLOWED} for name in _LIMITED
+    name: {"title": entry(name).name, "description": limit_form(name), "$ref": "#/$defs/allowed"} for name in _LIMITED
 }
 
 
@@ -145,18 +142,17 @@ class Reading(SimpleNamespace):
 
 def _definition_of(section: str, given: KeyValues) -> str:
     """The name in `SECTIONS` of what a section of the file means, by its keys; a `WrongKeyError` if it says nothing."""
-    if section == "material":
-        return next((name for key, name in _BY_KEY.items() if key in given), "Material")
-    if section != "contact":
-        return section.capitalize()
-    kind = given.get("kind")
-    if not isinstance(kind, str) or kind not in _CONTACTS:
-        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, _CONTACTS)}')
-    return _CONTACTS[kind]
+    schema, kind = _SCHEMA["properties"][section], given.get("kind")
+    if section == "contact" and not (isinstance(kind, str) and kind in QUANTITIES):
+        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, QUANTITIES)}')
+    while "if" in schema:
+        schema = schema["then" if _allows(schema["if"], given) else "else"]
+    return _section_of(schema)
 
 
 def _section_of(schema: Mapping[str, Any]) -> str:
-    name = schema.get("$ref", "").rpartition("/")[2]
+    """The section that a schema refers to, or of which it takes one or several; empty for other values."""
+    name = schema.get("$ref", "").rpartition("/")[2].replace("allowed", "Allowed")
     return name if name[:1].isupper() else ""
 
 
@@ -208,9 +204,5 @@ def _stray(section: str, name: str) -> str:
 def json_schema() -> dict[str, Any]:
     """The JSON schema of an input file, with which editors check and complete it; `load` checks more."""
     schema = copy.deepcopy(_SCHEMA)
-    for name in _LIMITED:
-        limit = schema["$defs"]["Limits"]["properties"][name]
-        del limit["$ref"]
-        limit["anyOf"] = [_ALLOWED, {"type": "array", "items": _ALLOWED, "minItems": 1}]
     schema["$defs"]["Design"]["properties"]["minimise"]["anyOf"][0] = {"enum": [*_LIMITED]}
     return schema

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 LOADS = "tangential_force", "displacement", "table", "history"
 COEFFICIENTS = "coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J"
 PRESSED = "friction", "normal_force"
-_FLAT = {"rounded_flat": "shapes.RoundedFlat", "truncated_sphere": "shapes.TruncatedSphere"}
 
 
 def from_table(form: str, name: str, reading: Reading, *columns: Any) -> "Table":
@@ -96,7 +95,7 @@ def body_from(reading: Reading, section: str, values: KeyValues) -> Body:
         fields |= {"heights" if name == "height" else name: column for name, column in file.columns.items()}
     for name in {"indenter", "shape"} & fields.keys():
         fields[name] = body_from(reading, *fields[name]) if isinstance(fields[name], tuple) else None
-    return Body(_FLAT.get(kind) or SECTIONS[section]["$comment"], kind, fields, file)
+    return Body(SECTIONS[section]["$comment"], kind, fields, file)
 
 
 # --- loads and wear -------------------------------------------------------------------------------------------------
