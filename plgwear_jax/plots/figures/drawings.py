@@ -79,10 +79,10 @@ def _by_amplitude(values: Any, form: str) -> str:
 # --- set-ups ----------------------------------------------------------------------------------------------------------
 
 
-def _sketch(axes: Axes, r: np.ndarray, surface: Any, body: Any, *arrows: tuple[Any, ...]) -> None:
+def _sketch(axes: Axes, r: np.ndarray, surface: Any, body: Any, arrows: str) -> None:
     """Draw a rigid body in a half-space whose shade grows with the depth like the modulus, to scale, without axes.
 
-    Both outlines are heights over r, downwards. Arrows have words, where they begin and end, and heads.
+    Both outlines are heights over r, downwards. Arrows are a line each: words, where they begin and end, and heads.
     """
     z, top = np.linspace(-0.2, 1.4, 401)[:, None], -0.7
     axes.pcolormesh(r, z, np.where(z > surface, z, np.nan), cmap="Blues", vmax=2.2, rasterized=True)
@@ -90,8 +90,9 @@ def _sketch(axes: Axes, r: np.ndarray, surface: Any, body: Any, *arrows: tuple[A
     axes.plot(r, surface, color=BLUE)
     axes.axhline(0.0, **GUIDE | {"zorder": 2})
     axes.plot([0.0, 0.0], [top, body.max()], linestyle=DASH_DOT, **_THIN)
-    for words, x0, z0, x1, z1, heads in arrows:
-        style = {"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}
+    for words, *places, heads in text_cells(arrows):
+        x0, z0, x1, z1 = map(float, places)
+        style = {"arrowstyle": heads or "-", "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}
         axes.annotate("", (x1, z1), (x0, z0), arrowprops=style)
         axes.text(0.5 * (x0 + x1), 0.5 * (z0 + z1) - 0.07, f" {words}", fontsize=9)
     axes.set(ylim=(1.4, -1.3), aspect="equal")
@@ -116,12 +117,14 @@ def gross_slip_set_up(page: FigureBase) -> list[Claim]:
         x,
         depth * gross_slip.initial_displacement(abs(x), 0.3),
         np.where(abs(x) < 1.001, depth, -1.0),
-        ("$F_{N0}$", 0.0, -1.3, 0.0, -0.7, "-|>"),
-        ("$a$", 0.0, 0.3, 1.0, 0.3, "<->"),
-        ("$d$", -0.6, 0.0, -0.6, depth, "<->"),
-        ("sliding", 0.9, 1.2, 2.1, 1.2, "-|>"),
-        ("$z$", -2.2, 0.0, -2.2, 1.2, "-|>"),
-        (r"$E(z)=E_0\left(z/z_0\right)^k$", -1.2, 1.2, -1.2, 1.2, "-"),
+        r"""
+        $F_{N0}$  0.0   -1.3  0.0   -0.7  -|>
+        $a$       0.0   0.3   1.0   0.3   <->
+        $d$       -0.6  0.0   -0.6  0.42  <->
+        sliding   0.9   1.2   2.1   1.2   -|>
+        $z$       -2.2  0.0   -2.2  1.2   -|>
+        $E(z)=E_0\left(z/z_0\right)^k$  -1.2  1.2  -1.2  1.2  -
+        """,
     )
     letters([axes, pressures])
     edge = gross_slip.initial_pressure(0.999, EXPONENTS)
@@ -146,11 +149,13 @@ def fretting_set_up(page: FigureBase) -> list[Claim]:
             r,
             height * fretting.steady_displacement(abs(r), k, phi),
             body,
-            ("$F_N$", 0.0, -1.2, 0.0, -0.7, "-|>"),
-            ("$F_x$", -1.1, -0.4, -0.1, -0.4, "<|-|>"),
-            (f"$d_{index}$", -1.75, 0.0, -1.75, deep, "<->"),
-            ("$c$", 0.0, deep + 0.15, stick, deep + 0.15, "<->"),
-            (f"$a_{index}$", 0.0, deep + 0.4, edge, deep + 0.4, "<->"),
+            f"""
+            $F_N$        0.0    -1.2           0.0      -0.7           -|>
+            $F_x$        -1.1   -0.4           -0.1     -0.4           <|-|>
+            $d_{index}$  -1.75  0.0            -1.75    {deep}         <->
+            $c$          0.0    {deep + 0.15}  {stick}  {deep + 0.15}  <->
+            $a_{index}$  0.0    {deep + 0.4}   {edge}   {deep + 0.4}   <->
+            """,
         )
         axes.vlines((stick, edge), np.interp((stick, edge), r, unworn), (deep + 0.2, deep + 0.45), **_THIN)
         axes.fill_between(r, unworn, body, unworn > body, **_WORN)
@@ -284,8 +289,13 @@ def force_tendencies(page: FigureBase) -> list[Claim]:
     wrong = axes.contourf(k, z0, grows * said, [-99.0, 0.0], colors="none", hatches=[r"\\\\"])
     axes.contour(k, z0, grows, [0.0], colors="k")
     axes.axhline(1.0, color="k", linewidth=0.8, linestyle=DASHED)
-    for x, y, way in zip((-0.5, -0.4, 0.3, 0.5), (0.4, 10.0, 0.1, 6.0), "↓↑↑↓", strict=True):
-        axes.text(x, y, f"$F_N$ {way}", ha="center", va="center", fontsize=11)
+    for x, y, words in text_cells("""
+        -0.5  0.4   $F_N$ ↓
+        -0.4  10.0  $F_N$ ↑
+        0.3   0.1   $F_N$ ↑
+        0.5   6.0   $F_N$ ↓
+    """):
+        axes.text(float(x), float(y), words, ha="center", va="center", fontsize=11)
     handles = areas.legend_elements()[0] + wrong.legend_elements()[0]
     labels = "smaller than at $k=0$", "greater than at $k=0$", "not as in Table 1"
     page.legend(handles, labels, loc="outside upper center", ncols=2, title="initial normal force $F_N$")
