@@ -204,14 +204,42 @@ def body_of(pressed: Pressed) -> Body:
 
 _MANY = 32  # depths at once
 
-# Of the responses as `responses` has them: to which traction they belong, and which are displacements, that count by E.
-_CAUSE = np.array([[1.0, 0.0]] * 3 + [[0.0, 1.0]] * 5)
-_MOVED = np.array([True, False, False] * 2 + [True, False])
-# (h_0 without nu, and by nu, h_1) of responses (h_0 + h_1 q z) exp(-q z).
-_HOMOGENEOUS = np.zeros((3, 8))
-_HOMOGENEOUS[0, [0, 1, 3, 5, 6, 7]] = 0.5, 1.0, -1.0, 1.0, -1.0, 1.0
-_HOMOGENEOUS[1, [0, 3]] = -1.0, 1.0
-_HOMOGENEOUS[2, :6] = -0.5, 1.0, 1.0, 0.5, -1.0, -1.0
+# The responses as `responses` has them: by which traction, whether it is a displacement, which counts by E, and of a
+# homogeneous half-space h_0 without nu, what nu adds to it, and h_1 of (h_0 + h_1 q z) exp(-q z).
+_RESPONSES = np.loadtxt(
+    """
+    # pressure  traction  moved  h_0   by nu  h_1
+    1           0         1      0.5   -1     -0.5
+    1           0         0      1     0      1
+    1           0         0      0     0      1
+    0           1         1      -1    1      0.5
+    0           1         0      0     0      -1
+    0           1         0      1     0      -1
+    0           1         1      -1    0      0
+    0           1         0      1     0      0
+    """.splitlines()
+)
+_MOVED, _HOMOGENEOUS = _RESPONSES[:, 2] > 0.0, _RESPONSES[:, 3:].T
+# How the integrals of J_0 to J_3 with a response add to a stress: to 0, 1, 2 and 3, which are xx, yy, zz and xz. Lines
+# that begin with 1 are what the stress along the waves adds, which depends on Poisson's ratio.
+_ADDED = np.loadtxt(
+    """
+    # along  stress  response  J_0   J_1   J_2   J_3
+    0        0       6         0     0.5   0     0.5
+    0        1       6         0     -0.5  0     -0.5
+    0        2       1         -1    0     0     0
+    0        2       4         0     1     0     0
+    0        3       2         0     -1    0     0
+    0        3       5         -0.5  0     0.5   0
+    0        3       7         -0.5  0     -0.5  0
+    1        0       0         -0.5  0     0.5   0
+    1        1       0         -0.5  0     -0.5  0
+    1        0       3         0     0.75  0     -0.25
+    1        1       3         0     0.25  0     0.25
+    """.splitlines()
+)
+_PATTERNS = np.zeros((2, 4, 8, 4))
+_PATTERNS[*_ADDED[:, :3].T.astype(int)] = _ADDED[:, 3:]
 
 
 def _first_responses(nu: Array) -> tuple[Array, Array]:
@@ -248,22 +276,10 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: 
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
-def _patterns() -> tuple[np.ndarray, np.ndarray]:
-    """How the integrals of J_i with each response of each traction add to xx, yy, zz and xz, shape (4, 8, 4, 2).
-
-    First what does not depend on Poisson's ratio, then what the stress along the waves adds.
-    """
-    fixed, along = np.zeros((4, 8, 4)), np.zeros((4, 8, 4))
-    ahead, even, aside, odd = 0.25 * np.array([[2, 0, -2, 0], [2, 0, 2, 0], [0, 3, 0, -1], [0, 1, 0, 1]])
-    fixed[:, 6] = np.multiply.outer([2.0, -2.0, 0.0, 0.0], odd)
-    fixed[2, 1, 0], fixed[2, 4, 1], fixed[3, 2, 1], fixed[3, 5], fixed[3, 7] = -1.0, 1.0, -1.0, -ahead, -even
-    along[:2, 0], along[:2, 3] = [-ahead, -even], [aside, odd]
-    return fixed[..., None] * _CAUSE[:, None], along[..., None] * _CAUSE[:, None]
-
-
 def _parts(nu: Array) -> Array:
-    """How the integrals add to the stresses, (4, 8, 4, 2)."""
-    (fixed, along), ratio = (jnp.asarray(each, nu.dtype) for each in _patterns()), nu / (1.0 - nu)
+    """How the integrals of J_i with each response of each traction add to xx, yy, zz and xz, shape (4, 8, 4, 2)."""
+    by_each = _PATTERNS[..., None] * _RESPONSES[:, None, :2]
+    (fixed, along), ratio = (jnp.asarray(each, nu.dtype) for each in by_each), nu / (1.0 - nu)
     across = along[np.array([1, 0, 2, 3])]
     # sigma_ss = ratio sigma_zz + 2/(1-nu) times the displacement, sigma_tt = ratio (sigma_zz + 2 times it).
     return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))
