@@ -9,7 +9,7 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
 from plgwear_jax._core.record import record
 from plgwear_jax.loads import load_of
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes import shape_of
 from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.shapes.shape import Shape
 from plgwear_jax.steady.closed import Steady

@@ -145,7 +145,13 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
             wanted = at.get(str(dim), row.item())
             if _is_number(row) and not math.isclose(float(wanted), row, rel_tol=1e-6):
                 told[-1] += f" (nearest to {_value(row, float(wanted))})"
-    return variable.transpose(*_arranged(variable)), told
+    # The vertical axis, or that with a curve for each value, then the horizontal one.
+    order = *_ACROSS, *variable.dims
+
+    def rank(dim: Any) -> tuple[bool, bool, int]:
+        return variable[dim].size > _FEW, _is_number(variable[dim]), -order.index(dim)
+
+    return variable.transpose(*sorted(variable.dims, key=rank)), told
 
 
 def _nearest(row: xr.DataArray, wanted: float | str) -> int:
@@ -168,13 +174,6 @@ def _axis_told(row: xr.DataArray) -> str:
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
     unit = row.attrs["units"]
     return f"{row.name} ({float(row.min()):g} to {float(row.max()):g}{'' if unit == '1' else f' {unit}'})"
-
-
-def _arranged(variable: xr.DataArray) -> list[Any]:
-    """The vertical axis, or that with a curve for each value, then the horizontal one."""
-    order = *_ACROSS, *variable.dims
-    rows = variable.coords
-    return sorted(variable.dims, key=lambda dim: (rows[dim].size > _FEW, _is_number(rows[dim]), -order.index(dim)))
 
 
 # --- words and units --------------------------------------------------------------------------------------------------

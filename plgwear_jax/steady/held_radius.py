@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.shapes.of_contact import outline_of
+from plgwear_jax.shapes import outline_of
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of

@@ -11,7 +11,7 @@ from jax.core import Tracer
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, guarded, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax.loads import PARTIAL_SLIP, Load
-from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes import shape_of
 from plgwear_jax.steady.arguments import ARGUMENTS
 
 

@@ -15,7 +15,7 @@ from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import program, traced, value_of, with_slopes
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.shapes.of_contact import outline_of, shape_of
+from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.steady.arguments import amplitude_of

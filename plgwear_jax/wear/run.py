@@ -12,7 +12,7 @@ from plgwear_jax._core.domains import RADIUS, ArrayLike, guarded, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.loads import Load
-from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes import shape_of
 from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.solution import Solution

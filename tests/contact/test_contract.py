@@ -21,7 +21,7 @@ from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax._core.catalogue import FRETTING, STRESSES
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Displacement, Force
-from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes import shape_of
 
 F_X, RIG = 0.5 * LIMIT, 3e7
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])  # all ask for so many cycles, by one program
