@@ -21,14 +21,14 @@ from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_fall
-from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
+from plgwear_jax.special.pchip import Piecewise, horner, pchip
 
 _ORDERS = np.arange(3)
 _TERMS = 56  # of a series in (1-x)/2 <= 1/2
 
 
 def _series(a: Array) -> Array:
-    """The coefficients of Phi_m (1-x)^(-m-a) by powers of (1-x)/2, shape (8, blocks, orders)."""
+    """The coefficients of Phi_m (1-x)^(-m-a) by powers of (1-x)/2, shape (blocks, 8, orders)."""
     m, i = jnp.asarray(_ORDERS, a.dtype), jnp.asarray(np.arange(1.0, _TERMS - 1.0), a.dtype)[:, None]
     steps = jnp.log((1.0 - a + i) * (a + i) / ((a + m + 1.0 + i) * (1.0 + i)))
     # As in `special.jacobi.ratios`; the first factor 1 - a is 0 or negative from a = 1 on.
@@ -36,7 +36,7 @@ def _series(a: Array) -> Array:
     below = jnp.cumprod(a + m)  # a (a+1) ... (a+m)
     front = jnp.exp2(a - 1.0) * jnp.asarray([math.factorial(n) for n in _ORDERS], a.dtype) / below
     terms = front * jnp.concatenate([jnp.ones_like(m)[None], (1.0 - a) * a / (a + m + 1.0) * later])
-    return jnp.moveaxis(terms.reshape(-1, 8, _ORDERS.size), 0, 1)
+    return terms.reshape(-1, 8, _ORDERS.size)
 
 
 @record
@@ -78,10 +78,8 @@ class Spline(Image):
         powers = jnp.ones_like(x)
         for _ in range(3):
             powers, x = jnp.concatenate([powers, x * powers], -1), x * x
-        # Horner's rule by the eighth power, whose coefficients are the products of a matrix.
-        *rest, total = jnp.moveaxis(jnp.tensordot(powers, self.series, 1), -2, 0)
-        for part in reversed(rest):
-            total = part + x * total
+        # By the eighth power, whose coefficients are the products of a matrix.
+        total = horner([powers @ block for block in self.series], x)
         along = r * left
         own = self.slopes[:, 0] * total[..., 0] + along * (self.slopes[:, 1] * total[..., 1])
         own = r * jnp.exp(self.a * jnp.log(left)) * (own + along * along * (self.slopes[:, 2] * total[..., 2]))
@@ -90,35 +88,6 @@ class Spline(Image):
 
 _MANY = 32  # rows of a table, from which on kinks are so many that they count no more
 _MOST = 513  # rows of a table that count; see `Profile`
-_AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
-
-
-@record
-class Sampled(Image):
-    """G of a shape with many knots, by cubics in r/c - 1: at once, G at all places would be most of the memory."""
-
-    cubics: Piecewise
-
-    def fallen(self, y: Array) -> Array:
-        """See `Image`."""
-        return self.cubics.at(y / (1.0 + jnp.sqrt(1.0 + y)))
-
-
-def _sampled(exact: Any) -> Sampled:
-    knots = jax.lax.stop_gradient(exact.knots / exact.c) - 1.0
-    outer, step = jnp.maximum(knots[-1], 0.5), jnp.diff(knots)
-    around = jnp.asarray(_AROUND, outer.dtype)
-    # Next to knots, where the slope of G by them may be infinite, and next to r = 0, where G is 0.
-    between = knots[:-1] + step * jnp.asarray([[0.25], [0.75]], outer.dtype)
-    further = outer + jnp.asarray([1.0, 2.0, 4.0, 8.0], outer.dtype)
-    first = 1e-4 - 1.0 + 0.0 * outer[None]
-    apart = jnp.sort(jnp.concatenate([first, -around[:-1], outer * around[1:], between.ravel(), further]))
-
-    def at(apart: Array) -> tuple[Array, Array]:
-        return jax.jvp(lambda y: exact.fallen(y[None] * (2.0 + y))[0], (apart,), (jnp.ones_like(apart),))
-
-    value, slope = jax.lax.map(jax.checkpoint(at), apart, batch_size=16)
-    return Sampled(exact.first, exact.fall, hermite(apart, value, slope[:-1], slope[1:]))
 
 
 class _Splined(Shape):
@@ -268,16 +237,8 @@ class Profile(_Splined):
     @property
     def kinks(self) -> Any:
         """The radii between the first and the last one, unless they are many."""
-        return () if self._many else jnp.asarray(self.r)[1:-1]
-
-    @property
-    def _many(self) -> bool:
-        return np.shape(self.r)[-1] > _MANY
-
-    def image(self, c: Array, radius: Array, a: Array) -> Image:
-        """In closed form; of many rows between places."""
-        exact = super().image(c, radius, a)
-        return _sampled(exact) if self._many else exact
+        r = jnp.asarray(self.r)
+        return () if r.shape[-1] > _MANY else r[1:-1]
 
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
         """Infinite at a tip; a slope there that is a rounding of the next one is none, as of a smooth table."""

@@ -66,8 +66,9 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
         about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
         found = jax.eval_shape(function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), x.dtype), more))
         return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
-    rows = jnp.broadcast_to(jnp.arange(math.prod(shape), dtype=jnp.uint32).reshape(shape), whole).ravel()
-    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), trees)
+    count = math.prod(shape)
+    rows = jnp.broadcast_to(jnp.arange(count, dtype=jnp.uint32).reshape(shape), whole).ravel()
+    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[len(shape) :]), trees)  # also where x has no numbers
 
     def one(moving: tuple[Array, Any]) -> Any:
         row, more = moving
