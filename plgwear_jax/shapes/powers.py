@@ -57,7 +57,7 @@ class Parabola(Shape):
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
         first = 0.5 / a
-        return Power(first, first)
+        return Power(first, first, np.zeros(0))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
@@ -100,7 +100,7 @@ class _OnePower(Shape):
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
         first, power = self._at(c, radius) * jnp.exp(self._log_lifted(a)), 0.5 * self._n()
-        return Power(first, power * first, power)
+        return Power(first, power * first, np.zeros(0), power)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""

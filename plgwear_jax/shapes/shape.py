@@ -29,11 +29,7 @@ class Image:
 
     first: Array  # G(1)
     fall: Array  # about the slope of G at T = 1
-
-    @property
-    def bends(self) -> Array | np.ndarray:
-        """T - 1 where G bends, increasing; constants for derivatives, since they only divide an integral."""
-        return np.zeros(0)
+    bends: Array | np.ndarray  # T - 1 where G bends, increasing: `bends_at`
 
     def at(self, T: Array) -> Array:
         """G at T of shape (m,)."""
@@ -133,7 +129,7 @@ class Shape:
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """G beside the contact of the radius c in m."""
-        return with_fall(Computed(c, c, c, Outline(self, radius), a))
+        return with_fall(Computed(c, c, bends_at(self.kinks, c), c, Outline(self, radius), a))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
@@ -178,8 +174,8 @@ class Outline(NamedTuple):
 # --- by quadrature ----------------------------------------------------------------------------------------------------
 
 
-def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
-    """`Image.bends` of these radii."""
+def bends_at(kinks: Any, c: Array) -> Array:
+    """T - 1 at these radii; constants for derivatives, since they only divide an integral."""
     return jax.lax.stop_gradient(-inwards(kinks, c))
 
 
@@ -207,11 +203,6 @@ class Computed(Image):
     c: Array
     outline: Outline
     a: Array
-
-    @property
-    def bends(self) -> Array | np.ndarray:
-        """See `Image`."""
-        return bends_at(self.outline.shape.kinks, self.c)
 
     def at(self, T: Array) -> Array:
         """See `Image`."""

@@ -44,17 +44,11 @@ class Spline(Image):
     """G of such a shape, in units of c^2/R."""
 
     c: Array
-    kinks: Array | np.ndarray  # those of the knots where f' jumps or bends
     knots: Array  # (n,)
     slopes: Array  # A_im, (n, orders)
     series: Array
     a: Array
     radius: Array
-
-    @property
-    def bends(self) -> Array | np.ndarray:
-        """See `Image`."""
-        return bends_at(self.kinks, self.c)
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
@@ -98,8 +92,8 @@ class _Splined(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
-        kinks = jnp.asarray(self.kinks, c.dtype)
-        return with_fall(Spline(c, c, c, kinks, *self._spline(radius), _series(a), a, radius))
+        spline = Spline(c, c, bends_at(self.kinks, c), c, *self._spline(radius), _series(a), a, radius)
+        return with_fall(spline)
 
 
 class _Flat(_Splined):
