@@ -103,6 +103,12 @@ class SweepPlan(SweepTarget):
             if away.issubset(one.dims)
         }
 
+    def keep(self, arrays: Any, number: int, variables: Mapping[str, np.ndarray]) -> int:
+        """Write a chunk into arrays, of a store or in memory; the number of its points."""
+        for name, part in self.parts(number).items():
+            arrays[name][part] = variables[name]
+        return self.size([number])
+
     @functools.cached_property
     def asked(self) -> tuple[SweepQuantity, ...]:
         """The quantities, made into functions."""
@@ -193,12 +199,12 @@ class SweepPlan(SweepTarget):
                 yield number, variables
 
     @functools.cached_property
-    def manifest(self) -> dict[str, Any]:
-        """A description of the sweep, as JSON gives it, that can be compared with another and read by people."""
+    def manifest(self) -> str:
+        """A description of the sweep in JSON that can be compared with another and read by people."""
         heads = {name.split(".")[0] for name in self.names}
         kinds = {name: type(getattr(self.contact, name, None)).__name__ for name in BODIES}
         rows = {name: value for name, value in self.known.own.items() if np.ndim(value)}
-        told = json.dumps(
+        return json.dumps(
             {
                 "version": __version__,
                 "formulas": FORMULAS,
@@ -218,7 +224,6 @@ class SweepPlan(SweepTarget):
             },
             default=_told,
         )
-        return json.loads(told)
 
 
 def _told(value: Any) -> Any:

@@ -57,7 +57,7 @@ def labelled(plan: SweepPlan) -> xr.Dataset:
         if name == LOAD:
             values, about = np.array(plan.loads, object), {"label": "load", "long_name": "load"}
         found = found.assign_coords({name: ([name] * values.ndim, values, about)})
-    found.attrs[_MANIFEST] = json.dumps(plan.manifest)
+    found.attrs[_MANIFEST] = plan.manifest
     return found
 
 
@@ -114,7 +114,7 @@ class SweepStore:
 
     def _refuse_other(self) -> None:
         """Refuse a sweep that differs from the one in the store, and name the difference."""
-        there, here = _manifest_at(self.path, self.name), self._plan.manifest
+        there, here = _manifest_at(self.path, self.name), json.loads(self._plan.manifest)
         for key in dict.fromkeys([*there, *here]):
             old, new = (manifest.get(key, "absent") for manifest in (there, here))
             if old != new and key != "version":  # the version of the formulas decides
@@ -143,7 +143,7 @@ class SweepStore:
         """
         try:
             with self._writing():
-                return write_chunk(self._arrays, self._plan, number, variables)
+                return self._plan.keep(self._arrays, number, variables)
         except SweepError as error:
             chunks = len(self._plan.places)
             done = f"{chunks - len(self._missing())} of {chunks} chunks are finished"
@@ -186,13 +186,6 @@ class SweepStore:
         """Remove unfinished files of writers that were killed."""
         for file in self.path.rglob("*.partial"):
             file.unlink(missing_ok=True)
-
-
-def write_chunk(arrays: Any, plan: SweepPlan, number: int, variables: Mapping[str, np.ndarray]) -> int:
-    """Write a chunk into arrays, of a store or in memory; the number of its points."""
-    for name, part in plan.parts(number).items():
-        arrays[name][part] = variables[name]
-    return plan.size([number])
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -32,7 +32,7 @@ from plgwear_jax.sweep.names import (
     axis_unit,
 )
 from plgwear_jax.sweep.plan import LOAD, SweepPlan
-from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, open_sweep, write_chunk
+from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, open_sweep
 
 Progress = Callable[[int, int], None]
 
@@ -210,7 +210,7 @@ def _in_memory(plan: SweepPlan, progress: Progress | None) -> xr.Dataset:
         raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
     found = labelled(plan).assign(empty)
     every = range(len(plan.places))
-    _followed(plan, (write_chunk(found, plan, *chunk) for chunk in plan.computed(every)), every, progress)
+    _followed(plan, (plan.keep(found, *chunk) for chunk in plan.computed(every)), every, progress)
     return found
 
 
