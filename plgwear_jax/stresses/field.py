@@ -1,6 +1,5 @@
 """Stresses in the plane of the motion, `docs/explanation/numerics.md`, "Stresses"."""
 
-import functools
 import math
 from typing import Any, NamedTuple
 
@@ -174,14 +173,6 @@ class PowerModulus(NamedTuple):
         return jnp.moveaxis(horner(jnp.unstack(self.cubics[::-1, place]), (log - _STEP * place)[..., None]), -1, 0)
 
 
-def _mean_power(k: Array, x: Array, y: Array) -> Array:
-    """The mean of z^k between two depths, which is what the skin resists a strain by."""
-    end = jnp.maximum(y, 1e-30)
-    thin = x > 0.999 * end
-    share = jnp.where(thin, 0.5, x / end)
-    return end**k * jnp.where(thin, 1.0, (1.0 - share ** (1.0 + k)) / ((1.0 + k) * (1.0 - share)))
-
-
 Body = Piecewise | PowerModulus | None
 
 
@@ -191,8 +182,14 @@ def body_of(pressed: Pressed) -> Body:
     if k is not None:
         from scipy.interpolate import CubicSpline  # late: it takes SciPy longer to import than a contact to be solved
 
+        def mean(x: Array, y: Array) -> Array:  # of z^k between two depths, by which the skin resists a strain
+            end = jnp.maximum(y, 1e-30)
+            thin = x > 0.999 * end
+            share = jnp.where(thin, 0.5, x / end)
+            return end**k * jnp.where(thin, 1.0, (1.0 - share ** (1.0 + k)) / ((1.0 + k) * (1.0 - share)))
+
         depths = jnp.asarray(_DEPTHS, k.dtype)
-        edges, mean = jnp.append(0.0, depths)[:, None], functools.partial(_mean_power, k)
+        edges = jnp.append(0.0, depths)[:, None]
         found = responses(mean, edges, False, depths, jnp.ones_like(k)[None], nu)
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
