@@ -109,17 +109,26 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
 # those of waves across, which are numbers: the first of each matrix.
 
 
-def _parts_of_matrices(dtype: Any, planes: int) -> list[Array]:
-    """1, and parts of matrices.
-
-    These are of the compliance without and with nu, of P with what is lost, left and left times h, and of Phi.
+# 1, and parts of matrices: of the compliance without and with nu, of P with what is lost, left and left times h, and of
+# Phi.
+_MATRICES: Any = np.loadtxt(
     """
-    own, own_by_nu, lost, left, squared, turn = np.zeros((6, 2, 2, 2))
-    own[..., 0], own[0, 0, 1], own_by_nu[..., 0] = [[1.0, -0.5], [-0.5, 1.0]], 1.0, [[-1.0, 1.0], [1.0, -1.0]]
-    lost[..., 0], lost[0, 0, 1], left[..., 0] = 0.5 * np.eye(2), 0.5, [[1.0, 0.0], [0.0, -1.0]]
-    squared[..., 0], turn[..., 0] = -1.0, [[-1.0, -1.0], [1.0, 1.0]]
-    every = np.stack([np.eye(2)] * 2, -1), own, own_by_nu, lost, left, squared, turn
-    return [jnp.asarray(each[..., :planes, None, None], dtype) for each in every]
+    # By rows and columns, of waves in a plane and across it.
+    # 11       12       21       22
+    1    1     0     0  0     0  1    1
+    1    1     -0.5  0  -0.5  0  1    0
+    -1   0     1     0  1     0  -1   0
+    0.5  0.5   0     0  0     0  0.5  0
+    1    0     0     0  0     0  -1   0
+    -1   0     -1    0  -1    0  -1   0
+    -1   0     -1    0  1     0  1    0
+    """.splitlines()
+).reshape(7, 2, 2, 2)
+
+
+def _parts_of_matrices(dtype: Any, planes: int) -> list[Array]:
+    """These parts, of plane waves alone or of both."""
+    return [jnp.asarray(each[..., :planes, None, None], dtype) for each in _MATRICES]
 
 
 def _layer_matrices(s: Array, below: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Array, Array, Array]:
