@@ -22,12 +22,13 @@ class Power(Image):
 
     def fallen(self, y: Array) -> Array:
         """See `Image`."""
-        return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
+        return self.first * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)))
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
         del above
-        return self.fall * (jnp.ones_like(T) if self.power is None else jnp.exp((self.power - 1.0) * jnp.log(T)))
+        power = self.power
+        return self.first * (jnp.ones_like(T) if power is None else power * jnp.exp((power - 1.0) * jnp.log(T)))
 
 
 class Parabola(Shape):
@@ -56,8 +57,7 @@ class Parabola(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        first = 0.5 / a
-        return Power(first, first, np.zeros(0))
+        return Power(0.5 / a, np.zeros(0))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
@@ -99,8 +99,7 @@ class _OnePower(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        first, power = self._at(c, radius) * jnp.exp(self._log_lifted(a)), 0.5 * self._n()
-        return Power(first, power * first, np.zeros(0), power)
+        return Power(self._at(c, radius) * jnp.exp(self._log_lifted(a)), np.zeros(0), 0.5 * self._n())
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""

@@ -28,7 +28,6 @@ class Image:
     """G of a shape, of which a subclass gives `at` or `fallen`."""
 
     first: Array  # G(1)
-    fall: Array  # about the slope of G at T = 1
     bends: Array | np.ndarray  # T - 1 where G bends, increasing: `bends_at`
 
     def at(self, T: Array) -> Array:
@@ -129,7 +128,7 @@ class Shape:
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """G beside the contact of the radius c in m."""
-        return with_fall(Computed(c, c, bends_at(self.kinks, c), c, Outline(self, radius), a))
+        return with_first(Computed(c, bends_at(self.kinks, c), c, Outline(self, radius), a))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
@@ -215,8 +214,6 @@ class Computed(Image):
         return (outline.radius / (c * c)) * jax.vmap(up_to)(c * jnp.sqrt(T))
 
 
-def with_fall(image: Any) -> Image:
-    """The image of a contact of the radius c, with its `first` and `fall`."""
-    near = 0.01  # T - 1 beside which `fall` is a difference
-    first, second = image.at(jnp.asarray([1.0, 1.0 + near], image.c.dtype))
-    return dataclasses.replace(image, first=first, fall=(second - first) / near)
+def with_first(image: Any) -> Image:
+    """The image of a contact of the radius c, with its `first`."""
+    return dataclasses.replace(image, first=image.at(jnp.ones(1, image.c.dtype))[0])

@@ -20,7 +20,7 @@ from jax.core import Tracer
 from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
-from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_fall
+from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_first
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
 
 _ORDERS = np.arange(3)
@@ -92,8 +92,7 @@ class _Splined(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
-        spline = Spline(c, c, bends_at(self.kinks, c), c, *self._spline(radius), _series(a), a, radius)
-        return with_fall(spline)
+        return with_first(Spline(c, bends_at(self.kinks, c), c, *self._spline(radius), _series(a), a, radius))
 
 
 class _Flat(_Splined):

@@ -206,7 +206,7 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
         return jnp.sum(parts.ended(terms, least))
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
-    rise = image.fall / power if resolved(image) else jax.lax.map(jax.checkpoint(at), z)
+    rise = image.first / power if resolved(image) else jax.lax.map(jax.checkpoint(at), z)
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jnp.exp(power * jnp.log(z)) * rise
     if rest is None:
         return found

@@ -190,11 +190,13 @@ class Ring(NamedTuple):
 @jax.custom_jvp
 def ring_of(lack: Lack) -> Ring:
     """The ring of what is lacking."""
-    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, float(jnp.finfo(lack.a.dtype).eps)))
+    near = jnp.full((1,), 0.01, lack.a.dtype)
+    (fall,) = lack.image.fallen(near) / near  # about the slope of G at T = 1
+    start = jnp.log(jnp.maximum(lack.near / fall, float(jnp.finfo(near.dtype).eps)))
 
     def excess(log_y: Array) -> Array:
         places, (own, _) = _counts(lack, jnp.exp(log_y))
-        return -(own @ lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
+        return -(own @ lack.at(places)) / (jnp.sum(own) * fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
     places, (_, own) = _counts(lack, jnp.exp(log_y))
