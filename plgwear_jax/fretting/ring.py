@@ -19,6 +19,7 @@ from plgwear_jax.special.elementary import (
     log_complement,
     quotient,
     reciprocal,
+    value_with_slope,
     working_digits,
 )
 from plgwear_jax.special.exponents import exponents
@@ -152,7 +153,7 @@ def stationary_and_by_k(
     def at(k: Array) -> Array:
         return function(y, *exponents(k), phi, digits, second=True)
 
-    value, slope = jax.jvp(at, (k,), (jnp.ones_like(k),))
+    value, slope = value_with_slope(at, k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 

@@ -18,6 +18,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import Domain
 from plgwear_jax._core.record import guarded_field, number_or, record, static
+from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -41,7 +42,7 @@ class Image:
     def rate(self, T: Array, above: Array) -> Array:
         """The slope of G by T, which may be singular above a kink: with T come its differences from those of kinks."""
         del above
-        return jax.jvp(self.at, (T,), (jnp.ones_like(T),))[1]
+        return value_with_slope(self.at, T)[1]
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
@@ -158,7 +159,7 @@ class Outline(NamedTuple):
 
     def slope(self, r: Array) -> Array:
         """f'(r)."""
-        return jax.jvp(self.height, (r,), (jnp.ones_like(r),))[1]
+        return value_with_slope(self.height, r)[1]
 
     def image(self, c: Array, a: Array) -> Image:
         """See `Shape.image`."""

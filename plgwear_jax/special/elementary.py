@@ -81,6 +81,11 @@ def top_of(x: Array, values: Array) -> Array:
     return jnp.where(jnp.isnan(top), b, jnp.clip(top, a, c))
 
 
+def value_with_slope(function: Any, x: Array) -> tuple[Any, Any]:
+    """A function of each element of x, and its slopes there."""
+    return jax.jvp(function, (x,), (jnp.ones_like(x),))
+
+
 # --- quotients ------------------------------------------------------------------------------------------------------
 
 

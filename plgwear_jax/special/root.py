@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where
+from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where, value_with_slope
 
 _MOST = 120  # evaluations; six or seven are enough, but where the function jumps
 _SECANTS = 30  # of them, after which intervals are halved
@@ -81,6 +81,6 @@ def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, e
     x = 0.5 * (low + high)
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):
-        value, slope = jax.jvp(lambda x: function(given, x), (x,), (jnp.ones_like(x),))
+        value, slope = value_with_slope(lambda x: function(given, x), x)
         x = x + ratio_where(slope > 0.0, goal - value, slope)
     return jnp.where(reached, clamp_keep_slope(0.0, x), never)

@@ -20,7 +20,7 @@ from jax import Array
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.special.cholesky import solve_symmetric
-from plgwear_jax.special.elementary import clamp_keep_slope, clamped
+from plgwear_jax.special.elementary import clamp_keep_slope, clamped, value_with_slope
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.pchip import horner
 from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
@@ -212,7 +212,7 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     distances, cubics, weighted = _distances(t, weight), _lagrange_cubics(table), share * weight
     near, far = map(_places_of, distances)
     (of_near, by_near), (of_far, by_far) = (
-        jax.jvp(lambda u: _values_at(cubics, _places_of(u)), (u,), (jnp.ones_like(u),)) for u in distances
+        value_with_slope(lambda u: _values_at(cubics, _places_of(u)), u) for u in distances
     )
     kernel = of_near + of_far
     by_first = by_far + by_near * jnp.sign(t[:, None] - t)

@@ -13,6 +13,7 @@ from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
 from plgwear_jax.shapes.shape import Image, Outline, inwards
 from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -108,8 +109,7 @@ def _punch_under_jvp(primals: Any, tangents: Any) -> tuple[Punch, Punch]:
 
 def along_radius(bodies: Bodies, punch: Punch) -> Punch:
     """The slopes of a contact by log(c)."""
-    log_c = punch.log_c
-    return jax.jvp(functools.partial(punch_at, bodies), (log_c,), (jnp.ones_like(log_c),))[1]
+    return value_with_slope(functools.partial(punch_at, bodies), punch.log_c)[1]
 
 
 def pressed(punch: Punch, force: Array) -> Array:

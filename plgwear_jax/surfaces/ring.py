@@ -19,7 +19,7 @@ from jax import Array
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.shape import Image, inwards
-from plgwear_jax.special.elementary import clamped, crest, top_of
+from plgwear_jax.special.elementary import clamped, crest, top_of, value_with_slope
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower
@@ -212,7 +212,7 @@ def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
 
     (lack,), ring = primals, ring_of(*primals)
     log_y = ring.log_y
-    _, by_y = jax.jvp(functools.partial(sums, lack), (log_y,), (jnp.ones_like(log_y),))
+    _, by_y = value_with_slope(functools.partial(sums, lack), log_y)
     _, held = moved_along(lambda lack: sums(lack, log_y), primals, tangents)
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)

@@ -41,6 +41,7 @@ from plgwear_jax._core.words import GivenError, near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import Force, Load
 from plgwear_jax.optimise.question import needs_force, never_steady
+from plgwear_jax.special.elementary import value_with_slope
 
 
 class QuantityError(GivenError):
@@ -357,7 +358,7 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
             return asked.evaluate(SweepPoints(subject, {**values, name: x}))
 
         x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path))
-        return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
+        return value_with_slope(along, x)[1]
 
     unit, below = asked.unit, axis_unit(by, subject.contact)
     if below.startswith("1/"):

@@ -18,7 +18,7 @@ from jax import Array
 
 from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
-from plgwear_jax.special.elementary import ratio_where
+from plgwear_jax.special.elementary import ratio_where, value_with_slope
 from plgwear_jax.wear_laws import WearLaw
 
 
@@ -188,7 +188,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         some = mean
         for _ in range(1 if law.linear else _ROUNDS):
             some = jax.lax.stop_gradient(jnp.maximum(found, _FALL * some))
-            worn_there, slope = jax.jvp(lambda p: length * size * law.rate(p, path), (some,), (jnp.ones_like(some),))
+            worn_there, slope = value_with_slope(lambda p: length * size * law.rate(p, path), some)
             bare = known + worn_there - slope * some
             lower = cholesky(jax.lax.stop_gradient(disc.compliance + jnp.diag(slope)))
             contact = _pressed(disc.compliance, slope, lower, disc.unworn + bare, size, middle, force)

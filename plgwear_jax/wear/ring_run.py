@@ -4,7 +4,6 @@ import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -12,7 +11,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.doubts import SOON
-from plgwear_jax.special.elementary import clamp_keep_slope, crest
+from plgwear_jax.special.elementary import clamp_keep_slope, crest, value_with_slope
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.wear.curves import Moment, cells_around, moment_at
@@ -79,7 +78,7 @@ def _volume(run: RunSolution, cycles: Array) -> Array:
 
 
 def _volume_rate(run: RunSolution, cycles: Array) -> Array:
-    return clamp_keep_slope(0.0, jax.jvp(functools.partial(_volume, run), (cycles,), (jnp.ones_like(cycles),))[1])
+    return clamp_keep_slope(0.0, value_with_slope(functools.partial(_volume, run), cycles)[1])
 
 
 def _contact_radius(run: RunSolution, cycles: Array) -> Array:
