@@ -1,6 +1,7 @@
 """The best E(z) that no formula prescribes: its values at some depths are the variables."""
 
 import dataclasses
+import functools
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Unpack
@@ -191,63 +192,52 @@ class FreeDesign:
         return printed("FreeDesign", lines)
 
 
-class _End(NamedTuple):
-    """Where so many descents ended."""
-
-    x: np.ndarray  # log(E), scaled to 0 at the lower and 1 at the upper bound
-    least: float  # the logarithm of the objective; infinite where a limit is broken
-    radius: float  # the contact radius over that of the reference
-    starts: int
-
-
 class _FreeModuli:
-    """The question for SLSQP; no point is solved twice.
+    """The question for SLSQP, whose variables are the logarithms of the moduli; no point is solved twice.
 
     The first limit of the question is that of the contact radius by that of the reference, which holds it or not.
     """
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
-        self.evaluator, self.held = Evaluator(question), held
-        self.depth, self.low = np.asarray(profile.at), np.log(profile.lower)
-        self.width = np.log(profile.upper) - self.low
+        self.evaluator, self.held, self.depth = Evaluator(question), held, np.asarray(profile.at)
+        self.box = np.log(np.column_stack([profile.lower, profile.upper]))
         # What the steepness wants to be >= 0: a constant and its slopes.
-        self.steep = np.zeros((0, 1 + self.low.size))
+        self.steep = np.zeros((0, 1 + self.depth.size))
         if profile.steepness is not None:
-            slope = np.diff(np.eye(self.low.size), axis=0) / np.diff(np.log(self.depth))[:, None]
-            slope = np.concatenate([-slope, slope])
-            self.steep = np.column_stack([profile.steepness + slope @ self.low, slope * self.width])
+            slope = np.diff(np.eye(self.depth.size), axis=0) / np.diff(np.log(self.depth))[:, None]
+            self.steep = np.insert(np.concatenate([-slope, slope]), 0, profile.steepness, axis=1)
 
-    def moduli(self, x: np.ndarray) -> np.ndarray:
-        """The moduli in Pa."""
-        return np.exp(self.low + np.clip(x, 0.0, 1.0) * self.width)
-
-    def rows(self, x: np.ndarray) -> np.ndarray:
+    def rows(self, modulus: np.ndarray) -> np.ndarray:
         """The logarithms of the objective and of the contact radius, what has to be >= 0, each with its slopes."""
-        told = self.evaluator.told(by_name(self.evaluator.names, self.moduli(x))).rows[0] * np.append(1.0, self.width)
-        steep = np.column_stack([self.steep @ np.append(1.0, x), self.steep[:, 1:]])
+        told = self.evaluator.told(by_name(self.evaluator.names, modulus)).rows[0]
+        steep = np.column_stack([self.steep @ np.append(1.0, np.log(modulus)), self.steep[:, 1:]])
         return np.concatenate([told[:2], -told[2:], steep])
 
-    def end(self, x: np.ndarray, starts: int = 1) -> _End:
-        """A point as the end of so many descents."""
-        least, radius, *room = self.rows(x)[:, 0]
-        broken = np.minimum([*room, -abs(radius) if self.held else 0.0], 0.0)
-        kept = np.isfinite(least) and np.all(broken > -_KEPT)
-        return _End(x, float(least) if kept else np.inf, float(np.exp(radius)), starts)
+    def end(self, log_modulus: np.ndarray, starts: int = 1) -> LocalMinimum:
+        """A point as the end of so many descents; its value is NaN where a limit is broken."""
+        modulus = np.exp(log_modulus)
+        least, radius, *room = self.rows(modulus)[:, 0]
+        kept = np.all(np.append(room, -abs(radius) if self.held else 0.0) > -_KEPT)
+        return LocalMinimum(float(np.exp(least) * self.evaluator.shared.scale) if kept else np.nan, modulus, starts)
 
-    def minima(self, begun: list[_End], change: float, others: Sequence[_End] = ()) -> list[_End]:
+    def minima(
+        self, begun: list[LocalMinimum], change: float, others: Sequence[LocalMinimum] = ()
+    ) -> list[LocalMinimum]:
         """Where descents end, and others have, the best one first; those that break limits come last."""
-        box, found = np.array([[0.0, 1.0]] * self.low.size), list[_End]()
-        ends = [self.end(_slsqp(one.x, self.rows, self.held, box, change), one.starts) for one in begun]
-        for one in sorted([*ends, *others], key=lambda end: end.least):
-            if found and not one.least - found[-1].least >= _ONE_MINIMUM:
+        found = list[LocalMinimum]()
+        descend = functools.partial(_slsqp, lambda x: self.rows(np.exp(x)), self.held, self.box, change)
+        ends = [self.end(descend(np.log(one.modulus)), one.starts) for one in begun]
+        for one in sorted([*ends, *others], key=_rank):
+            if found and not one.value > (1.0 + _ONE_MINIMUM) * found[-1].value:
                 found[-1] = found[-1]._replace(starts=found[-1].starts + one.starts)
             else:
                 found.append(one)
-        return [one for one in found if np.isfinite(one.least)] or found
+        return [one for one in found if np.isfinite(one.value)] or found
 
-    def value(self, end: _End) -> float:
-        """The objective in SI units; NaN where a limit is broken."""
-        return float(np.exp(end.least) * self.evaluator.shared.scale) if np.isfinite(end.least) else np.nan
+
+def _rank(end: LocalMinimum) -> tuple[Any, float]:
+    """By which the best end is the first, and those that break limits are the last."""
+    return np.isnan(end.value), end.value
 
 
 @concrete_only("the methods of contacts on a DepthGraded work there")
@@ -301,31 +291,34 @@ def free_design(
     problem = _FreeModuli(dataclasses.replace(question, limits=(first, *question.limits)), modulus, hold)
 
     power_law, exponent = _best_power_law(problem)
-    random = np.random.default_rng(0)
-    corners = [problem.end(0.05 + 0.9 * random.integers(0, 2, problem.depth.size)) for _ in range(starts - 1)]
+    random, (low, high) = np.random.default_rng(0), problem.box.T
+    corners = [
+        problem.end(low + (0.05 + 0.9 * random.integers(0, 2, low.size)) * (high - low)) for _ in range(starts - 1)
+    ]
     minima = problem.minima([power_law, *corners], _COARSE)
     minima = problem.minima(minima[:_REFINED], _FINE, minima[_REFINED:])  # two of them may end in one
-    best, local = minima[0], tuple(LocalMinimum(problem.value(x), problem.moduli(x.x), x.starts) for x in minima)
+    best = minima[0]
+    radii = (radius * np.exp(problem.rows(one.modulus)[1, 0]).item() for one in (best, power_law))
     return FreeDesign(
-        contact=on(local[0].modulus),
-        power_law=on(problem.moduli(power_law.x)),
+        contact=on(best.modulus),
+        power_law=on(power_law.modulus),
         exponent=exponent,
         reference=contact,
-        value=local[0].value,
-        power_law_value=problem.value(power_law),
+        value=best.value,
+        power_law_value=power_law.value,
         reference_value=reference_value,
-        contact_radii=(radius * best.radius, radius * power_law.radius, radius),
+        contact_radii=(*radii, radius),
         question=question,
         profile=modulus,
-        minima=local,
+        minima=tuple(minima),
         starts=starts,
         evaluations=sum(isinstance(key, tuple) for key in problem.evaluator.known),
-        converged=np.isfinite(best.least) and _downhill(problem, best.x) < _FLAT,
+        converged=bool(np.isfinite(best.value)) and _downhill(problem, best.modulus) < _FLAT,
     )
 
 
 def _slsqp(
-    start: np.ndarray, rows: Callable[[np.ndarray], np.ndarray], held: bool, bounds: np.ndarray, change: float = _FINE
+    rows: Callable[[np.ndarray], np.ndarray], held: bool, box: np.ndarray, change: float, start: np.ndarray
 ) -> np.ndarray:
     """Where SLSQP ends."""
     from scipy import optimize
@@ -343,44 +336,38 @@ def _slsqp(
             start,
             jac=True,
             method="SLSQP",
-            bounds=bounds,
+            bounds=box,
             constraints=limits,
             options={"maxiter": 80, "ftol": change},
         )
-    return np.clip(found.x, *bounds.T)
+    return np.clip(found.x, *box.T)
 
 
-def _best_power_law(problem: _FreeModuli) -> tuple[_End, float]:
-    """The best power law clipped to the bounds: where it lies between them, and its exponent."""
-    low, width = problem.low, problem.width
+def _best_power_law(problem: _FreeModuli) -> tuple[LocalMinimum, float]:
+    """The best power law clipped to the bounds: its moduli, and its exponent."""
+    low, high = problem.box.T
     z = np.log(np.maximum(problem.depth, 1e-3 * problem.depth[1]))
-    middle, scale = (low + 0.5 * width).mean(), np.ptp(low) + width.max()
-    by = np.column_stack([z - z.mean(), np.full(z.size, scale)]) / width[:, None]
-
-    def clipped(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The moduli for the exponent and the modulus in the middle, between the bounds, and their slopes."""
-        x = (middle - low) / width + by @ p
-        return np.clip(x, 0.0, 1.0), by * ((x > 0.0) & (x < 1.0))[:, None]
+    by = np.column_stack([z - z.mean(), np.ones(z.size)])  # the exponent, and log(E) in the middle
+    box = np.array([[-0.999, 0.999], [low.min(), high.max()]])
 
     def rows(p: np.ndarray) -> np.ndarray:
-        x, slopes = clipped(p)
-        found = problem.rows(x)
-        return np.column_stack([found[:, 0], found[:, 1:] @ slopes])
+        found, inside = problem.rows(np.exp(np.clip(by @ p, low, high))), (low < by @ p) & (by @ p < high)
+        return np.column_stack([found[:, 0], found[:, 1:] @ (by * inside[:, None])])
 
-    bounds = np.array([[-0.999, 0.999], [-1.0, 1.0]])
-    ends = [_slsqp(np.array([k, 0.0]), rows, problem.held, bounds) for k in _EXPONENTS]
-    return min(((problem.end(clipped(p)[0]), float(p[0])) for p in ends), key=lambda end: end[0].least)
+    ends = [_slsqp(rows, problem.held, box, _FINE, np.array([k, problem.box.mean()])) for k in _EXPONENTS]
+    return min(((problem.end(np.clip(by @ p, low, high)), float(p[0])) for p in ends), key=lambda pair: _rank(pair[0]))
 
 
-def _downhill(problem: _FreeModuli, x: np.ndarray) -> float:
+def _downhill(problem: _FreeModuli, modulus: np.ndarray) -> float:
     """The largest change of log(objective) over the box that leads downhill within bounds and limits."""
     from scipy import optimize
 
-    rows = problem.rows(x)
-    by, axes = rows[:, 1:], np.eye(x.size)
+    rows, width, axes = problem.rows(modulus), np.ptp(problem.box, axis=1), np.eye(modulus.size)
+    by = rows[:, 1:] * width
+    low, high = (np.abs(np.log(modulus) - end) < 1e-6 * width for end in problem.box.T)
     # Multipliers of the bounds that are reached and of the limits that are active, all >= 0 but for a held radius.
     held = by[1 : 1 + problem.held]
     active = by[2:][np.abs(rows[2:, 0]) < 10.0 * _KEPT]
-    none = np.zeros((1, x.size))  # SciPy takes no empty matrix
-    edges = np.concatenate([none, axes[x < 1e-6], -axes[x > 1.0 - 1e-6], active, held, -held])
+    none = np.zeros((1, modulus.size))  # SciPy takes no empty matrix
+    edges = np.concatenate([none, axes[low], -axes[high], active, held, -held])
     return float(optimize.nnls(edges.T, by[0])[1])
