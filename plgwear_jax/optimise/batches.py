@@ -129,12 +129,9 @@ def designs(
 def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:
     """The shape of a batch of questions, their numbers with the axes of the batch first, and what makes one of them."""
     leaves, rebuild = jax.tree.flatten(question)
-    own, load = own_axes(question.contact, len(leaves)), question.load
-    first = len(jax.tree.leaves(question.contact))
-    if load is not None and load.amplitudes is not None:  # they and their weights have an axis of their own
-        own[first] = 1
-    if load is not None and load.weight is not None:
-        own[first + len(jax.tree.leaves(load)) - 1] = 1
+    own, load = own_axes(question), question.load
+    if load is not None and load.amplitudes is not None:  # they have an axis of their own, as their weights do
+        own[len(jax.tree.leaves(question.contact))] = 1
     dtype = jnp.result_type(0.0, *leaves)
     return *spread([xp.asarray(leaf, dtype) for leaf in leaves], own, xp), rebuild.unflatten
 

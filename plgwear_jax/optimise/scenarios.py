@@ -1,7 +1,7 @@
 """Uncertain contacts: what a contact may turn out to be, and how probable each of these scenarios is."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -81,10 +81,7 @@ def weighted_load(contact: FrettingContact, given: WeightedLoad, level: float) -
         return WeightedLoad(load, np.ones(1))
     amplitudes = np.atleast_1d(np.asarray(load.amplitude))
     weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
-    if load.holds_force:
-        check_real("load", amplitudes)
-        phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
-        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    load.check(contact.friction, contact.normal_force)
     amplitudes, counting, _ = falling(amplitudes, weight, level)
     if amplitudes[0] == 0.0:
         name = "tangential_force" if load.holds_force else "displacement_amplitude"

@@ -29,19 +29,19 @@ ARGUMENTS = {
 }
 
 
-def own_axes(tree: Any, number: int = 0) -> list[int]:
-    """For each of so many leaves, a tree's and those after it, how many axes of its own it has: 1 for a table."""
+def own_axes(tree: Any) -> list[int]:
+    """For each leaf of a tree how many axes of its own it has: 1 for a table."""
     own = []
     for (*above, last), _ in jax.tree_util.tree_leaves_with_path(tree):
         tables = getattr(leaf_of(tree, jax.tree_util.keystr(tuple(above))), "tables", ())
         own.append(int(getattr(last, "name", None) in tables))
-    return own + [0] * (number - len(own))
+    return own
 
 
 def refuse_array(contact: Any) -> None:
     """Refuse an array of contacts."""
     numbers = paths_of(contact)
-    for (name, number), own in zip(numbers.items(), own_axes(contact, len(numbers)), strict=True):
+    for (name, number), own in zip(numbers.items(), own_axes(contact), strict=True):
         if np.ndim(number) > own:
             raise ValueError(f"contact: {name} of shape {np.shape(number)}: takes one contact, not an array of them")
 
