@@ -9,13 +9,13 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
-from plgwear_jax.loads import PARTIAL_SLIP, Load
+from plgwear_jax.loads import Load
 from plgwear_jax.optimise.search import namespace
 from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.wear_laws import law_of
@@ -58,6 +58,8 @@ class WeightedLoad:
             without weight at the end are padding.
         weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
     """
+
+    tables: ClassVar = ("weight",)  # which have an axis of their own
 
     load: Load
     weight: Any
@@ -224,7 +226,7 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     if given.tangential_force is not None:
         check("scenarios: tangential_force", given.tangential_force, FORCE)
     leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
-    own = own_axes(contact, len(leaves))
+    own = own_axes(given)
     shapes = {name: leaf.shape[: leaf.ndim - n] for (name, leaf), n in zip(leaves.items(), own, strict=True)}
     axes = {*shapes.values()} - {()}
     if not (len(axes) <= 1 and all(len(shape) == 1 for shape in axes)):
