@@ -463,21 +463,21 @@ _CLOSED = 1e-9  # of the logarithm of the objective
 
 def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed, each = max(_CLOSED, plan_for(question).noise), np.arange(len(question.limits))
+    closed, count = max(_CLOSED, plan_for(question).noise), len(question.limits)
     at = evaluate(question, reference_variables(question), known)
-    # Where limits are kept: scenarios in turn, and in each of them all limits.
-    choices, pairs, all_known = [at.weights[0]], at.scenario[0] * each.size + each, False
+    # The scenarios in which the limits are kept.
+    choices, kept_in, all_known = [at.weights[0]], np.unique(at.scenario[0]), False
 
     def relaxed(which: int) -> Minimum:
         """The best design where one choice of the weights is the worst of those that are known, within some limits."""
 
         def changed(rows: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-            amounts, excess = (x.reshape(len(x), -1, x.shape[-1]) for x in rows)
+            amounts, excess = rows[0], rows[1][:, kept_in].reshape(len(rows[0]), -1, rows[0].shape[-1])
             means = _log_of_mean(amounts, np.broadcast_to(choices, (len(amounts), *np.shape(choices))))
             goal, others = means[:, [which]], np.delete(means, which, axis=1)
-            return np.concatenate([goal, others - goal, excess[:, pairs]], axis=1)
+            return np.concatenate([goal, others - goal, excess], axis=1)
 
-        return search(question, changed, known, limits=len(choices) - 1 + len(pairs))
+        return search(question, changed, known, limits=len(choices) - 1 + kept_in.size * count)
 
     def badness(found: Minimum) -> tuple[bool, Any]:
         kept = keeps(found.limits) and np.isfinite(found.value)
@@ -487,18 +487,17 @@ def search_over_scenarios(question: Question, known: Known) -> Minimum:
     for _ in range(_ROUNDS):
         found = [*map(relaxed, range(len(choices)))]
         best = min(found, key=badness)
-        multipliers = np.bincount(pairs % max(each.size, 1), best.multipliers[len(choices) - 1 :], each.size)
+        multipliers = best.multipliers[len(choices) - 1 :].reshape(kept_in.size, count).sum(0)
         at = evaluate(question, best.variables, known)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
-        new = at.scenario[0] * each.size + each
-        new = new[(at.values[0, 1:] > closed) & ~np.isin(new, pairs)]
+        new = np.setdiff1d(at.scenario[0][at.values[0, 1:] > closed], kept_in)
         worse = at.values[0, 0] > float(best.value) + closed
         if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
             all_known = worse = False  # a search has not ended where its limits are kept
         if not new.size and not worse:
             break
-        pairs = np.append(pairs, new)
+        kept_in = np.append(kept_in, new)
         choices += [at.weights[0]] if worse else []
     else:
         all_known = False
