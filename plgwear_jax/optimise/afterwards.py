@@ -257,7 +257,7 @@ def sensitivities(found: Design) -> Sensitivities:
         steps = _input_steps(path, float(np.max(value)), room)
         beside = np.array([rows_at(moved(path, value, step)) for step in steps])
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        return np.tensordot(_weights_of(steps), beside - here, 1)
+        return _slope_of(steps, beside - here)
 
     curvatures = [
         slopes_by(name, value, lambda x, name=name: rows(question, {**best, name: x}))[:, 1:]
@@ -292,10 +292,10 @@ def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
     return steps - max(value + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
 
 
-def _weights_of(steps: np.ndarray) -> np.ndarray:
-    """The weights of the values after five steps in the derivative before them."""
-    scale = np.max(np.abs(steps))
-    return np.linalg.solve(np.vander(steps / scale, increasing=True).T, np.eye(steps.size)[1]) / scale
+def _slope_of(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The derivative before the steps of the polynomial through the values after them, along their first axis."""
+    found = np.polynomial.polynomial.polyfit(steps, values.reshape(steps.size, -1), steps.size - 1)
+    return found[1].reshape(values.shape[1:])
 
 
 # --- the inputs -------------------------------------------------------------------------------------------------------
