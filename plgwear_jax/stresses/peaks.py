@@ -21,7 +21,7 @@ class Peak(NamedTuple):
 
 # In units of a_0. Among the places are the edges of the contact, where the tension of a homogeneous half-space has its
 # peak, and those of the stick area, where von Mises' stress of a power law may have its own.
-_X = np.array([0.0, 0.3, 0.6, 0.85, 0.95, 1.0, 1.15, 1.5])
+_X = np.array([0.0, 0.3, 0.6, 0.85, 0.93, 0.96, 0.98, 1.0, 1.15, 1.5])
 _Z = np.array([0.0, 3e-3, 0.015, 0.06, 0.15, 0.28, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0])
 # On a power law the tension of a small k > 0 has its peak at about 0.5 k^2 below the edge.
 _SHALLOW = np.append(np.geomspace(1e-10, 3e-4, 6), _Z)
