@@ -295,11 +295,9 @@ def test_more_amplitudes_than_a_chunk_and_none():
 
 
 @parametrize("value", [0.0, 0.3, 0.5])
-def test_differences_by_poissons_ratio_stay_within_its_range_and_are_of_fourth_order(value):
+def test_differences_by_poissons_ratio_stay_within_its_range(value):
     steps = afterwards._input_steps("contact.material.nu", value)
     assert np.max(value + steps) <= 0.5 and np.ptp(steps) > 1e-3
-    slope = afterwards._slope_of(steps, (1.0 + value + steps) ** 4)
-    assert_allclose(slope, 4.0 * (1.0 + value) ** 3, rtol=1e-11)
 
 
 @example(table=[(0.3, 0.5), (0.1, 0.25), (0.5, 0.0)], level=1.0, k=0.2)  # what has no weight is not the worst

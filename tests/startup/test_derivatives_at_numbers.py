@@ -77,10 +77,11 @@ def test_forward_mode_and_higher_derivatives(ran):
     slope, second = jax.grad(value)(0.3), jax.grad(jax.grad(value))(0.3)
     assert jax.jvp(value, (0.3,), (2.0,))[1] == 2.0 * slope
     assert jax.jacfwd(value)(0.3) == slope
-    assert_allclose(jax.jit(jax.grad(jax.grad(value)))(0.3), second, rtol=64 * EPS)
     curvature = jax.hessian(fretting.stick_radius, (0, 1))
-    assert_allclose(curvature(0.3, 0.4), jax.jit(curvature)(0.3, 0.4), rtol=64 * EPS)
+    found = curvature(0.3, 0.4)
     assert ran == 5 * [True]
+    assert_allclose(found, jax.jit(curvature)(0.3, 0.4), rtol=64 * EPS)
+    assert_allclose(found[0][0], second, rtol=64 * EPS)
     assert_allclose(jax.vmap(jax.grad(value))(jnp.array([0.3])), [slope], rtol=64 * EPS)
 
 

