@@ -57,7 +57,7 @@ class Parabola(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Power(0.5 / a, np.zeros(0))
+        return Power(0.5 / a, np.zeros(0, c.dtype))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
@@ -99,7 +99,7 @@ class _OnePower(Shape):
 
     def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Power(self._at(c, radius) * jnp.exp(self._log_lifted(a)), np.zeros(0), 0.5 * self._n())
+        return Power(self._at(c, radius) * jnp.exp(self._log_lifted(a)), np.zeros(0, c.dtype), 0.5 * self._n())
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
