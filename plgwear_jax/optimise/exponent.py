@@ -30,7 +30,7 @@ from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, rows_at
-from plgwear_jax.special.elementary import clamp_keep_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, value_with_slope
 from plgwear_jax.special.root import first_at
 
 
@@ -291,7 +291,7 @@ def _critical(lower: Array, upper: Array) -> Array:
     def rising(k: Array, beyond: Array) -> Array:
         phi = begins + beyond
         at = jnp.broadcast_to(phi[..., None], k.shape)
-        by_k = jax.jvp(lambda k: fretting.wear_volume(k, at), (k,), (jnp.ones_like(k),))[1]
+        _, by_k = value_with_slope(lambda k: fretting.wear_volume(k, at), k)
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
         return signs * (by_k @ weights) * (1.0 - phi) / (phi * phi)
 

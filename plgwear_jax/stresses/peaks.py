@@ -127,32 +127,28 @@ def _value_at(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
 @_value_at.defjvp
 def _value_at_jvp(primals, tangents):
     pressed, wanted, place = primals
-    moving = pressed, wanted, place + _moved(*primals)
+    moving = pressed, wanted, place + _drifted(*primals)
     return jax.jvp(_stress_at, moving, tangents)
 
 
 @jax.custom_jvp
-def _moved(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
+def _drifted(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
     """By how much the peak is elsewhere than the place that was found: not at all, but for its derivatives."""
     del pressed, wanted
     return jnp.zeros_like(place)
 
 
-@_moved.defjvp
-def _moved_jvp(primals, tangents):
+@_drifted.defjvp
+def _drifted_jvp(primals, tangents):
     pressed, wanted, place = primals
     x, z = jnp.unstack(place)
-    free = jnp.stack(
-        [
-            jnp.min(abs(abs(x) - _contact_edges(pressed))) >= _BESIDE,
-            jnp.min(abs(wanted.ends(pressed) - z)) > 0.0,
-        ]
-    )
+    beside = jnp.any(abs(abs(x) - _contact_edges(pressed)) < _BESIDE)
+    free = ~jnp.stack([beside, jnp.any(wanted.ends(pressed) == z)])
     slope = jax.grad(_stress_at, 2)
     matrix = jax.jacfwd(slope, 2)(*primals)
     along = jax.jvp(slope, primals, tangents)[1]
     matrix = jnp.where(free[:, None] & free, matrix, jnp.eye(2, dtype=place.dtype))
-    return _moved(*primals), -jnp.linalg.solve(matrix, jnp.where(free, along, 0.0))
+    return _drifted(*primals), -jnp.linalg.solve(matrix, jnp.where(free, along, 0.0))
 
 
 def in_si(pressed: Pressed, wanted: Wanted, peak: Peak) -> Peak:
