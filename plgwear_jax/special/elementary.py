@@ -61,7 +61,7 @@ def clamped(least: Any, value: Array, most: float = math.inf) -> Array:
 def crest(values: Array) -> Array:
     """The largest of values at even distances along the first axis, by the parabola through it and its neighbours."""
     most = jnp.argmax(values, 0)
-    inner = jnp.clip(most, 1, values.shape[0] - 2)
+    inner = clamped(1, most, values.shape[0] - 2)
     before, at, after = (jnp.take_along_axis(values, (inner + i)[None], 0)[0] for i in (-1, 0, 1))
     bend = before - 2.0 * at + after
     top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
@@ -73,7 +73,7 @@ def top_of(x: Array, values: Array) -> Array:
 
     It lies between these two; where places or values are no numbers or the same, it is the one in the middle.
     """
-    before = jnp.clip(jnp.argmax(values) - 1, 0, x.size - 3)
+    before = clamped(0, jnp.argmax(values) - 1, x.size - 3)
     (a, b, c), (low, at, high) = (lax.dynamic_slice(each, (before,), (3,)) for each in (x, values))
     left, right = (at - low) / (b - a), (high - at) / (c - b)
     bend = (right - left) / (c - a)

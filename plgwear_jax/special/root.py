@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import clamp_keep_slope, ratio_where, value_with_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, clamped, ratio_where, value_with_slope
 
 _MOST = 120  # evaluations; six or seven are enough, but where the function jumps
 _SECANTS = 30  # of them, after which intervals are halved
@@ -36,7 +36,7 @@ def root_of(
             run = x - before
             rate = ratio_where(run != 0.0, value - value_before, run, slope)
             step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
-            step = jnp.clip(step, -farthest, farthest)
+            step = clamped(-farthest, step, farthest)
             outside = (x + step <= low) | (x + step >= high)
             # Where the function jumps, or only rounding is left, the bounds meet, and no step from there is short.
             met = high - low < 4.0 * jnp.finfo(dtype).eps * (1.0 + abs(x))

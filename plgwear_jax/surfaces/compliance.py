@@ -357,7 +357,7 @@ def power_law(
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
-    share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
+    share = 1.0 / (1.0 + jnp.exp(-2.0 * clamped(-40.0, last, 40.0)))
     s = materialised(0.5 + 0.5 * k * share)
     terms = _terms(effort, jnp.stack([k, s]))
     return PowerLaw(outline, effort, radius, k, log_g, homogeneous, s, *terms)

@@ -18,7 +18,7 @@ from jax import Array
 
 from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
-from plgwear_jax.special.elementary import ratio_where, value_with_slope
+from plgwear_jax.special.elementary import clamped, ratio_where, value_with_slope
 from plgwear_jax.wear_laws import WearLaw
 
 
@@ -131,7 +131,7 @@ def _pressed(
     # It ends where the forward substitution changes its sign, between the middles of the last cell that touches and the
     # next. The substitution divides by the diagonal of the factor, of which dA changes y' dA y/2.
     count = jnp.sum(pressure > 0.0)
-    ends = jnp.clip(jnp.stack([count - 1, count]), 0, size.size - 1)
+    ends = clamped(0, jnp.stack([count - 1, count]), size.size - 1)
     y = backward(lower, (np.arange(size.size)[:, None] == ends).astype(size.dtype))
     grown = jnp.sum(y * times(y), 0)
     diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - jax.lax.stop_gradient(grown)))
@@ -173,7 +173,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         # the end: the cells outside would lose the contact with those that overshoot.
         touched = pressure_before > 1e-6 * mean
         change = jax.lax.stop_gradient(ratio_where(touched, pressure, pressure_before, _FAST))
-        second = jnp.clip(3.0 * change - 1.0, 0.0, 1.0) * jnp.clip(_FAST - change, 0.0, 1.0)
+        second = clamped(0.0, 3.0 * change - 1.0, 1.0) * clamped(0.0, _FAST - change, 1.0)
         known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.

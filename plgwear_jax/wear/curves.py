@@ -89,7 +89,7 @@ def moment_at(times: Array, time: Array, within: bool = False) -> Moment:
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
     early = jax.lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
     before = jnp.sum(jax.lax.stop_gradient(times) < early[..., None], -1)
-    first = jnp.clip(before - 1, 0, last - 1)
+    first = clamped(0, before - 1, last - 1)
     begin, end = rows[number, first], rows[number, first + 1]
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
     inside = jnp.where(time > times[..., -1], times[..., -1], time)

@@ -9,6 +9,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import whole
 from plgwear_jax._core.xla import materialised
+from plgwear_jax.special.elementary import clamped
 
 
 class MarchResolution(NamedTuple):
@@ -81,9 +82,9 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
         resolution: Numbers of cells and steps.
     """
     # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
-    near = jnp.clip(grown * (10.0 * resolution.length * resolution.inner**2 / resolution.outer**2) / unworn, 0.3, 1.0)
+    near = grown * (10.0 * resolution.length * resolution.inner**2 / resolution.outer**2) / unworn
     # Materialised, or each element of the arrays below would compute it again.
-    near = materialised(near)
+    near = materialised(clamped(0.3, near, 1.0))
     place, growth = (jnp.asarray(x, grown.dtype) for x in _places_of_edges(resolution))
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth

@@ -60,7 +60,7 @@ def _newton(step: _Step, found: Array) -> Array:
         half = factor[size:, :size]
         # The equation of the next cell determines the pace.
         left = of_next - half[2] @ half[:2].T
-        change = jnp.clip(-left[0] / left[1], -0.7 * pace, 2.0 * pace)
+        change = jax.lax.clamp(-0.7 * pace, -left[0] / left[1], 2.0 * pace)
         moved = backward(factor[:size, :size], half[0] + change * half[1])
         return jnp.pad(jnp.append(change, -moved), (0, cells - size))
 
