@@ -204,8 +204,11 @@ class Cluster(NamedTuple):
 
     def launch(self, name, module, *options):
         words = [sys.executable, "-m", f"distributed.cli.{module}", "--no-dashboard", *options]
-        # As the sweeps beside which their results are put.
-        environment = as_users(JAX_LOG_COMPILES="1", XLA_FLAGS="")
+        # As the sweeps beside which their results are put. A scheduler that saves memory takes the plan from workers
+        # which are idle for a moment, as on a busy machine, and these compile it once more.
+        environment = as_users(
+            JAX_LOG_COMPILES="1", XLA_FLAGS="", DASK_DISTRIBUTED__SCHEDULER__ACTIVE_MEMORY_MANAGER__START="False"
+        )
         with (self.folder / f"{name}.log").open("wb") as log:
             self.processes[name] = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
