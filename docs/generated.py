@@ -17,6 +17,7 @@ the largest number is quoted. It is rounded to as many digits as the page shows.
 
 import decimal
 import importlib
+import importlib.metadata
 import inspect
 import itertools
 import os
@@ -331,8 +332,10 @@ def printed(text: str, folder: Path) -> str:
 # --- the command line -------------------------------------------------------------------------------------------------
 
 
-def commands() -> str:
-    """The help of every command, as Typer writes it down."""
+def commands() -> str | None:
+    """The help of every command as the pinned Typer writes it; None from another one, which writes it otherwise."""
+    if f"typer=={importlib.metadata.version('typer')}\n" not in (DOCS.parent / "constraints.txt").read_text("utf-8"):
+        return None
     command = [sys.executable, "-m", "typer", "plgwear_jax.cli", "utils", "docs", "--name", "plgwear"]
     settings = {"NO_COLOR": "1", "PYTHONPATH": os.pathsep.join([str(DOCS.parent), os.environ.get("PYTHONPATH", "")])}
     done = subprocess.run(command, capture_output=True, text=True, env=os.environ | settings, check=True)
@@ -380,6 +383,8 @@ def filled(text: str) -> str:
             shown = "\n".join(row for row in rows if row.startswith("|"))
         else:
             shown = GENERATED[match["name"]]()
+        if shown is None:
+            return match[0]
         return f"{match['head']}\n{shown.strip()}\n\n{match['tail']}"
 
     return FILLED.sub(fresh, text)

@@ -61,7 +61,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         if found.rival:
             more = found.rival_value / found.value - 1.0
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
-            rival = f"the next best minimum, at {_where(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
+            rival = f"the next best minimum, at {_named(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
         tension = _tensions(found) if STRESSES & asked and question.by_force else None
         report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
@@ -78,7 +78,7 @@ def _tensions(found: optimise.Design) -> str:
     contacts: Any = found.contact, found.reference
     best, other = both = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
     its, that = (
-        f"{measured('tension', one.peak_tension)} at {_where(zip('xz', one.peak_tension_at, strict=True))}"
+        f"{measured('tension', one.peak_tension)} at {_named(zip('xz', one.peak_tension_at, strict=True))}"
         for one in both
     )
     times = f"{best.peak_tension / other.peak_tension:.3g} times that of the reference"
@@ -181,7 +181,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
         return
     times = forever.best_by_then / found.value
     report.say(
-        f"{worn}, and the steady-state optimum, {_where(best.items())}, wears {least}",
+        f"{worn}, and the steady-state optimum, {_named(best.items())}, wears {least}",
         f"beyond {about(flips_at)} cycles the steady-state optimum wears less; "
         f"after {counted(cycles)} it has worn {times:.3g} times as much",
     )
@@ -239,7 +239,7 @@ def amplitudes_told(given: Scene, objective: str) -> str | None:
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"
 
 
-def _where(values: Iterable[tuple[str, Any]]) -> str:
+def _named(values: Iterable[tuple[str, Any]]) -> str:
     return ", ".join(f"{name} = {measured(name, value)}" for name, value in values)
 
 
