@@ -81,12 +81,8 @@ def _around(y: Array) -> tuple[Array, Array]:
     place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _nodes().size - 1.0)
     first = jnp.floor(clamped(0.0, jax.lax.stop_gradient(place) + (1 - _TAPS // 2), last))
     part = (place - (first + _MIDDLE))[:, None]
-    powers, square = jnp.concatenate([jnp.ones_like(part), part], 1), part * part
-    fourth = jnp.concatenate([powers, square * powers], 1)
-    eighth = square * square
-    powers = jnp.concatenate([fourth, eighth * fourth, eighth * eighth * powers], 1)
-    which = first.astype(int)[:, None] + np.arange(_TAPS)
-    return which.astype(np.uint32), powers @ jnp.asarray(_to_powers().T, y.dtype)
+    which = first.astype(np.uint32)[:, None] + np.arange(_TAPS, dtype=np.uint32)
+    return which, part ** np.arange(_TAPS) @ jnp.asarray(_to_powers().T, y.dtype)
 
 
 @record
