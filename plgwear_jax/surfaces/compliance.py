@@ -252,19 +252,23 @@ class Graded(_Touching):
         """(k, log(g)) of the term that leads at large q."""
         return jnp.zeros_like(self.strength), jnp.log(self.strength)
 
-    def excess(self, c: Array) -> tuple[Array, Array]:
-        """(m at x_k, its slope by log(c))."""
+    def _shares(self, c: Array) -> Array:
+        """What each m_k counts for at each x_k."""
         q, *_ = wavenumbers(self.effort)
-        # Its fourth power, and what is divided by the square of that, have to be numbers of float32.
-        x = clamped(0.0, jnp.asarray(self.foundation.x[:, None] / q, c.dtype) * (self.radius / c), 1e4)
-        part = 1.0 / (1.0 + x**4)
-        return part @ self.coefficients, (4.0 * part * (1.0 - part)) @ self.coefficients
+        # The square of these, by which derivatives divide, has to be a number of float32.
+        fourth = np.minimum((self.foundation.x[:, None] / q) ** 4, 1e16)
+        return 1.0 / (1.0 + jnp.asarray(fourth, c.dtype) * (self.radius / c) ** 4)
+
+    def excess(self, c: Array) -> Array:
+        """m at x_k."""
+        return self._shares(c) @ self.coefficients
 
     def matrices(self, c: Array) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        constants = self.foundation
-        both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c), -1)
-        excess, slope = jnp.unstack(jnp.asarray(constants.matrix, c.dtype) @ both, axis=-1)
+        shares = self._shares(c)
+        both = jnp.stack([shares, 4.0 * shares * (1.0 - shares)]) @ self.coefficients
+        parts, matrix = (jnp.asarray(x, c.dtype) for x in (self.foundation.parts.T, self.foundation.matrix))
+        excess, slope = jnp.unstack(jnp.tensordot(both @ parts, matrix, (1, 2)))
         return self.strength * (self._of_surface + excess), self.strength * slope
 
     @property
@@ -280,7 +284,7 @@ class Graded(_Touching):
     def beside(self, c: Array, y: Array, coefficients: Array) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
         factors = jnp.tensordot(jnp.asarray(self.foundation.beside, c.dtype), coefficients, 1)
-        return self._beside(self.excess(c)[0], y, factors)
+        return self._beside(self.excess(c), y, factors)
 
     def _beside(self, excess: Array, y: Array, factors: Array) -> tuple[Array, Array]:
         constants = self.foundation
@@ -301,7 +305,7 @@ class Graded(_Touching):
 
         (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
         """
-        constants, excess = self.foundation, self.excess(c)[0]
+        constants, excess = self.foundation, self.excess(c)
         table = jnp.asarray(constants.beside, c.dtype)
         found, own = jnp.tensordot(table, both, 1), table @ law.own
         h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)

@@ -238,7 +238,7 @@ def directly(bodies: Graded, c: Array, first: Array, last: Array, images: Images
     springs = constants.x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
     # Half of 1 - exp(-x) cos(x), which would cancel.
     up_to = np.exp(-turned) * np.sin(0.5 * turned) ** 2 - 0.5 * np.expm1(-turned)
-    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ constants.terms.of(bodies.excess(c)[0])
+    kernel, integral = jnp.asarray([springs, up_to], c.dtype) @ constants.terms.of(bodies.excess(c))
     # At the axis the root has no slope.
     root, ends = jnp.sqrt(1.0 + images.t), clamped(jnp.finfo(c.dtype).tiny, 1.0 + jnp.stack([first, last]))
     begin, end = jnp.unstack(jnp.sqrt(ends))
