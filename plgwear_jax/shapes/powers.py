@@ -51,7 +51,7 @@ class Parabola(Shape):
 
     def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
         """Those of T/2."""
-        first, second = (jnp.asarray(one, c.dtype) for one in np.eye(count, 2).T)
+        first, second = np.eye(count, 2, dtype=s.dtype).T
         found = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
         return found, 2.0 * found
 

@@ -19,9 +19,9 @@ def gamma(x: Array) -> Array:
 
 def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
     """first (above)_n/(below)_n for n < count, by rising factorials."""
-    n = jnp.asarray(np.arange(count - 1), first.dtype)
+    n = np.arange(count - 1, dtype=below.dtype)
     # By a sum of logarithms, whose derivative is a sum, not by a product; by a matrix, which XLA compiles fast.
-    before = jnp.asarray(np.tri(count, count - 1, -1), first.dtype)
+    before = np.tri(count, count - 1, -1, below.dtype)
     return first * jnp.exp(before @ jnp.log((above + n) / (below + n)))
 
 
@@ -43,7 +43,7 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
 def jacobi_table(count: int, s: Array, c: Array, x: Array) -> Array:
     """2F1(-n, n+s; c; (1-x)/2) for n < count and x of shape (m,), shape (count, m)."""
     below, along = c - 1.0, s - c
-    n = jnp.asarray(np.arange(1, count - 1), s.dtype)
+    n = np.arange(1, count - 1, dtype=s.dtype)
     m, below_all = 2.0 * n + s, (n + s) * (c + n)
     shift = (below - along) * (s - 1.0) / (m - 1.0)
     by_now = (0.5 * m / below_all)[:, None] * ((m + 1.0)[:, None] * x + shift[:, None])

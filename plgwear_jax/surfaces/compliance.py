@@ -239,9 +239,9 @@ class Graded(_Touching):
         return foundation(self.effort)
 
     @property
-    def s(self) -> Array:
-        """Edge exponent s of the pressure basis."""
-        return jnp.full_like(self.strength, 0.5)
+    def s(self) -> Any:
+        """Edge exponent s of the pressure basis: a constant, so that NumPy computes what follows from it alone."""
+        return self.strength.dtype.type(0.5)
 
     def far(self, log_r: Array) -> Array:
         """The logarithm of the displacement far away, up to a constant: as on what lies below all layers."""

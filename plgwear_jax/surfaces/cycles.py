@@ -264,8 +264,8 @@ def _through_inside(
 
     Each of them has the force 2 pi e^2 c = 4 c.
     """
-    half, modes = jnp.full_like(c, 0.5), jnp.eye(bodies.effort.modes, dtype=c.dtype)
-    images = images_of(from_c, from_1, width, half, half)
+    modes = np.eye(bodies.effort.modes, dtype=c.dtype)
+    images = images_of(from_c, from_1, width, bodies.s, bodies.s)
     first, more = bodies.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes)
     moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
     return images, moved, (c * math.pi / 4.0) * solve_symmetric(bodies.matrices(c)[0], moved.T)
@@ -317,5 +317,4 @@ def disc_of(bodies: Bodies, b: Array, edges: Array) -> Array:
     from_b, axis, none = edges - 1.0, jnp.full_like(b, -1.0), jnp.zeros_like(b)[None]
     if not isinstance(bodies, Graded):
         return jnp.sum(power_terms(bodies, b, axis, none, none, (from_b, edges)).disc, 0)
-    half = jnp.full_like(b, 0.5)
-    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, edges, axis, half, half))
+    return directly(bodies, b, from_b[0], from_b[-1], images_of(from_b, edges, axis, bodies.s, bodies.s))

@@ -231,7 +231,7 @@ def _without_edge(y: Array) -> Array:
 def pressure_inside(bodies: Bodies, y: Array, inside: Array, half: float = 0.0) -> Array:
     """The pressure over 1/c at z = 1 - (r/c)^2 > 0, shape (m,), of coefficients along a last axis."""
     s, count = bodies.s, y.shape[-1]
-    end, middle = s + half, jnp.full_like(s, 1.0 - half)
+    end, middle = s + half, 1.0 - half
     front = 2.0 * bodies.front**2 * s * _integrated(s, half)
     total = (y * ratios(front, middle, end, count)) @ jacobi_table(count, s, middle, 2.0 * inside - 1.0)
     return jnp.exp((end - 1.0) * jnp.log(inside)) * total
