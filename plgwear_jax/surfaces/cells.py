@@ -21,6 +21,7 @@ class Images(NamedTuple):
     t: Array  # T/C - 1 at the nodes, (nodes,)
     share: Array  # difference of (T - t)^q between both edges of each cell: q times its transform, (cells, nodes)
     weight: Array  # weight of each node in integrals over T/C with the factor T^(s-1), (nodes,)
+    size: Array  # widths of the cells
 
 
 class RingCells(NamedTuple):
@@ -43,16 +44,6 @@ def products_of(share: Array, weight: Array) -> Array:
     return (share * weight) @ share.T
 
 
-def sizes_of(from_c: Array, from_1: Array) -> Array:
-    """The widths of cells with these edges, T/C - 1 and T/C less that of another place."""
-    return jnp.where(_nearer(from_c, from_1)[1:], jnp.diff(from_c), jnp.diff(from_1))
-
-
-def _nearer(from_c: Array, from_1: Array) -> Array:
-    """Whether edges are nearer to c, so that less of their differences is rounded away there."""
-    return abs(from_c) < abs(from_1)
-
-
 def nodes_of(from_c: Array, size: Array) -> Array:
     """The nodes of cells with these outer edges and widths, in the unit of the edges, (cells, nodes)."""
     return from_c[1:, None] - size[:, None] * jnp.asarray(_NODE, size.dtype)
@@ -66,10 +57,12 @@ def mean_over(at_nodes: Array) -> Array:
 def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -> Images:
     """The Abel transforms, with the exponents s and q = 1 - s, of cells with the edges T/C - 1 and T/C - 1 - unworn."""
     node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
-    size, near = sizes_of(from_c, from_1), _nearer(from_c, from_1)[1:]
-    between = jnp.where(near[:, None], from_c[1:, None] - from_c[1:], from_1[1:, None] - from_1[1:])
+    outer_c, outer_1 = from_c[1:], from_1[1:]
+    near = unworn * (outer_c + outer_1) < 0.0  # to c, so that less of their differences is rounded away there
+    size = jnp.where(near, outer_c - from_c[:-1], outer_1 - from_1[:-1])
+    between = jnp.where(near[:, None], outer_c[:, None] - outer_c, outer_1[:, None] - outer_1)
     # The nodes are those of T^s: in it the factor T^(s-1) is constant, also in a cell that begins at T = 0.
-    end = jnp.where(near, 1.0 + from_c[1:], (1.0 + unworn) + from_1[1:])
+    end = jnp.where(near, 1.0 + outer_c, (1.0 + unworn) + outer_1)
     from_zero = size >= end
     covered = jnp.where(from_zero, 1.0, -jnp.expm1(s * jnp.log1p(-jnp.where(from_zero, 0.5, size / end))))
     inwards = -end[:, None] * jnp.expm1(jnp.log1p(-covered[:, None] * node) / s)
@@ -80,5 +73,5 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     behind = width < 1.0
     whole = jnp.where(behind, -jnp.expm1(q * jnp.log1p(-jnp.where(behind, width, 0.5))), 1.0)
     share = materialised((power_where(beyond, distance, q) * whole).reshape(size.size, -1))
-    t = (from_c[1:, None] - inwards).ravel()
-    return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel())
+    t = (outer_c[:, None] - inwards).ravel()
+    return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel(), size)

@@ -23,7 +23,7 @@ from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope, clamped, value_with_slope
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.pchip import horner
-from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of, sizes_of
+from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of
 from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.punch import pressure_inside
 from plgwear_jax.surfaces.ring import Worn, between, sine_of
@@ -40,30 +40,34 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     bodies, punch, further, beside = found.bodies, found.punch, found.further, found.beside
     c, a, radius, width = found.c, beside.a, bodies.outline.radius, found.width
     at = c, width, from_c, from_1
-    at_held_depth, (t, share, weight) = _graded(bodies, *at) if isinstance(bodies, Graded) else _powers(bodies, *at)
+    at_held_depth, (t, share, weight, size) = (
+        _graded(bodies, *at) if isinstance(bodies, Graded) else _powers(bodies, *at)
+    )
     front = sine_of(a) / (1.0 - a)
     y = clamped(jnp.finfo(t.dtype).tiny, t)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c at this depth; where the modes end, that is not quite the depth of the contact.
-    touching = -beside.lack(jnp.zeros_like(further)).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
-    v, fallen = beside.lack(touching).v, beside.image.fallen(y)
-    flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
-    unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
+    touching, flat, unworn_gap = jnp.zeros_like(further), jnp.ones_like(y), beside.image.fallen(y)
+    if beside.flat is not None:
+        touching = beside.own[0] / (1.0 - beside.flat[0])
+        v = beside.lack(touching).v
+        lost, risen = jnp.unstack(between(jnp.stack([beside.flat, v]), y))
+        flat, unworn_gap = 1.0 - lost, jnp.maximum(unworn_gap + risen - v[0], 1e-3 * unworn_gap)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * radius / punch.stiffness
-    whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
-    size = sizes_of(from_c, from_1)
+    whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.
-    last = jnp.sum(size > 0.0) - 1  # behind it are empty cells
+    some = size > 0.0
+    last = jnp.sum(some) - 2  # and one more; behind both are empty cells
     (before, end), (first, second) = (
-        x[jnp.array([last - 1, last])] for x in (gap / jnp.where(size > 0.0, swept, 1.0), size)
+        jnp.unstack(jax.lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, swept, 1.0), size)
     )
     sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
     # The pressure before any wear. That of the contact in modes is not known next to a kink.
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
-    matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
+    matrix = jnp.where(there[:, None] & there, whole, np.eye(there.size, dtype=whole.dtype))
     pressure = solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0]
     return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), swept, from_c, from_1)
 
@@ -105,10 +109,10 @@ def power_terms(
 
     def one(k: Array, s: Array, log_g: Array) -> _PowerTerms:
         q = 1.0 - s
-        t, share, weight = images_of(*edges, width, s, q)
+        t, share, weight, size = images_of(*edges, width, s, q)
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
         strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
-        images = Images(t[count:], share[cells:, count:], weight[count:])
+        images = Images(t[count:], share[cells:, count:], weight[count:], size[cells:])
         of_ring = strength * products_of(images.share, images.weight)
         inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
         return _PowerTerms(images, of_ring, inside[:cells], inside[cells:].T)
@@ -246,7 +250,7 @@ def directly(bodies: Graded, c: Array, first: Array, last: Array, images: Images
     apart = clamped(math.exp(_LEAST), jnp.stack(apart))
     below, above, opposite, less = jnp.unstack(_values_at(_lagrange_cubics(integral), _places_of(apart)))
     # Weights of nodes are those of 2 dr.
-    added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images)
+    added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images[:3])
     # g c/(2 Gamma(3/2)^2)
     return bodies.strength * c * (2.0 / math.pi) * (products_of(images.share, images.weight) + 0.5 * added)
 

@@ -70,9 +70,9 @@ class Lack:
 
 
 def between(v: Array, y: Array) -> Array:
-    """From values at the nodes to those at y, by polynomials in log(y)."""
+    """From values at the nodes, along a last axis, to those at y, by polynomials in log(y)."""
     which, weights = _around(y)
-    return jnp.sum(v[which] * weights, -1)
+    return jnp.sum(v[..., which] * weights, -1)
 
 
 def _around(y: Array) -> tuple[Array, Array]:

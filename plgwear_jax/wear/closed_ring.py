@@ -20,7 +20,7 @@ from plgwear_jax.special.elementary import log_complement, power_where, ratio_wh
 from plgwear_jax.special.exponents import exponents
 from plgwear_jax.steady.batch import each, in_turn
 from plgwear_jax.steady.closed import Steady
-from plgwear_jax.surfaces.cells import RingCells, images_of, products_of, sizes_of
+from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
 from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, share_at
 from plgwear_jax.wear.ring_run import RingRun, RunSolution
@@ -42,10 +42,10 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
 
     def cells(from_c: Array, from_1: Array) -> tuple[RingCells, Array]:
         """(The ring in cells, the frictional work of the first cycle over C^(s+2))."""
-        size, (t, share, weight) = sizes_of(from_c, from_1), images_of(from_c, from_1, unworn, s, q)
+        t, share, weight, size = images_of(from_c, from_1, unworn, s, q)
         swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
         of_ring = products_of(share, weight) * (sine * sine / (2.0 * (1.0 + s)))
-        compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
+        compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept
         # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
         work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
         load = jnp.maximum(-from_1, 0.0)
