@@ -1,7 +1,7 @@
 """A run around a constant stick area: the curves that its marches give, extrapolated in cells and steps."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -113,7 +113,7 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     return both * (to_steps @ ratio @ to_cells)
 
 
-def _from(start: Array | float, x: Array) -> Array:
+def _from(start: Any, x: Array) -> Array:
     """The values at all steps, with the value at time 0 in front."""
     return jnp.concatenate([jnp.full((1, *x.shape[1:]), start, x.dtype), x])
 
@@ -128,28 +128,27 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
     ring = jax.tree.map(lambda x: x[-1], ring)
     begin = resolution.inner * multiple
     edge = ring.edges[begin : begin + resolution.steps + 1]
-    spread, _, _, slope = (jnp.asarray(matrix, ring.gap.dtype) for matrix in _matrices(resolution))
-
-    def limit(order: int, x: Array) -> Array:
-        shared = x[_shared_steps(resolution)]
-        # Clipped, since at few digits the first steps would otherwise go backwards.
-        ratio = clamped(0.25, spread @ (jnp.asarray(weights(resolution, order), x.dtype) @ shared / shared[-1]), 4.0)
-        return _from(0.0, x[-resolution.steps :] * ratio)
-
+    spread, _, _, slope = (jnp.asarray(matrix, edge.dtype) for matrix in _matrices(resolution))
     # The edge of the contact has an error of first order in the cell size, time and volume of second order.
-    time, volume, edge_time = limit(2, march.time), limit(2, march.volume), limit(1, march.time)
+    each = jnp.stack([march.time, march.time, march.volume], -1)
+    orders = np.stack([weights(resolution, order) for order in (2, 1, 2)], -1)
+    shared = each[_shared_steps(resolution)]
+    limit = jnp.sum(shared * jnp.asarray(orders[:, None], edge.dtype), 0)
+    # Clipped, since at few digits the first steps would otherwise go backwards.
+    ratio = clamped(0.25, spread @ (limit / shared[-1]), 4.0)
+    time, edge_time, volume = jnp.unstack(_from(0.0, each[-resolution.steps :] * ratio), axis=1)
     by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
-    rate = _from(1.0, by_step[1:, 2] / by_step[1:, 0])
-    growth = _from(jnp.inf, by_step[1:, 3] / by_step[1:, 1])
+    rate, growth = jnp.unstack(_from(np.array([1.0, np.inf]), by_step[1:, 2:] / by_step[1:, :2]), axis=1)
     # The volume left to wear, r, decays as r' = -(a + b r) r; a and b follow from the slopes at two late times.
-    rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
-    fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
-    more = (fall[0] - fall[1]) / (rest[0] - rest[1])
+    late = slice(-1 - multiple, None, multiple)
+    left = 1.0 - volume[late]
+    (before, fall), (wide, rest) = jnp.unstack(rate[late] / left), jnp.unstack(left)
+    more = (fall - before) / (rest - wide)
     return RunCurves(
         limited(Curve(time, volume, rate)),
         limited(Curve(edge_time, edge, growth)),
         limited(Curve(time, _from(0.0, jnp.log1p(depths / ring.gap)), _from(ring.first, clamped(0.0, pressures)))),
-        fall[0] - more * rest[0],
+        fall - more * rest,
         more,
         ring.steady / ring.gap,
         ring.swept,
