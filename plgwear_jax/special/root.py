@@ -32,18 +32,18 @@ def root_of(
         def body(state: tuple[Array, ...]) -> tuple[Array, ...]:
             x, low, high, before, value_before, count, _ = state
             value = function(x)
-            low, high = jnp.where(value < 0.0, x, low), jnp.where(value < 0.0, high, x)
-            run = x - before
-            rate = ratio_where(run != 0.0, value - value_before, run, slope)
-            step = ratio_where(rate > 0.0, -value, rate, -jnp.sign(value) * farthest)
+            below, run = value < 0.0, x - before
+            low, high = jnp.where(below, x, low), jnp.where(below, high, x)
+            rate = jnp.where(run != 0.0, (value - value_before) / run, slope)  # nothing here is differentiated
+            step = jnp.where(rate > 0.0, -value / rate, -jnp.sign(value) * farthest)
             step = clamped(-farthest, step, farthest)
-            outside = (x + step <= low) | (x + step >= high)
+            ahead, middle, size = x + step, 0.5 * (low + high), 1.0 + abs(x)
+            outside = (ahead <= low) | (ahead >= high)
             # Where the function jumps, or only rounding is left, the bounds meet, and no step from there is short.
-            met = high - low < 4.0 * jnp.finfo(dtype).eps * (1.0 + abs(x))
-            arrived = (abs(step) < enough * (1.0 + abs(x))) | ~jnp.isfinite(value)
-            halves = (outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(low + high)
-            moved = jnp.where(halves, 0.5 * (low + high), x + step)
-            return moved, low, high, x, value, count + 1, met | arrived
+            met = high - low < 4.0 * jnp.finfo(dtype).eps * size
+            arrived = (abs(step) < enough * size) | ~jnp.isfinite(value)
+            halves = (outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(middle)
+            return jnp.where(halves, middle, ahead), low, high, x, value, count + 1, met | arrived
 
         bound = jnp.full_like(start, jnp.inf)
         begin = (start, -bound, bound, start, bound, jnp.int32(0), jnp.bool_(False))

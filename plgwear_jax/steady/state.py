@@ -122,12 +122,11 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     if reach is not None:  # what is beyond a table is guessed
         before, after = before & (found.unworn.c <= reach), after & (found.c * jnp.sqrt(1.0 + found.end) <= reach)
     if not (bodies.never_pulls and reach is None):
-        after = one_or_nan(after)
-        further, end, volume = after * found.further, after * found.end, after * found.volume
+        numbers = jnp.stack([found.further, found.end, found.volume])
+        further, end, volume = jnp.unstack(one_or_nan(after) * numbers)
         # All that is read of a state depends on one of these.
-        factor = materialised(one_or_nan(before))
-        numbers = force, phi, found.unworn.log_c, found.punch.log_c, end
-        force, phi, unworn, punch, end = (factor * x for x in numbers)
+        numbers = jnp.stack([force, phi, found.unworn.log_c, found.punch.log_c, end])
+        force, phi, unworn, punch, end = jnp.unstack(materialised(one_or_nan(before)) * numbers)
         unworn, punch = found.unworn._replace(log_c=unworn), found.punch._replace(log_c=punch)
         found = dataclasses.replace(found, unworn=unworn, punch=punch, further=further, end=end, volume=volume)
     tangential, a_0, c = friction * theta, found.unworn.c, found.c

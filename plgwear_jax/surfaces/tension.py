@@ -41,12 +41,9 @@ def least_pressures(found: Worn, phi: Array) -> Least:
         return Least(1.0 + none, none, none)
     shares, places, usual = _of_springs(found, phi) if found.punch.flat is None else _of_sums(found)
     scaled = shares / usual
-    least = jnp.argmin(scaled, -1)
-    shares, places, scaled = jnp.stack([shares, places, scaled])[:, np.arange(3), least]
-    first = jnp.argmin(scaled[:2])
-    which = jnp.stack([first, jnp.full_like(first, 2)])
-    pulled = (scaled < -MOST).astype(shares.dtype)
-    return Least(*jnp.stack([shares, places, pulled])[:, which])
+    which = jnp.stack([jnp.argmin(scaled[:2]), jnp.argmin(scaled[2]) + 2 * scaled[2].size]).astype(np.uint32)
+    shares, places, scaled = jnp.unstack(jnp.stack([shares, places, scaled]).reshape(3, -1)[:, which])
+    return Least(shares, places, (scaled < -MOST).astype(shares.dtype))
 
 
 @functools.partial(least_pressures.defjvp, symbolic_zeros=True)
