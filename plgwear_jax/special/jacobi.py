@@ -1,5 +1,7 @@
 """Pressures of the contact: what one coefficient each, of J_(2n+s)(q) q^-s in the Hankel domain, is elsewhere."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -17,7 +19,7 @@ def gamma(x: Array) -> Array:
     return 1.0 / (x * materialised(jnp.sum(terms * jax.lax.pow(t, n), -1)))
 
 
-def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
+def ratios(first: Any, above: Any, below: Any, count: int) -> Array:
     """first (above)_n/(below)_n for n < count, by rising factorials."""
     n = np.arange(count - 1, dtype=below.dtype)
     # By a sum of logarithms, whose derivative is a sum, not by a product; by a matrix, which XLA compiles fast.
@@ -40,7 +42,7 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]
 
 
-def jacobi_table(count: int, s: Array, c: Array, x: Array) -> Array:
+def jacobi_table(count: int, s: Any, c: Any, x: Any) -> Array:
     """2F1(-n, n+s; c; (1-x)/2) for n < count and x of shape (m,), shape (count, m)."""
     below, along = c - 1.0, s - c
     n = np.arange(1, count - 1, dtype=s.dtype)

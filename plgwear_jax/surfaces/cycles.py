@@ -50,7 +50,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     touching, flat, unworn_gap = jnp.zeros_like(further), jnp.ones_like(y), beside.image.fallen(y)
     if beside.flat is not None:
         touching = beside.own[0] / (1.0 - beside.flat[0])
-        v = beside.lack(touching).v
+        v = touching * beside.flat + beside.own
         lost, risen = jnp.unstack(between(jnp.stack([beside.flat, v]), y))
         flat, unworn_gap = 1.0 - lost, jnp.maximum(unworn_gap + risen - v[0], 1e-3 * unworn_gap)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
@@ -268,7 +268,7 @@ def _through_inside(
 
     Each of them has the force 2 pi e^2 c = 4 c.
     """
-    modes = np.eye(bodies.effort.modes, dtype=c.dtype)
+    modes: Any = np.eye(bodies.effort.modes, dtype=c.dtype)
     images = images_of(from_c, from_1, width, bodies.s, bodies.s)
     first, more = bodies.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes)
     moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
