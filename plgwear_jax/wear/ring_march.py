@@ -86,7 +86,7 @@ def _solved(step: _Step, start: Array) -> Array:
         # Decreases are limited too. Those of cells may go below 0, since towards the end the formula of second order
         # overshoots a little.
         moved = jnp.where((change > 0.5) & (number > 0), jnp.log1p(jnp.maximum(change, 0.0)), change)
-        moved = jnp.maximum(moved, -0.75 * jnp.maximum(found, jnp.where(number > 0, 1.0, 0.0)))
+        moved = jnp.maximum(moved, -0.75 * jnp.maximum(found, number > 0))
         found = found + moved
         relative = jnp.stack([moved, found]) / jnp.where(number == 0, found[0], 1.0)
         square = jnp.sum(relative * relative, 1)
@@ -125,6 +125,9 @@ class March(NamedTuple):
     volume: Array  # worn volume over the final volume
 
 
+_FRONT = 4  # cells behind the edge of the contact, whose slopes depend mostly on their distance to it
+
+
 def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
     """All marches, one after the other."""
     # For each step: the index of its march, how many cells touch, and its number in the march.
@@ -134,50 +137,43 @@ def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
             for i, multiple in enumerate(resolution.refinements)
             for j in range(1, resolution.outer * multiple + 1)
         ],
-        np.int32,
+        np.uint32,  # JAX wraps other indices
     )
-    size = ring.gap.shape[-1]
+    marches, size = ring.gap.shape
     number = np.arange(size + 1)
-    cells = jnp.stack([ring.gap, ring.steady, ring.first], 1)
+    cells = jnp.stack([ring.gap, ring.steady], 1)
+    # For the guesses, which are not differentiated: a slope to begin with, and what no cell wears more than.
+    gap, steady, first = jax.lax.stop_gradient((ring.gap, ring.steady, ring.first))
+    bounds = jnp.stack([0.04 * first, jnp.log1p(steady / jnp.where(gap > 0.0, gap, 1.0))], 1)
+    bounds = jnp.concatenate([np.full((marches, 2, 1), [[0.04], [np.inf]], gap.dtype), bounds], -1)
 
-    def advance(before: Array, row: Array) -> tuple[Array, Array]:
-        which, count, place = row
+    def advance(state: tuple[Array, ...], row: Array) -> tuple[tuple[Array, ...], Array]:
+        last, before, *slopes = state
+        which, count, place = jnp.unstack(row)
+        (gap, steady), (begin, most) = jnp.unstack(cells[which]), jnp.unstack(bounds[which])
         first = place == 1
-        gap, steady, begin = jnp.unstack(cells[which])
         # The BDF formula of second order with equal steps; in the first step P and n grow as squares.
-        share = jnp.where(first, 0.5, 2.0 / 3.0).astype(before.dtype)
-        known = jnp.where(first, 0.0, (4.0 * before[0] - before[1]) / 3.0)
-        slope = jnp.where(first, 0.04 * jnp.append(1.0, begin), _extrapolated(before[2:], count, place))
+        share = jnp.where(first, 0.5, 2.0 / 3.0).astype(gap.dtype)
+        known = jnp.where(first, 0.0, (4.0 * last - before) / 3.0)
+        # The parabola through the three slopes before, but at least a quarter of the last.
+        front = (number > count - _FRONT) & (place > 3)
+        one, two, three = (jnp.where(front, jnp.roll(slope, i), slope) for i, slope in enumerate(slopes, 1))
+        slope = jnp.where(first, begin, jnp.maximum(3.0 * (one - two) + three, 0.25 * one))
         slope = jnp.where((number == count) & (place <= 3), 0.5 * jnp.roll(slope, 1), slope)
-        # No cell wears more than in the end. From a far larger exponential Newton's method would come down by 1 a time.
-        most = jnp.append(jnp.inf, jnp.log1p(steady / jnp.where(gap > 0.0, gap, 1.0))) - known
-        start = jnp.minimum(share * slope, jnp.maximum(most, 0.0))
+        # From a far larger exponential Newton's method would come down by 1 a time.
+        start = jnp.minimum(share * slope, jnp.maximum(most - jax.lax.stop_gradient(known), 0.0))
         start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, start, 0.0))
-        step = _Step(ring.compliance[which], gap, steady, known[1:], count)
-        found = _solved(step, jax.lax.stop_gradient(start))
+        found = _solved(_Step(ring.compliance[which], gap, steady, known[1:], count), start)
         change = jnp.where(number == 0, 1.0 / found[0], found)
         now, slope = known + change, change / share
         kept = jax.lax.stop_gradient(slope)
-        past = jnp.where(
-            first, jnp.stack([0.0 * kept, kept, 0.0 * kept, -kept]), jnp.stack([before[0], kept, before[2], before[3]])
-        )
-        return jnp.concatenate([now[None], past]), jnp.stack([now, slope])
+        earlier = jnp.where(first, 0.0, slopes[0]), jnp.where(first, -kept, slopes[1])
+        return (now, jnp.where(first, 0.0, last), kept, *earlier), jnp.stack([now, slope])
 
     # With derivatives from the start, or JAX would trace the steps twice for these.
-    begin = 0.0 * ring.gap.ravel()[0] * jnp.ones((5, size + 1), ring.gap.dtype)
-    now, slope = jnp.unstack(jax.lax.scan(advance, begin, jnp.asarray(rows))[1], axis=1)
+    none = jnp.zeros(size + 1, gap.dtype)
+    begin = none + 0.0 * ring.gap[0, 0]
+    now, slope = jnp.unstack(jax.lax.scan(advance, (begin, begin, none, none, none), jnp.asarray(rows))[1], axis=1)
     gap = (ring.gap / jnp.sum(ring.steady, -1, keepdims=True))[rows[:, 0]]
     time, worn = now[:, 0], now[:, 1:]
     return March(worn, slope[:, 1:] / slope[:, :1], time, jnp.sum(gap * jnp.expm1(worn), -1))
-
-
-_FRONT = 4  # cells behind the edge of the contact, whose slopes depend mostly on their distance to it
-
-
-def _extrapolated(slopes: Array, count: Array, place: Array) -> Array:
-    """The slopes of the next step: the parabola through the three slopes before, but at least a quarter of the last."""
-    number = np.arange(slopes.shape[-1])
-    moving = jnp.stack([jnp.roll(slope, i + 1) for i, slope in enumerate(slopes)])
-    front = (number > count - _FRONT) & (place > 3)
-    one, two, three = jnp.where(front, moving, slopes)
-    return jnp.maximum(3.0 * (one - two) + three, 0.25 * one)
