@@ -5,6 +5,7 @@ from types import UnionType
 from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 import jax
+import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import as_array, check, guarded
@@ -73,6 +74,13 @@ def record(cls: type[T]) -> type[T]:
 
     jax.tree_util.register_pytree_with_keys(cls, flatten, unflatten)
     return cls
+
+
+def check_columns(of: Any) -> None:
+    """Refuse a record whose two `tables` have not as many points, at least two."""
+    one, other = (np.shape(getattr(of, name)) for name in of.tables)
+    if not (one and other and one[-1] == other[-1] and one[-1] > 1):
+        raise ValueError(f"{' and '.join(of.tables)} take two points or more, not shapes {one} and {other}")
 
 
 def guarded_field(of: Any, name: str) -> Array:

@@ -19,7 +19,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import Numbers, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import check_columns, record
 from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_first
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
 
@@ -213,9 +213,7 @@ class Profile(_Splined):
 
     def __post_init__(self) -> None:
         """Check the table."""
-        shapes = np.shape(self.r), np.shape(self.heights)
-        if not (shapes[0] and shapes[1] and shapes[0][-1] == shapes[1][-1] and shapes[0][-1] > 1):
-            raise ValueError(f"r and heights take two points or more, not shapes {shapes[0]} and {shapes[1]}")
+        check_columns(self)
         for name in self.tables:
             given = getattr(self, name)
             if not isinstance(given, Tracer):

@@ -20,7 +20,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.record import check_columns, guarded_field, record
 from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
@@ -145,9 +145,7 @@ class DepthGraded(AnyModulus):
     nu: Numbers
 
     def __post_init__(self) -> None:
-        depth, modulus = np.shape(self.depth), np.shape(self.modulus)
-        if not (depth and modulus and depth[-1] == modulus[-1] and depth[-1] > 1):
-            raise ValueError(f"depth and modulus take two points or more, not shapes {depth} and {modulus}")
+        check_columns(self)
         if not isinstance(self.depth, Tracer):
             z = np.asarray(self.depth)
             wrong = np.diff(z, axis=-1) < 0.0
