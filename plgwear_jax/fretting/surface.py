@@ -44,12 +44,12 @@ def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int |
     return jnp.where(under, -r, jnp.where(y.inner, near, far))
 
 
-def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
-    s, q = exponents(k)
-    return _punch_slope(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+def _initial_punch(r: Array, k: Array) -> tuple[Array, ...]:
+    """The arguments of a punch that is an unworn parabola."""
+    return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
 
-@formula(slopes={"r": _initial_displacement_by_r}, r=RADIUS, k=EXPONENT)
+@formula(slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits)}, r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -72,8 +72,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (14), (15).
     """
-    s, q = exponents(k)
-    return _punch_displacement(jnp.asarray(r), jnp.ones_like(s), jnp.zeros_like(s), s, q, digits)
+    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits)
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -124,11 +123,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
     return _punch_displacement(r, stick(k, phi), slip(s, phi), s, q, digits)
 
 
-def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
-    return sinking(exponents(k)[0], phi, digits)
-
-
-@formula(slopes={"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": lambda k, phi, digits: sinking(exponents(k)[0], phi, digits)}, k=EXPONENT, phi=AMPLITUDE)
 def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Indentation depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
 
