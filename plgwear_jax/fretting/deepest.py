@@ -66,10 +66,6 @@ def _depth_near_deepest(y: Array, s: Array, q: Array, phi: Array, digits: int | 
     return 0.5 * stick_power(s, phi, 2.0, digits) * depth
 
 
-def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
-    return stationary_and_by_k(_DEEPEST, _depth_near_deepest, k, phi, digits=digits)[1]
-
-
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
 def _tail_over_s(y: Array, s: Array, q: Array, digits: int | None) -> Array:
     """Q/s with its slope in y in closed form, since the slope, small as q -> 0, is multiplied by a large dy/dk."""
@@ -97,7 +93,14 @@ def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     return jnp.where(worn, 0.5 * stick_power(s, phi, 2.0, digits) * rate, 0.0)
 
 
-@formula(slopes={"k": _deepest_wear_by_k, "phi": _deepest_wear_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(
+    slopes={
+        "k": lambda *at, digits: stationary_and_by_k(_DEEPEST, _depth_near_deepest, *at, digits=digits)[1],
+        "phi": _deepest_wear_by_phi,
+    },
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
 def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Largest depth worn off the indenter, the maximum over r of f_inf - f_0, from Eqs. (24) and (25).
 

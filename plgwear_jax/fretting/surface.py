@@ -1,6 +1,6 @@
 """Displacements, profiles and wear depths along the radius, Eqs. (11), (14), (24) and (25)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
@@ -44,7 +44,7 @@ def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int |
     return jnp.where(under, -r, jnp.where(y.inner, near, far))
 
 
-def _initial_punch(r: Array, k: Array) -> tuple[Array, ...]:
+def _initial_punch(r: Array, k: Array) -> Any:
     """The arguments of a punch that is an unworn parabola."""
     return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
