@@ -175,8 +175,18 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
     return 1.0 / (2.0 + jnp.asarray(k))
 
 
+class HalfSpace:
+    """What half-spaces have whose modulus depends on the depth."""
+
+    def _check(self, **given: ArrayLike) -> None:
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
+        self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
+        for name, value in given.items():
+            check(name, value, DEPTH)
+
+
 @record
-class PowerLawGraded:
+class PowerLawGraded(HalfSpace):
     """A half-space whose Young's modulus follows E(z) = E0 (z/z0)^k with the depth z, Eq. (1).
 
     A pytree: `jax.grad` with respect to it gives a material whose fields are derivatives. Fields may be arrays that
@@ -212,12 +222,6 @@ class PowerLawGraded:
     def __post_init__(self) -> None:
         if not _is_holl(self.nu):
             check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
-
-    def _check(self, **given: ArrayLike) -> None:
-        """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
-        self.__post_init__()
-        for name, value in given.items():
-            check(name, value, DEPTH)
 
     @compiled
     def modulus(self, z: ArrayLike) -> Array:

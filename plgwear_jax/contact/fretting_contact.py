@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
 from plgwear_jax._core.record import record
 from plgwear_jax.loads import load_of
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.shapes import shape_of
 from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.shapes.shape import Shape
@@ -91,9 +91,9 @@ class FrettingContact:
     def __post_init__(self) -> None:
         if isinstance(self.material, PowerLawGraded) and self.indenter is None and self.shape is None:
             return
-        from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
+        from plgwear_jax.surfaces import Elastic
 
-        if not isinstance(self.material, PowerLawGraded | AnyModulus | Elastic):
+        if not isinstance(self.material, HalfSpace | Elastic):
             kinds = "a PowerLawGraded, a DepthGraded, a Layered or an Elastic"
             raise TypeError(f"material takes {kinds}, not {self.material!r}")
         if not isinstance(self.indenter, Elastic | None):

@@ -14,14 +14,13 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     Numbers,
-    check,
     guarded,
     one_or_nan,
 )
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import check_columns, guarded_field, record
-from plgwear_jax.material import DEPTH, PowerLawGraded
+from plgwear_jax.material import DEPTH, HalfSpace, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
 
@@ -74,17 +73,12 @@ class Elastic:
         return guarded_field(self, "E") + jnp.where(jnp.isnan(z), jnp.nan, 0.0)
 
 
-class AnyModulus:
+class AnyModulus(HalfSpace):
     """A half-space of any E(z), which two arrays give, and of one Poisson's ratio."""
 
     tables: ClassVar[tuple[str, str]]  # the arrays, whose last axis is along the depth
     ranges: ClassVar[Mapping[str, Domain]]
     nu: Numbers
-
-    def _check(self, **given: ArrayLike) -> None:
-        self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
-        for name, value in given.items():
-            check(name, value, DEPTH)
 
     def arrays(self) -> list[Array]:
         """The two arrays, NaN where a traced number is outside its range."""
