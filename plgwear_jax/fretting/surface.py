@@ -49,7 +49,7 @@ def _initial_punch(r: Array, k: Array) -> Any:
     return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
 
-@formula(slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits)}, r=RADIUS, k=EXPONENT)
+@formula(slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits=digits)}, r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -72,7 +72,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (14), (15).
     """
-    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits)
+    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits=digits)
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
