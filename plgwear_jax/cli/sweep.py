@@ -25,6 +25,8 @@ from plgwear_jax.cli.terminal import (
     warn,
 )
 
+_BOUNDS = "-0.95:0.95"
+
 
 def sweep(
     *,
@@ -54,7 +56,7 @@ def sweep(
     ] = None,
     bounds: Annotated[
         str, typer.Option(metavar="LOWEST:HIGHEST", help="Bounds of the exponent for optimal_exponent.")
-    ] = "-0.95:0.95",
+    ] = _BOUNDS,
     digits: Digits = None,
     single: Annotated[bool, typer.Option("--float32", help="Compute in single precision.")] = False,
     chunk: Annotated[
@@ -76,6 +78,8 @@ def sweep(
     """
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     between: Any = interval("--bounds =", bounds, -1.0, 1.0)
+    if bounds != _BOUNDS and not any(name.startswith("optimal_exponent.") for name in names):
+        refuse(f"--bounds = {bounds}: none of {', '.join(names)} depends on it")
     set_up(one_question=False)
     from rich.console import Console
     from rich.progress import Progress
@@ -200,13 +204,14 @@ def _subject(
         warn(f"{scene_file}: {others}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     followed = lasts or (designed and given.life is not None)
+    blocks = given.load is not None and given.load.cycles is not None
     if given.wear and "wear_coefficient" not in axes and followed:
         given.wear.refuse_frictions(axes)
     if given.wear and lasts:
-        known = {"wear_coefficient": given.wear.archard, "cycles": given.lasts}
+        known = {"wear_coefficient": given.wear.archard, "cycles": None if blocks else given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        own = "contact", "load", "weight"  # which a sweep has otherwise
+        own = "contact", "load", "weight", *(["cycles"] if blocks else [])  # which a sweep has otherwise
         found["design"] = {name: value for name, value in given.arguments().items() if name not in own}
     # The load as the library takes it, but for what is an axis; a displacement, and blocks, last in a test or a life.
     load, forces = given.load, [name for name in ("phi", "tangential_force") if name in axes]

@@ -127,7 +127,7 @@ class SweepTarget:
     @property
     def for_life(self) -> bool:
         """Designs are those of a life."""
-        return (self.design or {}).get("cycles") is not None
+        return (self.design or {}).get("law") is not None
 
     @property
     def marched(self) -> bool:
@@ -187,8 +187,9 @@ class SweepPoints:
         if subject.contact is None:
             return vars(optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits))
         asked = {name: values.get(name, one) for name, one in (subject.design or {}).items()}
-        if "law" in asked and "wear_coefficient" in values:
-            asked["law"] = values["wear_coefficient"]
+        if "law" in asked:
+            asked["law"] = values.get("wear_coefficient", asked["law"])
+            asked["cycles"] = asked.get("cycles", values.get("cycles"))
         load, weight = self.load if subject.inputs else (None, None)
         if load is not None and asked.get("cycles") is None:
             load = self.contact.steady(load).tangential_force
@@ -329,7 +330,8 @@ def _functions(subject: SweepTarget) -> dict[str, SweepQuantity]:
 
 def _of_contact(name: str, law: Law, subject: SweepTarget) -> SweepQuantity:
     moved, rig = "F_x" in law.arguments, "rig_stiffness"
-    given = tuple(argument for argument in law.arguments if argument != "F_x")
+    told = "F_x", *(["cycles"] if subject.known.held else [])  # by the load; blocks have cycles of their own
+    given = tuple(argument for argument in law.arguments if argument not in told)
     # a rig counts without an amplitude too: where gross slip begins at its actuator
     at_rest = [rig] * (rig in subject.inputs and name.startswith("gross_slip_"))
     digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits

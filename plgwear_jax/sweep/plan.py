@@ -145,6 +145,9 @@ class SweepPlan(SweepTarget):
             for name, value in self.fixed.items()
         }
         values |= zip(self.axes, jnp.meshgrid(*rows, indexing="ij", sparse=True), strict=True)
+        blocks = [value for name, value in values.items() if name.endswith("].cycles")]
+        if blocks:  # which all count, if nothing says how many cycles do
+            values.setdefault("cycles", (self.design or {}).get("cycles", sum(blocks)))
         points = SweepPoints(self, values)
         return tuple(jnp.array(asked.evaluate(points), ndmin=len(rows)) for asked in self.asked)
 
