@@ -29,7 +29,7 @@ from plgwear_jax._core import ranges
 from plgwear_jax._core.catalogue import leaf
 from plgwear_jax._core.ranges import NUMBER, Domain
 from plgwear_jax._core.units import scales_of, text_cells
-from plgwear_jax._core.words import GivenError, bare, cut, near_or_all, one_line, read_text
+from plgwear_jax._core.words import GivenError, PathGiven, bare, cut, near_or_all, one_line, read_text
 
 __all__ = [
     "HEIGHTS",
@@ -96,7 +96,7 @@ class Form(NamedTuple):
         return ",".join(some[0] for some in self.columns)
 
 
-def read(path: str | os.PathLike[str], form: Form) -> Table:
+def read(path: PathGiven, form: Form) -> Table:
     """Read a CSV file, whose columns may stand in any order and name their units.
 
     Args:
@@ -106,7 +106,7 @@ def read(path: str | os.PathLike[str], form: Form) -> Table:
             friction; `MEASURED`, cycles and volume in m^3, and if known deviation in m^3, or relative_deviation or
             deviation (%) as shares of the volumes; `MODULUS`, depth and modulus, whose numbers without a unit must be
             those of a coating in m and Pa, as volumes have to be those of a test; `HEIGHTS`, r and height, both
-            increasing from 0, but for a flat face; or what `scenarios` returns.
+            increasing from 0, but for a flat face, without a unit at most 1 m; or what `scenarios` returns.
 
     Returns:
         The columns in SI units.
@@ -244,6 +244,8 @@ _PLAIN = {
     "depth": (0.0, 0.1, "depth of a coating", "um"),
     "modulus": (1e3, 2e12, "modulus of a coating", "GPa"),
     "volume": (0.0, 10.0, "volume that a test wears", "um^3"),
+    "r": (0.0, 1.0, "radius of an indenter", "um"),
+    "height": (0.0, 1.0, "height of an indenter", "um"),
 }
 
 
@@ -301,7 +303,7 @@ def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
     """What reads a cell of a column in a unit of this size, None without one; a ValueError says what is wrong."""
     domain, plain = form.domains.get(column), None if size else _PLAIN.get(column)
     if domain:  # of a contact, whose depth is not that of a coating
-        si, wanted, plain = "", f"must be in {domain.text}", None
+        si, wanted, plain = "", f"must be {domain.text}", None
     else:
         si, domain, meaning = _COLUMNS[column]
         wanted = f"must be a finite number {'>= 0' if domain is NUMBER else '> 0'}{meaning and f', {meaning}'}"
