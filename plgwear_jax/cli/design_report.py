@@ -28,11 +28,13 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
     """
     question, comparison, objective = found.question, optimise.compared(found), found.objective
     words = {"edge_pressure": placed("edge_pressure", {"distance": comparison.distance})}
+    lessened = placed(objective, question.places)
     if given.life:
-        words[objective] = f"{entry(objective).name} after {counted(given.life)} cycles"
+        lessened += f" after {counted(given.life)} cycles"
+    if given.life or question.places:
+        words[objective] = lessened
     limited = {one.name: placed(one.quantity, one.places) for one in question.limits}  # what each limit limits
     both = described(found, comparison)
-    lessened = words.get(objective) or entry(objective).name
     verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
     conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"

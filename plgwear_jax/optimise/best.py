@@ -292,8 +292,8 @@ def compared(found: Design) -> Comparison:
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    The edge pressure is taken at the distance in the limits of the design, or else at a hundredth of the contact radius
-    of the reference.
+    The edge pressure is taken at the distance at which it is minimised, else at that in the limits of the design, or
+    else at a hundredth of the contact radius of the reference.
 
     Args:
         found: The result of `design`.
@@ -303,8 +303,8 @@ def compared(found: Design) -> Comparison:
     """
     question, load, evaluator = found.question, found.question.load, Evaluator(found.question)
     pair = concrete(found.contact), concrete(question.contact)
-    limited = (one.places["distance"] for one in question.limits if one.quantity == "edge_pressure")
-    distance, each = concrete(next(limited, np.nan)), []
+    places = question.places, *(one.places for one in question.limits)
+    distance, each = concrete(next((at["distance"] for at in places if "distance" in at), np.nan)), []
     for one, values in zip(reversed(pair), (found.reference_variables, found.variables), strict=True):
         if load is None:
             each.append(_face(one))
