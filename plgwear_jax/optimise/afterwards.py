@@ -14,7 +14,7 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.leaves import paths_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record
-from plgwear_jax._core.rules import BY_THEN, one_of
+from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
 from plgwear_jax.optimise.conditions import conditions, residual_of, solved_by_elimination
@@ -124,7 +124,7 @@ class InSteadyState(NamedTuple):
     """What a design for a life wears in the steady state, compared with the design that wears least there.
 
     Attributes:
-        best: The best design for the steady state, under the same limits.
+        best: The best design for the steady state, under the same limits of the steady state.
         volume: What the design for a life wears until the steady state, in m^3; if a depth or a radius was minimised,
             that one in m.
         reference_volume: The same of the reference.
@@ -171,7 +171,9 @@ def in_steady_state(found: Design) -> InSteadyState:
         raise ValueError(
             "in_steady_state takes a design under force control; under displacement control wear ends elsewhere"
         )
-    best = answered(dataclasses.replace(question, horizon=None))
+    # Those after the cycles have no meaning there.
+    limits = tuple(one for one in question.limits if not is_after_cycles(one.quantity))
+    best = answered(dataclasses.replace(question, horizon=None, limits=limits))
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
 
