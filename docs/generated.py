@@ -195,7 +195,8 @@ HEADS = {  # what stands above a table that is not the first one of its section
     "VaryIndenter": "`indenter` has",
     "VaryShape": "`shape` has",
     "Window": "`modulus`, here and under `limits`, has",
-    "Allowed": "Each limit has the name of a [quantity](quantities.md), or `modulus`. That of a quantity has",
+    "Allowed": "Each limit has the name of a [quantity](quantities.md), in quotation marks of one after `cycles` under "
+    '`[wear]`, as `"transient.wear_depth"`, or `modulus`. That of a quantity has',
 }
 UNIT = re.compile(r"\bin (1/Pa|m\^3/\(N m\)|mm\^3/\(N m\)|mm\^3/J|N/m|Pa|m|N)(?=\W|$)")
 

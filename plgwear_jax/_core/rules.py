@@ -24,6 +24,8 @@ BY_THEN = {
     "wear_depth": "transient.wear_depth",
     "worn_radius": "transient.contact_radius",
 }
+# What a design can limit after a number of cycles, by its name there.
+LASTING = {f"transient.{name}": law for name, law in TRANSIENT.items() if "share" not in law.arguments}
 LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the larger they are
 PLACES = {
     "r": "the distance from the axis in m",
@@ -109,6 +111,8 @@ def refuse_question(
         raise WrongKeyError("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
     if held and "contact_radius" in limits:
         raise WrongKeyError("limits.contact_radius", f"cannot be limited while {held} fixes it")
+    if held and objective == "contact_radius":
+        raise WrongKeyError("minimise", f"is fixed by {held}")
     if "z0" in vary and "k" not in vary and flat:
         raise WrongKeyError("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
     highest = vary["k"][1] if "k" in vary else None
@@ -134,7 +138,7 @@ def placed_quantity(key: str, name: str, places: Mapping[str, Any], kind: Kind) 
     """
     laws = QUANTITIES[kind]
     if is_after_cycles(name) and kind == "fretting":
-        laws = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
+        laws = LASTING
     if name == "pressure" and "distance" in places:
         name = "edge_pressure"
     if name not in laws:
@@ -191,7 +195,7 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind) -> tuple[s
 
 def limit_form(name: str) -> str:
     """How the limit of a quantity is written."""
-    law = (GROSS_SLIP | FRETTING).get(name)
+    law = (GROSS_SLIP | FRETTING | LASTING).get(name)
     arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
     form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
     unit = law.unit if law is not None and law.unit != "1" else None

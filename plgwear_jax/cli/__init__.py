@@ -83,4 +83,4 @@ for _command in (
     figures.figures,
     new.schema,
 ):
-    app.command(_command.__name__)(refusing(_command))
+    app.command()(refusing(_command))

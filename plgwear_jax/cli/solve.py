@@ -39,8 +39,8 @@ def solve(
     """Compute the quantities that an input file asks for under [output], or all single numbers without that section.
 
     Of a function of the radius the table gives the largest value. If it is infinite at an edge, the table says so and
-    gives the value at a distance inside the edge: distance under [output], else that of the limit of the edge pressure
-    under [design], else a hundredth of the contact radius. --json gives all values.
+    gives the value at a distance inside the edge: distance under [output], else that at which [design] minimises or
+    limits the edge pressure, else a hundredth of the contact radius. --json gives all values.
 
     Where the contact slips as a whole, only what does not depend on the amplitude is given, with the peaks of stresses,
     and the exit code is 1.
@@ -74,8 +74,8 @@ def solve(
                 value = quantity.edge_value
                 meaning += f"; unbounded at {quantity.unbounded_at}"
         rows.append([name, measured(name, value), place, meaning])
-    radius, onset = map(quantities.get, ("contact_radius", "gross_slip_displacement"))
-    report.doubt(given, *(one and float(one.value) for one in (radius, onset)))
+    known_of = map(quantities.get, ("contact_radius", "gross_slip_displacement"))
+    report.doubt(given, *(one and float(one.value) for one in known_of))
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)

@@ -16,9 +16,18 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from plgwear_jax._core.catalogue import STRESSES, laws_of
 from plgwear_jax._core.ranges import FINITE, POSITIVE
-from plgwear_jax._core.rules import BY_THEN, PLACES, WITHIN, WrongKeyError, limited_quantity, placed_quantity
+from plgwear_jax._core.rules import (
+    BY_THEN,
+    PLACES,
+    WITHIN,
+    WrongKeyError,
+    is_after_cycles,
+    limited_quantity,
+    one_of,
+    placed_quantity,
+)
 from plgwear_jax._core.units import written
-from plgwear_jax._core.words import one_line, read_text, shown
+from plgwear_jax._core.words import PathGiven, one_line, read_text, shown
 from plgwear_jax.scene.keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
 from plgwear_jax.scene.sections import (
     LOADS,
@@ -104,7 +113,13 @@ class Scene:
             raise SceneError("[design]: missing; it says what may vary")
         if self.load is not None:
             self.load.refuse_rest()
-        return self.design_space.checked()
+        space = self.design_space.checked()
+        columns = () if space.scatter is None else space.scatter.columns
+        for name in (space.objective, *space.allowed, *columns):
+            if self.life is None and (is_after_cycles(name) or name == "wear_coefficient"):
+                after = f"the cycles under [wear], where {one_of(tuple(BY_THEN))} is minimised"
+                raise SceneError(f"[design] {name}: counts after {after}")
+        return space
 
     @property
     def life(self) -> float | None:
@@ -223,8 +238,7 @@ class Scene:
         """
         from plgwear_jax.scene import designing
 
-        distance = edge_distance(self.asked())
-        return designing.arguments_of(self, "[design] limits.edge_pressure.distance", distance)
+        return designing.arguments_of(self, *edge_distance(self.asked()))
 
     def front(
         self,
@@ -296,8 +310,8 @@ class Scene:
         Of a history only the largest amplitude counts. Over a table, numbers that depend on the amplitude are weighted
         means, and their descriptions say so. Functions of the radius are given from 0 to 1.25 times the largest worn
         radius (fretting) or twice the radius of the punch (gross slip). Beside the edge where a quantity is unbounded
-        it is also given at one distance: that of [output], else that of the limit of the edge pressure, else a
-        hundredth of the contact radius.
+        it is also given at one distance: that of [output], else that at which the edge pressure is minimised or
+        limited, else a hundredth of the contact radius.
 
         Args:
             digits: Correct digits wanted; by default all that the dtype holds.
@@ -314,8 +328,8 @@ class Scene:
                 has nothing of what is asked for.
         """
         laws, load, output = laws_of_scene(self), self.load, self.output
-        distance = edge_distance(self.design_space, output)
-        places: dict[str, Any] = {place: getattr(output, place, None) for place in WITHIN} | {"distance": distance}
+        key, distance = edge_distance(self.design_space, output)
+        places: KeyValues = {place: getattr(output, place, None) for place in WITHIN} | {"distance": distance}
         if output is not None:
             names, points = output.quantities, output.points
         else:
@@ -353,8 +367,6 @@ class Scene:
                 values |= solving.scene_values(tuple(some), points, digits, contact, acting, weights, places)
         values = {name: np.asarray(value) for name, value in values.items()}
         if distance is not None and not distance < values.get("edge radius", math.inf):
-            of_limit = getattr(output, "distance", None) is None
-            key = "[design] limits.edge_pressure.distance" if of_limit else "[output] distance"
             whose = "the stick radius" if load is not None else "the radius of the punch"
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(values['edge radius']):.3g} m")
         heights = getattr(self.contact.fields.get("shape"), "file", None)
@@ -385,7 +397,7 @@ class Scene:
 # --- reading --------------------------------------------------------------------------------------------------------
 
 
-def load(path: str | os.PathLike[str]) -> Scene:
+def load(path: PathGiven) -> Scene:
     """Read a scene file and check it.
 
     Args:
@@ -410,7 +422,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
     return scene_of(document, name, Path(path).parent)
 
 
-def scene_of(document: dict[str, Any], name: str = "scene", folder: Path = Path()) -> Scene:
+def scene_of(document: KeyValues, name: str = "scene", folder: Path = Path()) -> Scene:
     """The scene of what a file holds.
 
     Args:

@@ -44,9 +44,7 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
         return asked
     laws, wear = None, given.wear
     if "wear_coefficient" in scatter.columns:
-        if wear is None or given.life is None:
-            raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        laws = law_of(scatter["wear_coefficient"], wear.exponent)
+        laws = law_of(scatter["wear_coefficient"], getattr(wear, "exponent", None))
     # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
     forces = None if given.life is not None else forces_in_scenarios(given)
     if forces is not None and np.isnan(forces).any():
@@ -110,5 +108,7 @@ def answer(question: str, **arguments: Any) -> Any:
     if not POSITIVE.contains(np.hstack(values)).all():
         if arguments["load"] is not None and "cycles" not in arguments:
             _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
+        if np.isfinite(np.hstack(values)).all():
+            raise SceneError("[design] minimise: is 0 somewhere between the bounds; only what is > 0 can be minimised")
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

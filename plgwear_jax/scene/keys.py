@@ -12,25 +12,26 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from plgwear_jax._core.catalogue import QUANTITIES, entry
 from plgwear_jax._core.extras import needs
-from plgwear_jax._core.rules import WrongKeyError, limit_form
+from plgwear_jax._core.rules import LASTING, WrongKeyError, limit_form
 from plgwear_jax._core.words import GivenError, bare, near, near_or_all, shown
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
 MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
-_SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
-SECTIONS: dict[str, Any] = _SCHEMA["$defs"]  # and the forms of values, in lower case
 KeyValues = dict[str, Any]  # what a section holds, by key
+_SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
+SECTIONS: KeyValues = _SCHEMA["$defs"]  # and the forms of values, in lower case
 _LIMITED = dict.fromkeys(("edge_pressure", "contact_radius", "penetration", "pressure"))
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
 SECTIONS["Limits"]["properties"] |= {
-    name: {"title": entry(name).name, "description": limit_form(name), "$ref": "#/$defs/allowed"} for name in _LIMITED
+    name: {"title": entry(name).name, "description": limit_form(name), "$ref": "#/$defs/allowed"}
+    for name in (*_LIMITED, *LASTING)
 }
 
 
@@ -135,7 +136,7 @@ class Reading(SimpleNamespace):
         try:
             yield
         except WrongKeyError as error:
-            self.refuse((section, *re.findall(r"material\.\w+\[\d+\]|[^.]+", error.key)), error.text)
+            self.refuse((section, *re.findall(r"material\.\w+\[\d+\]|transient\.\w+|[^.]+", error.key)), error.text)
         except GivenError as error:
             raise OtherFileError(str(error)) from None
 
@@ -150,7 +151,7 @@ def _definition_of(section: str, given: KeyValues) -> str:
     return _section_of(schema)
 
 
-def _section_of(schema: Mapping[str, Any]) -> str:
+def _section_of(schema: KeyValues) -> str:
     """The section that a schema refers to, or of which it takes one or several; empty for other values."""
     name = schema.get("$ref", "").rpartition("/")[2].replace("allowed", "Allowed")
     return name if name[:1].isupper() else ""
@@ -165,7 +166,7 @@ def _with_floats(value: Any) -> Any:
     return float(value) if isinstance(value, int) else value
 
 
-def _allows(schema: Mapping[str, Any], value: Any) -> bool:
+def _allows(schema: KeyValues, value: Any) -> bool:
     """Whether a value is as its schema says."""
     return _validator()({"$defs": SECTIONS, **schema}).is_valid(value)
 
@@ -201,7 +202,7 @@ def _stray(section: str, name: str) -> str:
     return f"there is no such key{near_or_all(name, known)}"
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema() -> KeyValues:
     """The JSON schema of an input file, with which editors check and complete it; `load` checks more."""
     schema = copy.deepcopy(_SCHEMA)
     schema["$defs"]["Design"]["properties"]["minimise"]["anyOf"][0] = {"enum": [*_LIMITED]}

@@ -111,6 +111,13 @@ def _one_of(values: KeyValues, names: tuple[str, ...], what: str) -> str:
     return there[0]
 
 
+def _refuse_slip(table: "Table", contact: Body, forces: "np.ndarray | float") -> None:
+    """Refuse force amplitudes in N that reach the friction force, where the rows of a table may have their own."""
+    limit: Any = math.prod(table.columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * table.row
+    given, text = forces + 0.0 * limit, "this is gross slip, it must be below mu F_N ="
+    table.refuse(~(given < limit), lambda i: f"tangential_force = {given.item(i)}: {text} {limit[i]:g} N")
+
+
 class LoadSection(SimpleNamespace):
     """The section [load] of a fretting contact: one amplitude, or a file of many.
 
@@ -146,10 +153,7 @@ class LoadSection(SimpleNamespace):
         file = named and from_table("LOADS" if kind == "table" else "HISTORY", named, reading)
         columns: Mapping[str, Any] = file.columns if file else {kind: values[kind]}
         if file and "tangential_force" in columns:
-            forces = columns["tangential_force"]
-            limit = math.prod(columns.get(name, getattr(contact, name)) for name in PRESSED) + 0.0 * forces
-            text = "this is gross slip, it must be below mu F_N ="
-            file.refuse(~(forces < limit), lambda i: f"tangential_force = {float(forces[i])}: {text} {limit[i]:g} N")
+            _refuse_slip(file, contact, columns["tangential_force"])
         return cls(
             **values,
             file=file,
@@ -238,7 +242,7 @@ class LoadSection(SimpleNamespace):
         """
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
-            raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
+            raise SceneError(f"[load] history: {text}; plgwear wear takes it, and plgwear design with [wear]")
         if self.slides is not None:
             raise self.slides
         forces, weight = self.moved.force if self.of_displacement else self.given, self.columns.get("weight")
@@ -389,11 +393,10 @@ class DesignSpace(SimpleNamespace):
             if load is not None and load.pressed and not (lasts and load.cycles is not None):
                 text = "a design cannot be combined with a history that changes the normal force or the friction"
                 raise WrongKeyError("", f"{text}, unless it is for the wear of its cycles, with [wear]")
-            places = {} if isinstance(self.minimise, str) else self.minimise[self.objective]
             try:
-                objective = placed_quantity("minimise", self.objective, places, kind)
-            except WrongKeyError as error:  # these places have no keys of their own
-                raise WrongKeyError("minimise", error.text) from None
+                objective = placed_quantity("minimise", self.objective, self.places, kind)
+            except WrongKeyError as error:  # of a place, which is a key of the quantity
+                raise WrongKeyError(error.key.replace(".", f".{self.objective}.", 1), error.text) from None
             if "modulus" in limits:
                 _refuse_window("limits.modulus", limits["modulus"])
                 if len(limits["modulus"]["at"]) > 2:
@@ -457,9 +460,11 @@ class DesignSpace(SimpleNamespace):
         """The scenarios; None without."""
         if self.scenarios is None:
             return None
-        lasts = getattr(self.reading.wear, "cycles", None) is not None
-        columns = {name: domain_of(name) for name in self.numbers + ["wear_coefficient"] * lasts}
-        return from_table("scenarios", self.scenarios, self.reading, columns)
+        columns = {name: domain_of(name) for name in (*self.numbers, "wear_coefficient")}
+        found, load = from_table("scenarios", self.scenarios, self.reading, columns), self.reading.load
+        if load is not None and not (load.of_displacement or load.pressed):
+            _refuse_slip(found, self.reading.contact, load.largest)
+        return found
 
     @property
     def numbers(self) -> list[str]:
@@ -477,6 +482,11 @@ class DesignSpace(SimpleNamespace):
     def objective(self) -> str:
         """The quantity that is minimised."""
         return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise))
+
+    @property
+    def places(self) -> Mapping[str, float]:
+        """Where that is taken, in m, by name."""
+        return {} if isinstance(self.minimise, str) else self.minimise[self.objective]
 
     def _refuse_other_materials(self) -> None:
         """Refuse all that needs a power law at once, and say what to write for this material."""
@@ -529,7 +539,7 @@ def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
             raise WrongKeyError("quantities", text)
-        if "distance" in laws[name].arguments and edge_distance(reading.design, output) is None:
+        if "distance" in laws[name].arguments and edge_distance(reading.design, output)[1] is None:
             text = f'"{name}" needs a distance from the stick-slip boundary'
             raise WrongKeyError("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
         needed = [place for place in WITHIN if place in laws[name].arguments]
@@ -547,9 +557,11 @@ def laws_of_scene(scene: Any) -> dict[str, Law]:
     return {name: law for name, law in laws_of(scene.contact).items() if given.issuperset(law.arguments)}
 
 
-def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> float | None:
-    """The distance from the edge at which a scene wants pressures, or limits them, in m; None if it gives none."""
-    own = getattr(output, "distance", None)
-    limits = [] if design is None else design.allowed.values()
-    limited = (one["distance"] for several in limits for one in several if "distance" in one)
-    return next(limited, None) if own is None else own
+def edge_distance(design: DesignSpace | None, output: SimpleNamespace | None = None) -> tuple[str, float | None]:
+    """The distance in m from the edge at which a scene wants, minimises or limits pressures, and its key; else None."""
+    given = [("[output] distance", getattr(output, "distance", None))]
+    if design is not None:
+        limits = (one for several in design.allowed.values() for one in several)
+        places = [("minimise", design.places), *(("limits", one) for one in limits)]
+        given += [(f"[design] {key}.edge_pressure.distance", at.get("distance")) for key, at in places]
+    return next((one for one in given if one[1] is not None), ("", None))
