@@ -158,15 +158,15 @@ def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radiu
     variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
     covariance = variance * spread @ inverse
     quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) if freedom else math.nan
-    reach = quantile * np.sqrt(np.diag(covariance))
+    scatter, reach = math.sqrt(variance), quantile * np.sqrt(np.diag(covariance))
     material = PowerLawGraded(math.exp(log_modulus), contact_radius, k, nu)
     doubt = None
     if covered < _FAR:
         doubt = f"the table covers {covered:.0%} of what the contact feels; the rest is taken as its ends are"
     elif not freedom:
         doubt = "two points and two unknowns: the data tell no interval"
-    elif math.sqrt(variance) > _ROUGH:
-        doubt = f"the moduli scatter {math.sqrt(variance):.0%} about the fit: this is hardly a power law"
+    elif scatter > _ROUGH:
+        doubt = f"the moduli scatter {scatter:.0%} about the fit: this is hardly a power law"
     with np.errstate(divide="ignore"):
         fitted = math.exp(log_modulus) * (depth / contact_radius) ** k
     return PowerLawFit(
@@ -178,7 +178,7 @@ def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radiu
         modulus=modulus,
         fitted=fitted,
         weight=weight,
-        scatter=math.sqrt(variance),
+        scatter=scatter,
         felt=(low, high),
         covered=covered,
         doubt=doubt,

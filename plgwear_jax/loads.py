@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
@@ -19,6 +18,7 @@ from plgwear_jax._core.domains import (
     as_array,
     check,
     guarded,
+    one_or_nan,
     real_dtype,
 )
 from plgwear_jax._core.ranges import NUMBER
@@ -174,7 +174,7 @@ class Force(Load):
     def control(self, limit: Any) -> Control:
         """F_x is constant."""
         amplitude = guarded_field(self, "tangential_force")
-        return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
+        return Control(0.0, 1.0, amplitude * one_or_nan(PARTIAL_SLIP.contains(amplitude / limit)))
 
 
 class Displacement(Load):

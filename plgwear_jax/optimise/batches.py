@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import check, check_real, guarded
+from plgwear_jax._core.domains import check, check_real, guarded, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
@@ -172,7 +172,7 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
             axis_name=BATCH,
         )
         worn = shared.scale > 0.0
-        defined = jnp.where(worn, 1.0, jnp.nan)
+        defined = one_or_nan(worn)
         return Designs(
             variables={name: defined * variable for name, variable in found.variables.items()},
             value=defined * jnp.exp(found.value) * shared.scale,

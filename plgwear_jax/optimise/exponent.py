@@ -277,7 +277,7 @@ def _critical(lower: Array, upper: Array) -> Array:
     """The three amplitudes for each pair of bounds, shape (3, ...)."""
     lower, upper = jnp.broadcast_arrays(lower, upper)
     # As a factor NaN makes derivatives NaN too.
-    allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
+    allowed = one_or_nan(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper))
     # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
     least = float(jnp.finfo(lower.dtype).epsneg) - 1.0
     lower, upper = clamp_keep_slope(least, lower), -clamp_keep_slope(least, -upper)

@@ -14,7 +14,7 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import check, check_real, whole
+from plgwear_jax._core.domains import check, check_real, one_or_nan, whole
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.xla import materialised
@@ -167,7 +167,7 @@ def minimise(
         return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
-    params = (lower * jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype), upper, closed_over)
+    params = (lower * one_or_nan(jnp.all(valid)).astype(dtype), upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
     plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.

@@ -36,7 +36,7 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
     sign = jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
     turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * sign
-    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / of_a**2
+    difference = jnp.append(1.0, turned) / of_a**2
     total = ratios(of_b / of_end, b, 2.0 * s + 1.0 - b, 2 * count - 1)
     front = of_power * jnp.exp2(-power)
     return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]

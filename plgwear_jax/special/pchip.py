@@ -40,7 +40,7 @@ def horner(coefficients: Sequence[Array], x: Array) -> Array:
     return functools.reduce(lambda value, more: more + x * value, reversed(coefficients))
 
 
-def _ratio(above: Array, below: Array) -> Array:
+def _ratio(above: Array | float, below: Array) -> Array:
     return ratio_where(below != 0.0, above, below)
 
 
@@ -59,9 +59,8 @@ def pchip(x: Array, y: Array) -> Piecewise:
     """
     h = jnp.diff(x)
     chord = _ratio(jnp.diff(y), h)
-    none = jnp.zeros((1,), h.dtype)
-    before, after = jnp.concatenate([none, h]), jnp.concatenate([h, none])  # of each point
-    left, right = jnp.concatenate([none, chord]), jnp.concatenate([chord, none])
+    before, after = jnp.append(0.0, h), jnp.append(h, 0.0)  # of each point
+    left, right = jnp.append(0.0, chord), jnp.append(chord, 0.0)
     one, two = 2.0 * after + before, after + 2.0 * before
     alike = left * right > 0.0
     mean = _ratio((one + two) * jnp.where(alike, left * right, 0.0), one * right + two * left)
@@ -75,8 +74,8 @@ def pchip(x: Array, y: Array) -> Piecewise:
 
 def hermite(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
     """The cubics between values y at x, both of shape (n,), with slopes at both ends of each interval."""
-    h, none = jnp.diff(x), jnp.zeros((1,), x.dtype)
-    over = _ratio(jnp.ones_like(h), h)
+    h = jnp.diff(x)
+    over = _ratio(1.0, h)
     chord = jnp.diff(y) * over
     bend, third = (3.0 * chord - 2.0 * begin - end) * over, (begin + end - 2.0 * chord) * over * over
-    return Piecewise(x, jnp.stack([y, *(jnp.append(slope, none) for slope in (begin, bend, third))]))
+    return Piecewise(x, jnp.stack([y, *(jnp.append(slope, 0.0) for slope in (begin, bend, third))]))

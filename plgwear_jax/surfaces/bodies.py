@@ -70,7 +70,7 @@ class Elastic:
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = guarded("z", z, DEPTH)
-        return guarded_field(self, "E") + jnp.where(jnp.isnan(z), jnp.nan, 0.0)
+        return guarded_field(self, "E") * one_or_nan(~jnp.isnan(z))
 
 
 class AnyModulus(HalfSpace):
@@ -144,8 +144,8 @@ class DepthGraded(AnyModulus):
             z = np.asarray(self.depth)
             wrong = np.diff(z, axis=-1) < 0.0
             if np.any(wrong):
-                i = int(np.argwhere(wrong)[0, -1])
-                at = z[tuple(np.argwhere(wrong)[0, :-1])]
+                *row, i = np.argwhere(wrong)[0]
+                at = z[tuple(row)]
                 raise ValueError(f"depth = {at[i]} m is followed by {at[i + 1]} m: depths must increase")
             if np.any(z[..., 2:] == z[..., :-2]):
                 raise ValueError("depth: a depth may be given twice, for a jump of the modulus, but not three times")
@@ -153,7 +153,7 @@ class DepthGraded(AnyModulus):
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
         """PCHIP between the depths, NaN where they do not increase."""
-        return pchip(jnp.where(jnp.all(jnp.diff(one) >= 0.0), one, jnp.nan), other)
+        return pchip(one * one_or_nan(jnp.all(jnp.diff(one) >= 0.0)), other)
 
 
 @record
@@ -205,7 +205,7 @@ class Layered(AnyModulus):
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
         """One modulus a layer."""
-        return Piecewise(jnp.append(jnp.zeros(1, one.dtype), jnp.cumsum(one)), other[None])
+        return Piecewise(jnp.append(0.0, jnp.cumsum(one)), other[None])
 
 
 def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) -> PowerLawGraded:

@@ -38,7 +38,7 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     interval gets parts in proportion to the fifth root of this.
     """
     # The first interval is what lies above the table.
-    ends = jnp.minimum(jnp.append(jnp.zeros(1, q.dtype), modulus.start)[:, None], _DEEP / q)
+    ends = jnp.minimum(jnp.append(0.0, modulus.start)[:, None], _DEEP / q)
     moduli = modulus.coefficients[0]
     depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
     change, count = jnp.diff(logs, axis=0), moduli.size

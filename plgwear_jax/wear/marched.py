@@ -315,7 +315,7 @@ class MarchedRun(Run):
             )
             held = stage.load.control(mu * force)
             if stage.load.holds_force and self.load.lasts:
-                held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
+                held = held._replace(value=held.value * one_or_nan(FOLLOWED.contains(held.value / (mu * force))))
             rows.append((stage.cycles, force, mu, *held))
         return StageNumbers(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
