@@ -103,6 +103,11 @@ class Shape:
         return ()
 
     @property
+    def corners(self) -> Any:
+        """Those of the kinks that divide integrals over the inside of a contact, increasing."""
+        return self.kinks
+
+    @property
     def face(self) -> Any:
         """The radius in m of a flat face, beyond which any contact reaches."""
         return 0.0

@@ -52,12 +52,14 @@ class Spline(Image):
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
-        first, last = ((self.knots.size + sign * above.shape[1]) // 2 for sign in (-1, 1))
+        count = self.bends.size  # of the corners of many rows none
+        first = (self.knots.size - count) // 2
+        last = first + count
 
         def at(T: Array, above: Array) -> Array:
             r = self.c * jnp.sqrt(T)[:, None]
             apart = r - self.knots  # of which roundings would be most where the slope of G is largest
-            near = self.c * self.c * above / (r + self.knots[first:last])
+            near = self.c * self.c * above[:, :count] / (r + self.knots[first:last])
             return self.at(T, jnp.concatenate([apart[:, :first], near, apart[:, last:]], 1))
 
         return jax.jvp(at, (T, above), (jnp.ones_like(T), jnp.ones_like(above)))[1]
@@ -81,6 +83,7 @@ class Spline(Image):
 
 
 _MANY = 32  # rows of a table, from which on kinks are so many that they count no more
+_CORNERS = 4  # of these that count where pressures are asked for
 _MOST = 513  # rows of a table that count; see `Profile`
 
 
@@ -230,6 +233,15 @@ class Profile(_Splined):
         """The radii between the first and the last one, unless they are many."""
         r = jnp.asarray(self.r)
         return () if r.shape[-1] > _MANY else r[1:-1]
+
+    @property
+    def corners(self) -> Any:
+        """Of many rows those where the shape bends most, such as the edge of a flat face."""
+        if np.shape(self.r)[-1] <= _MANY:
+            return self.kinks
+        r, slopes = jax.lax.stop_gradient(self._spline(jnp.ones(())))
+        bends = abs(slopes[:, 1])
+        return jnp.sort(jnp.where(bends >= jnp.sort(bends)[-_CORNERS], r, 0.0))[-_CORNERS:]
 
     def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
         """Infinite at a tip; a slope there that is a rounding of the next one is none, as of a smooth table."""

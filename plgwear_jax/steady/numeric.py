@@ -15,6 +15,7 @@ from jax import Array
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.partial_slip import loop_opening, softness
+from plgwear_jax.shapes.shape import inwards
 from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
@@ -298,7 +299,7 @@ def gross_slip_energy_ratio_of(state: State) -> Array:
     punch, bodies = state.unworn, state.bodies
     c, s, outline = punch.c, bodies.s, bodies.outline
     image = outline.image(c, s)
-    parts = pieces(1.0 + image.bends, c, logistic(100, 26.0))
+    parts = pieces(1.0 - inwards(outline.shape.corners, c), c, logistic(100, 26.0))
     lifted = image.first + image.fallen(-jnp.minimum(parts.left, 1.0 - jnp.finfo(c.dtype).eps))  # T is not 0
     alone, rest = apart(bodies, punch)
     own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))

@@ -184,7 +184,7 @@ def grown(bodies: Bodies, punch: Punch, image: Image) -> Array:
 def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
     """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
-    ends = inwards(outline.shape.kinks, c) / z
+    ends = inwards(outline.shape.corners, c) / z
     parts = pieces(ends[::-1], c, logistic(count, 26.0))
     piece, own = np.arange(parts.x.size)[:, None] // parts.places, np.arange(ends.size)[::-1]
     ahead = jnp.where(piece == own, parts.ahead[:, None], ends - parts.x[:, None])

@@ -160,7 +160,7 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: Beside, further: Array, y:
     """
     a, image, lack, log_c = around.a, around.image, around.lack(further), punch.log_c
     level, known = punch.depth - image.first, jnp.minimum(y, math.exp(_FARTHEST))
-    under = pieces(inwards(bodies.outline.shape.kinks, punch.c)[::-1], a, logistic(200, 46.0))  # over x = 1 - T
+    under = pieces(inwards(bodies.outline.shape.corners, punch.c)[::-1], a, logistic(200, 46.0))  # over x = 1 - T
     weight, last = under.singular(a)
     weight = weight * (level + further - image.fallen(-jnp.minimum(under.x, 1.0 - jnp.finfo(a.dtype).eps)))
 
