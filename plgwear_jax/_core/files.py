@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plgwear_jax._core.words import GivenError
+from plgwear_jax._core.words import GivenError, PathGiven
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,7 +18,7 @@ class TargetError(GivenError):
     """A file cannot be written; the message is one line that begins with the file."""
 
 
-def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:
+def check_target(path: PathGiven, suffixes: tuple[str, ...]) -> None:
     """Check that a file could be written, without leaving one.
 
     Args:
@@ -42,7 +42,7 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
+def write(path: PathGiven, content: Callable[[Path], object]) -> None:
     """Write a file, which afterwards is either complete or as it was before.
 
     Args:

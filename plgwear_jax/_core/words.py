@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+PathGiven = str | os.PathLike[str]
 _LONGEST = 60
 
 
@@ -21,7 +22,7 @@ class GivenError(ValueError):
     names_file = True
 
 
-def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]) -> str:
+def read_text(path: PathGiven, wanted: str, error: type[ValueError]) -> str:
     """The text of a file in UTF-8, with or without a byte order mark.
 
     Args:

@@ -1,6 +1,5 @@
 """Pictures for print: a design beside its reference, the trade-off between wear and edge pressure, and others."""
 
-import os
 from pathlib import Path
 
 from plgwear_jax._core.extras import needs
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 from plgwear_jax._core import files
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
+from plgwear_jax._core.words import PathGiven
 from plgwear_jax.plots.contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
 from plgwear_jax.plots.designs import coating_picture, design_picture, free_picture, front_picture
 from plgwear_jax.plots.style import COLOURS, STYLE, use_style
@@ -36,7 +36,7 @@ __all__ = [
 ]
 
 
-def check_target(path: str | os.PathLike[str]) -> None:
+def check_target(path: PathGiven) -> None:
     """Check that a picture could be written to a file, without leaving one.
 
     Raises:
@@ -45,7 +45,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     files.check_target(path, files.PICTURES)
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+def save(figure: Figure, path: PathGiven) -> None:
     """Write a figure to a file, which afterwards is either complete or as it was before.
 
     The same figure gives the same bytes: no date is written.

@@ -18,7 +18,7 @@ from zarr.codecs import BloscCodec
 from zarr.errors import ZarrUserWarning
 
 from plgwear_jax._core.catalogue import leaf
-from plgwear_jax._core.words import GivenError, cut, one_line, shown
+from plgwear_jax._core.words import GivenError, PathGiven, cut, one_line, shown
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.axes import spacing_of
 from plgwear_jax.sweep.names import axis_unit, variable_name
@@ -69,7 +69,7 @@ class SweepStore:
         name: It, as it was named, for messages.
     """
 
-    def __init__(self, path: str | os.PathLike[str], plan: SweepPlan) -> None:
+    def __init__(self, path: PathGiven, plan: SweepPlan) -> None:
         self.path, self.name, self._plan = Path(os.path.abspath(path)), one_line(os.fspath(path)), plan
 
     @functools.cached_property
@@ -188,7 +188,7 @@ class SweepStore:
             file.unlink(missing_ok=True)
 
 
-def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
+def open_sweep(path: PathGiven) -> xr.Dataset:
     """Open a sweep in a Zarr store. Values are read when they are used; values that are still missing are NaN.
 
     Args:
@@ -228,9 +228,7 @@ def _manifest_at(path: Path, name: str) -> dict[str, Any]:
     raise SweepError(f"{name}: is a Zarr store of something else than a sweep")
 
 
-def _arrays_at(
-    path: str | os.PathLike[str], name: str, variables: Iterable[str], mode: Literal["r", "r+"]
-) -> dict[str, zarr.Array]:
+def _arrays_at(path: PathGiven, name: str, variables: Iterable[str], mode: Literal["r", "r+"]) -> dict[str, zarr.Array]:
     """The arrays of these variables in the sweep at a path."""
     try:
         return {one: zarr.open_array(Path(path, one), mode=mode) for one in variables}

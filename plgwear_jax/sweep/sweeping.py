@@ -6,7 +6,6 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 
 import contextlib
 import itertools
-import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any
 
@@ -19,7 +18,7 @@ from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_d
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.words import near_or_all
+from plgwear_jax._core.words import PathGiven, near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP, Displacement, Force, load_of
 from plgwear_jax.optimise import tail_weights
@@ -47,7 +46,7 @@ def sweep(
     design: Mapping[str, Any] | None = None,
     bounds: tuple[float, float] = (-0.95, 0.95),
     digits: int | None = None,
-    out: str | os.PathLike[str] | None = None,
+    out: PathGiven | None = None,
     chunk: int | None = None,
     scheduler: str | None = None,
     progress: Progress | None = None,

@@ -402,8 +402,7 @@ def test_pressures_between_kinks_carry_the_normal_force(shape, k, rtol):
     x, _, weight = logistic(60, 26.0)
     length = np.diff(ends)[:, None]
     r = ends[:-1, None] + length * x
-    carried = 2.0 * np.pi * np.sum(length * weight * r * steady.initial_pressure(r))
-    assert_allclose(carried, FORCE, rtol=rtol)
+    assert_allclose(2.0 * np.pi * np.sum(length * weight * r * steady.initial_pressure(r)), FORCE, rtol=rtol)
 
 
 def ball(rows):
