@@ -104,7 +104,7 @@ class Shape:
 
     @property
     def corners(self) -> Any:
-        """Those of the kinks that divide integrals over the inside of a contact, increasing."""
+        """Radii in m, increasing, at which integrals over the inside of a contact are divided: by default all kinks."""
         return self.kinks
 
     @property

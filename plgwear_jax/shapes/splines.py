@@ -52,7 +52,7 @@ class Spline(Image):
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `Image`."""
-        count = self.bends.size  # of the corners of many rows none
+        count = self.bends.size  # a table of many rows has none, but corners
         first = (self.knots.size - count) // 2
         last = first + count
 
