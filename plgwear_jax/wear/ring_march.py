@@ -48,26 +48,25 @@ def _newton(step: _Step, found: Array) -> Array:
     touches = np.arange(cells) < step.touching
     # Huge numbers on the diagonal keep all other cells unchanged.
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), _HUGE)
-    below = jnp.concatenate([jnp.where(touches, -excess, 0.0), pace * step.compliance[step.touching][None]])
-    # With three right sides as rows below the matrix, its factor has their forward substitutions in these rows. The
-    # cells are in reverse, so that those which touch are in the last block of any size.
-    whole = jnp.pad(jnp.concatenate([pace * jnp.flip(step.compliance), below[:, ::-1]]), ((0, 0), (0, 3)))
-    diagonal = jnp.append(slope[::-1], np.full(3, _HUGE, slope.dtype))
-    whole = whole + jnp.where(np.eye(cells + 3, dtype=bool), diagonal, 0.0)
+    below = jnp.concatenate([jnp.where(touches, excess, 0.0), pace * step.compliance[step.touching][None]])
     of_next = excess[:, step.touching]
 
     def change(size: int) -> Array:
-        factor = cholesky(whole[-size - 3 :, -size - 3 :])
+        # With three right sides as rows below the matrix, its factor has their forward substitutions in these rows.
+        whole = jnp.pad(jnp.concatenate([pace * step.compliance[:size, :size], below[:, :size]]), ((0, 0), (0, 3)))
+        diagonal = jnp.append(slope[:size], jnp.full(3, _HUGE, slope.dtype))
+        whole = whole + jnp.where(np.eye(size + 3, dtype=bool), diagonal, 0.0)
+        factor = cholesky(whole)
         half = factor[size:, :size]
         # The equation of the next cell determines the pace.
-        left = of_next + half[2] @ half[:2].T
+        left = of_next - half[2] @ half[:2].T
         change = jax.lax.clamp(-0.7 * pace, -left[0] / left[1], 2.0 * pace)
         moved = backward(factor[:size, :size], half[0] + change * half[1])
-        return jnp.concatenate([np.zeros(cells - size, moved.dtype), moved, change[None]])
+        return jnp.pad(jnp.append(change, -moved), (0, cells - size))
 
     sizes = [-(-cells * (i + 2) // (_SIZES + 1)) for i in range(_SIZES)]
     which = jnp.sum(step.touching > np.array(sizes[:-1]))
-    changed = jax.lax.switch(which, [functools.partial(change, size) for size in sizes])[::-1]
+    changed = jax.lax.switch(which, [functools.partial(change, size) for size in sizes])
     return jnp.where(np.arange(cells + 1) <= step.touching, changed, 0.0)
 
 
