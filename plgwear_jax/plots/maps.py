@@ -326,9 +326,18 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     if levels:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5, linestyles="solid")
-        for number in axes.clabel(lines, fontsize=6, inline_spacing=4, fmt=bar.ax.yaxis.get_major_formatter()):
-            across, _ = (axes.transData - axes.transAxes).transform(number.get_position())
-            number.set_visible(0.03 < across < 0.97)  # contours crowd at the edge, and so would their numbers
+        places = []
+        for path in lines.get_paths():
+            for piece in axes.transData.transform_path(path).to_polygons(closed_only=False):
+                shown = axes.transAxes.inverted().transform(piece)
+                length = np.append(0.0, np.cumsum(np.hypot(*np.diff(shown, axis=0).T)))
+                middle = [np.interp(0.5 * length[-1], length, along) for along in shown.T]
+                # Contours crowd, at the edge most of all, and so would their numbers.
+                apart = min([math.dist(middle, other) for other in places], default=1.0)
+                if length[-1] > 0.15 and apart > 0.06 and np.abs(np.subtract(middle, 0.5)).max() < 0.47:
+                    places.append(middle)
+        at = (axes.transAxes - axes.transData).transform(places) if places else []
+        axes.clabel(lines, fontsize=6, inline_spacing=4, fmt=bar.ax.yaxis.get_major_formatter(), manual=at)
     return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 

@@ -109,6 +109,8 @@ def test_a_falling_or_shuffled_axis_is_put_in_order():
 def test_contour_lines_run_where_the_values_are_those_of_their_numbers():
     (lines,) = contours(drawn(PLANE))
     assert 3 <= len(lines.allsegs) <= 9 and lines.labelTexts
+    (level,) = contours(drawn(np.ones(401) + K[:, None], k=K, phi=np.linspace(0.1, 0.9, 401)))
+    assert_allclose([text.get_position()[0] for text in level.labelTexts], 0.5)  # off the frame
     for level, segments in zip(lines.levels, lines.allsegs, strict=True):
         x, y = np.concatenate(segments).T
         assert_allclose(2.0 + (x - PHI[0]) / 0.8 + (y - K[0]) / 1.8, level, atol=1e-9)
