@@ -5,7 +5,6 @@ words: their ratio is k, and their size the contact radius, which may not become
 """
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import jax.numpy as jnp
 import numpy as np
@@ -23,15 +22,13 @@ def main(out: Path, points: int = 121) -> None:
     reference, best = found.reference, found.contact
     assert isinstance(reference, FrettingContact) and isinstance(best, FrettingContact)
     assert given.load is not None and given.design_space is not None
-    force, window = given.load.largest, SimpleNamespace(**given.design_space.variables["modulus"])
+    force, window = given.load.largest, given.design_space.variables["modulus"]
     print(f"converged: {found.converged}; a global search found nothing better: {found.certified}")
-    (z1, z2), smallest = window.at, float(np.asarray(found.limits["contact_radius_lowest"].allowed))
+    depths, between = window["at"], window["between"]
+    (z1, z2), smallest = depths, float(np.asarray(found.limits["contact_radius_lowest"].allowed))
 
     # All coatings of the window at once: the fields of a contact broadcast.
-    E1, E2 = (
-        jnp.geomspace(lowest, highest, points)
-        for lowest, highest in zip(window.lower, window.upper, strict=True)
-    )  # fmt: skip
+    E1, E2 = (jnp.geomspace(*ends, num=points) for ends in between)
     k = jnp.log(E2[:, None] / E1) / np.log(z2 / z1)
     coatings = FrettingContact(
         PowerLawGraded(E1, z1, k, reference.material.nu), reference.radius, reference.normal_force, reference.friction
@@ -47,7 +44,7 @@ def main(out: Path, points: int = 121) -> None:
     shown = np.where(radius >= smallest, k, np.nan)
     lines = left.contour(E1, E2, shown, levels=EXPONENTS, colors="w", linewidths=0.8, linestyles="-")
     rises = [(z2 / z1) ** exponent for exponent in EXPONENTS]
-    feet = [1.17 * max(window.lower[0], window.lower[1] / rise) for rise in rises]
+    feet = [1.17 * max(between[0][0], between[1][0] / rise) for rise in rises]
     places = [(foot, foot * rise) for foot, rise in zip(feet, rises, strict=True)]
     left.contourf(E1, E2, radius, levels=[0.0, smallest], colors=["0.85"], hatches=["///"])
     left.contour(E1, E2, radius, levels=[smallest], colors="k", linewidths=1.2)
@@ -62,21 +59,21 @@ def main(out: Path, points: int = 121) -> None:
         ("best", best, BLUE, "-", "o"),
         ("reference", reference, ORANGE, (0, (4, 1.5)), "s"),
     ):
-        at = [float(contact.material.modulus(z)) for z in window.at]
+        at = [float(contact.material.modulus_at(z)) for z in depths]
         left.plot(*at, marker, color=colour, markersize=6, clip_on=False, **MARK)
-        right.plot(window.at, at, marker, color=colour, markersize=6, **MARK)
+        right.plot(depths, at, marker, color=colour, markersize=6, **MARK)
         exponent = float(np.asarray(contact.material.k))
-        moduli = contact.material.modulus(depth)
+        moduli = contact.material.modulus_at(depth)
         right.loglog(depth, moduli, color=colour, linestyle=dashes, label=f"{name}, $k = {exponent:.2g}$")
         volume, a_0 = float(contact.steady(force).wear_volume) * 1e18, float(contact.steady(0.0).contact_radius) * 1e6
         rows.append([name, f"{exponent:+.3f}", *(f"{x / 1e9:.1f}" for x in at), f"{a_0:.1f}", f"{volume:.1f}"])
-    columns = ["", "k", *(f"E({z * 1e6:g} µm), GPa" for z in window.at), "contact radius, µm", "wear volume, µm³"]
+    columns = ["", "k", *(f"E({z * 1e6:g} µm), GPa" for z in depths), "contact radius, µm", "wear volume, µm³"]
     print_table(columns, rows)
     print(f"less wear than the reference: {100.0 * found.saving:.1f} %")
-    for depth_of_window, lowest, highest in zip(window.at, window.lower, window.upper, strict=True):
+    for z, ends in zip(depths, between, strict=True):
         right.plot(
-            [depth_of_window] * 2, [lowest, highest], color="0.6", linewidth=5, zorder=0, solid_capstyle="butt",
-            label="can be produced" if depth_of_window == z1 else None,
+            [z] * 2, ends, color="0.6", linewidth=5, zorder=0, solid_capstyle="butt",
+            label="can be produced" if z == z1 else None,
         )  # fmt: skip
     a_0 = float(best.steady(0.0).contact_radius)
     right.axvline(a_0, color="0.5", linewidth=0.7, linestyle=":", label="contact radius of the best")

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from commands import plgwear, printed, refused, table_rows, told
 from inputs import DESIGNS
-from marks import compiled, compiled_case, parametrize
+from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from processes import python
@@ -227,7 +227,8 @@ ENDS = {
 }
 
 
-@parametrize("line", [compiled_case(line) for line in ENDS])
+@compiled
+@parametrize("line", ENDS)
 def test_a_design_says_how_it_ended(folder, search, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended

@@ -108,10 +108,7 @@ COMPILED = [
 
 @parametrize(
     "name",
-    [
-        compiled_case(name) if name in COMPILED else name
-        for name in sorted(name for name, text in TEXTS.items() if BLOCK.search(text))
-    ],
+    [compiled_case(name) if name in COMPILED else name for name, text in sorted(TEXTS.items()) if BLOCK.search(text)],
 )
 def test_pages_run_from_top_to_bottom(name):
     names = {}
@@ -120,10 +117,12 @@ def test_pages_run_from_top_to_bottom(name):
 
 
 # Examples of searches and of a march over cycles, each of which is compiled.
-SLOW = {f"plgwear_jax.optimise.{name}" for name in ("best", "tradeoffs", "search", "scenarios")}
-SLOW |= {
+SLOW = {
     f"plgwear_jax.{name}"
-    for name in ("loads", "fitting", "surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws")
+    for name in (
+        *("optimise.best", "optimise.tradeoffs", "optimise.search", "optimise.scenarios", "loads", "fitting"),
+        *("surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws"),
+    )
 }
 
 

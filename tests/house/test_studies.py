@@ -9,32 +9,25 @@ from inputs import DESIGNS
 from marks import compiled, long, parametrize
 from numpy.testing import assert_array_equal
 
-from plgwear_jax import FrettingContact, scene
+from plgwear_jax import scene
 
 SCENES = {path.stem: scene.load(path) for path in sorted(DESIGNS.glob("*.toml"))}
 
 
 @parametrize("name", SCENES)
-def test_scenes_have_the_sizes_of_their_applications(name):
+def test_scenes_have_the_sizes_of_their_applications_and_can_be_made(name):
     given = SCENES[name]
     contact = given.build_contact()
-    assert isinstance(contact, FrettingContact)
-    force = given.load.largest
-    radius, normal_force = contact.radius, contact.normal_force
-    a_0 = contact.steady(0.0).contact_radius
-    assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * radius  # a shallow dome, as the paper's parabola is
-    assert 50e6 < normal_force / (np.pi * a_0**2) < 1e9  # Pa
-    assert 0.02 < contact.steady(force).amplitude < 0.9  # partial slip, and not by a hair
-    assert 1e-9 < contact.steady(force).deepest_wear < 2e-6  # m
-    assert 1e-19 < contact.steady(force).wear_volume < 1e-11  # m^3
-
-
-@parametrize("name", SCENES)
-def test_scenes_can_be_made(name):
-    """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
-    design = SCENES[name].design_space
+    steady = contact.steady(given.load.largest)
+    a_0 = steady.contact_radius
+    assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * contact.radius  # a shallow dome, as the paper's parabola is
+    assert 50e6 < contact.normal_force / (np.pi * a_0**2) < 1e9  # Pa
+    assert 0.02 < steady.amplitude < 0.9  # partial slip, and not by a hair
+    assert 1e-9 < steady.deepest_wear < 2e-6  # m
+    assert 1e-19 < steady.wear_volume < 1e-11  # m^3
+    # The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between.
+    design = given.design_space
     window = design.variables.get("modulus") or design.limits["modulus"]
-    a_0 = SCENES[name].build_contact().steady(0.0).contact_radius
     shallow, deep = (z / a_0 for z in window["at"])
     assert 0.008 < shallow < 0.011 and 2.9 < deep < 3.3
     assert all(10e9 <= modulus <= 500e9 for ends in window["between"] for modulus in ends)
@@ -64,6 +57,12 @@ def study(monkeypatch, tmp_path, capsys):
         return capsys.readouterr().out
 
     return run
+
+
+@compiled
+def test_other_studies_run(study):
+    for name in ("coating_window", "wear_against_edge_stress"):
+        study(name, points=5)
 
 
 @compiled
