@@ -99,7 +99,9 @@ class AnyModulus(HalfSpace):
         arrays = self.arrays()
         dtype = jnp.result_type(*arrays, z, 0.0)
         z = jnp.asarray(guarded("z", z, DEPTH), dtype)
-        found = self.by_depth(*(array.astype(dtype) for array in arrays)).at(z)
+        length, modulus = (array.astype(dtype) for array in arrays)
+        unit = 2.0**20  # 1/m: in micrometres the coefficients of cubics are numbers of float32
+        found = self.by_depth(unit * length, modulus).at(unit * z)
         return found * one_or_nan(~jnp.isnan(sum(map(jnp.sum, arrays), z)))  # one modulus a layer knows no depth
 
 
