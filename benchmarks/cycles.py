@@ -33,7 +33,8 @@ march_oracle: Any = importlib.import_module("march_oracle")
 surface_oracle: Any = importlib.import_module("surface_oracle")
 ring_contacts: Any = importlib.import_module("ring_contacts")
 
-RADIUS, FORCE, FRICTION = reduced.RADIUS, reduced.FORCE, reduced.FRICTION
+RADIUS, FORCE = reduced.RADIUS, reduced.FORCE
+FRICTION = reduced.LIMIT / FORCE
 
 # --- a constant force -------------------------------------------------------------------------------------------------
 
