@@ -52,6 +52,8 @@ ROOMS = "contact|fretting|optimise|plots|scene|shapes|steady|stresses|surfaces|s
 PUBLIC = [name for name in MODULES if not re.match(rf"plgwear_jax\.((.*\.)?(_|cli\b)|({ROOMS})\.)", name)]
 
 
+TABLES = tomllib.loads(Path(__file__).with_name("pages.toml").read_text("utf-8"))
+COMPILED_PAGES, COMPILED_MODULES, WORDS, SAID_TWICE = TABLES.values()
 generated = module_at(ROOT / "docs" / "generated.py")
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
@@ -88,27 +90,13 @@ def test_the_readme_has_the_numbers_of_the_first_design():
     assert f"Hertzian pressure {1e-9 * hertz:.2f} GPa" in README
 
 
-# Pages whose Python designs, or has contacts without closed forms.
-COMPILED = [
-    f"docs/{name}.md"
-    for name in (
-        "how-to/designs",
-        "how-to/laboratory_test",
-        "how-to/real_coatings",
-        "how-to/uncertain_inputs",
-        "how-to/stresses",
-        "how-to/sweeps",
-        "how-to/wear_over_cycles",
-        "tutorial/rig_to_coating",
-        "gallery",
-        "index",
-    )
-]
-
-
 @parametrize(
     "name",
-    [compiled_case(name) if name in COMPILED else name for name, text in sorted(TEXTS.items()) if BLOCK.search(text)],
+    [
+        compiled_case(name) if name in COMPILED_PAGES else name
+        for name, text in sorted(TEXTS.items())
+        if BLOCK.search(text)
+    ],
 )
 def test_pages_run_from_top_to_bottom(name):
     names = {}
@@ -116,19 +104,9 @@ def test_pages_run_from_top_to_bottom(name):
         exec(compile(block, name, "exec"), names)
 
 
-# Examples of searches and of a march over cycles, each of which is compiled.
-SLOW = {
-    f"plgwear_jax.{name}"
-    for name in (
-        *("optimise.best", "optimise.tradeoffs", "optimise.search", "optimise.scenarios", "loads", "fitting"),
-        *("surfaces.bodies", "shapes.splines", "contact.regimes", "wear_laws"),
-    )
-}
-
-
 @parametrize(
     "name",
-    [compiled_case(name) if name in SLOW else name for name in MODULES if not name.endswith("__main__")],
+    [compiled_case(name) if name in COMPILED_MODULES else name for name in MODULES if not name.endswith("__main__")],
 )
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
@@ -152,6 +130,13 @@ def test_public_functions_have_examples_and_references():
         text = inspect.getdoc(one) or ""
         assert "Examples:" in text and ">>> " in text, one
         assert "References:" in text, one
+
+
+def test_benchmarks_find_what_they_import():
+    """Where they ask helpers of the tests for something, type checkers do not look."""
+    folder = ROOT / "benchmarks"
+    names = ", ".join(path.stem for path in folder.glob("[a-z]*.py"))
+    output("-c", f"import sys; sys.path.append({str(folder)!r}); import harness, {names}")
 
 
 # --- links ----------------------------------------------------------------------------------------------------------
@@ -389,7 +374,6 @@ def test_messages_that_the_pages_explain_are_printed_by_the_library():
             assert part.strip() in source, message
 
 
-WORDS, SAID_TWICE = tomllib.loads(Path(__file__).with_name("pages.toml").read_text("utf-8")).values()
 READ = [path for folder in ("plgwear_jax", "design", "notebooks") for path in (ROOT / folder).rglob("*.*")]
 READ = [path for path in READ if path.suffix in (".py", ".toml", ".ipynb")]
 
