@@ -256,32 +256,20 @@ def _left_out(question: Question) -> tuple[int, ...]:
 
 
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> Evaluation:
-    here, held, left_out = by_name(names, point), {}, _left_out(question)
+    here, left_out = by_name(names, point), _left_out(question)
     limits = tuple(one for i, one in enumerate(question.limits) if i not in left_out)
     question = dataclasses.replace(question, limits=limits)
-    outside = question.hold and not is_closed(question.contact)
-    if question.hold:
-        held = {"E0": Candidate(question, here, shared).contact.material.E0}
-    if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
-        here, shared = here | held, shared._replace(radius=None)
 
     def moved_by(steps: Array) -> tuple[Any, Any]:
         there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
         candidate = Candidate(question, there, shared)
-        radius = ()
-        if outside:
-            known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
-            radius = jnp.log(jnp.ravel(known.contact_radius)[0])
+        held = {"E0": candidate.contact.material.E0} if question.hold else {}
         pressed = candidate.steady._pressed if left_out else ()
         state = candidate.steady._solution if tells_states(question) else ()
         pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
-        return (candidate.rows(), pressed, radius), state
+        return (candidate.rows(), pressed), (held, state)
 
-    (*told, radius), state = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
-    if outside:  # E0 moves with the others, so that the contact radius stays
-        along = radius[1:-1] / radius[-1]
-        told = jax.tree.map(lambda x: jnp.append(x[..., :1], x[..., 1:-1] - x[..., -1:] * along, axis=-1), told)
-    rows, pressed = told
+    (rows, pressed), (held, state) = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
     return Evaluation(rows, held, state, pressed)
 
 
