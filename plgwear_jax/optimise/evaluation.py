@@ -195,13 +195,7 @@ def space(question: Question) -> dict[str, Interval]:
 
 
 def _held_radius(question: Question) -> Array | None:
-    if not question.hold:
-        return None
-    if is_closed(question.contact):
-        return question.contact.steady(0.0).contact_radius
-    from plgwear_jax.steady.held_radius import contact_radius_of
-
-    return contact_radius_of(question.contact)
+    return question.contact.steady(0.0).contact_radius if question.hold else None
 
 
 def shared_of(question: Question) -> Shared:
