@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from plgwear_jax._core.catalogue import AXES, leaf
+from plgwear_jax._core.domains import check
 from plgwear_jax._core.words import GivenError, cut, one_line, read_text
 from plgwear_jax.tables import number_in, numbered_lines
 
@@ -24,22 +25,16 @@ def check_axis(name: str, values: Any) -> np.ndarray:
     Raises:
         AxisError: There is none, one is outside its range, or they are no row of real numbers.
     """
-    domain = leaf(name).domain
+    try:
+        check(name, values, leaf(name).domain)
+    except (TypeError, ValueError) as error:
+        raise AxisError(one_line(str(error))) from None
     array = np.asarray(values)
-    if array.dtype.kind not in "fiub":
-        raise AxisError(f"{name}: takes real numbers, not {one_line(cut(str(array.dtype)))}")
     if array.ndim > 1:
         raise AxisError(f"{name}: takes a number or a row of numbers, not an array of shape {array.shape}")
     if array.size == 0:
         raise AxisError(f"{name}: holds no values; there must be at least one")
-    if array.dtype != np.float32:
-        array = array.astype(float)
-    inside = domain.contains(array)
-    if not np.all(inside):
-        first = int(np.argmin(inside))
-        where = f" at index {first}" if array.ndim else ""
-        raise AxisError(f"{name} = {np.ravel(array)[first]}{where}: must be {domain.text}")
-    return array
+    return array if array.dtype == np.float32 else array.astype(float)
 
 
 def spacing_of(name: str, values: np.ndarray) -> str:
