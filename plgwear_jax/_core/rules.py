@@ -8,8 +8,7 @@ import sys
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
-from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, PEAKS, QUANTITIES, TRANSIENT, Kind
-from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
+from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind, quantity
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
 
 Hold = Literal["contact_radius"]
@@ -40,7 +39,6 @@ WITHIN = "x", "z", "least", "most"  # places in the half-space, which a scene gi
 
 ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
 OF_POWER_LAW = ("k", "E0", "z0")
-_DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "indenter.nu": POISSON_RATIO, "material.depth": RADIUS}
 
 
 def is_linear(name: str) -> bool:
@@ -51,11 +49,6 @@ def is_linear(name: str) -> bool:
 def is_after_cycles(name: str) -> bool:
     """Whether a quantity is one after a number of cycles, such as "transient.wear_depth"."""
     return name.startswith("transient.")
-
-
-def domain_of(name: str) -> Domain:
-    """Which values a variable of this name may have, as far as it is known without the contact."""
-    return _DOMAINS.get(name.partition("[")[0], POSITIVE)
 
 
 class WrongKeyError(GivenError):
@@ -195,7 +188,7 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind) -> tuple[s
 
 def limit_form(name: str) -> str:
     """How the limit of a quantity is written."""
-    law = (GROSS_SLIP | FRETTING | LASTING).get(name)
+    law = quantity(name)
     arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
     form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
     unit = law.unit if law is not None and law.unit != "1" else None

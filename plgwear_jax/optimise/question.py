@@ -15,7 +15,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
-from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of
+from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of, leaf
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
@@ -29,7 +29,6 @@ from plgwear_jax._core.rules import (
     VARIABLES,
     Hold,
     WrongKeyError,
-    domain_of,
     is_after_cycles,
     is_linear,
     limited_quantity,
@@ -399,12 +398,12 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
         name = given_name.removeprefix("material.")
         name = name if name in VARIABLES else given_name
         try:
-            leaf = variable_of(contact, name)
+            own = variable_of(contact, name)
         except (AttributeError, IndexError, TypeError):
-            leaf = None
-        if isinstance(leaf, str):
-            raise ValueError(f'vary: {name} = "{leaf}" follows from k; give the contact a number to vary it')
-        if leaf is None or (not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu"):
+            own = None
+        if isinstance(own, str):
+            raise ValueError(f'vary: {name} = "{own}" follows from k; give the contact a number to vary it')
+        if own is None or (not isinstance(own, Tracer) and np.asarray(own).dtype.kind not in "fiu"):
             text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
             raise ValueError(f"vary: {text}")
         try:
@@ -413,7 +412,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
             raise ValueError(f"vary: {name} takes a pair of numbers, not {given!r}") from None
         refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
         for side, end in (("lowest", lowest), ("highest", highest)):
-            check(f"vary: {side} {name}", end, domain_of(name))
+            check(f"vary: {side} {name}", end, leaf(name).domain)
             with_variables(contact, {name: end})  # whose fields say what they cannot be
         if not lowest < highest:
             raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")

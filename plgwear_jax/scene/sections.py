@@ -7,7 +7,7 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Self
 
-from plgwear_jax._core.catalogue import Law, laws_of
+from plgwear_jax._core.catalogue import Law, laws_of, leaf
 from plgwear_jax._core.rules import (
     BY_THEN,
     OF_POWER_LAW,
@@ -15,7 +15,6 @@ from plgwear_jax._core.rules import (
     PLACES,
     WITHIN,
     WrongKeyError,
-    domain_of,
     exponents_within,
     limited_quantity,
     placed_quantity,
@@ -460,7 +459,7 @@ class DesignSpace(SimpleNamespace):
         """The scenarios; None without."""
         if self.scenarios is None:
             return None
-        columns = {name: domain_of(name) for name in (*self.numbers, "wear_coefficient")}
+        columns = {name: leaf(name).domain for name in (*self.numbers, "wear_coefficient")}
         found, load = from_table("scenarios", self.scenarios, self.reading, columns), self.reading.load
         if load is not None and not (load.of_displacement or load.pressed):
             _refuse_slip(found, self.reading.contact, load.largest)
