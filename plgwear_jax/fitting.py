@@ -12,14 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core import ranges
-from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, check
+from plgwear_jax._core.domains import NOT_NEGATIVE, NUMBER, POSITIVE, ArrayLike, check
 from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 from plgwear_jax.loads import Block, Load, load_of
-from plgwear_jax.steady.arguments import NUMBER, refuse_array
+from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear import Run
 from plgwear_jax.wear.marched import MarchedRun
 from plgwear_jax.wear_laws import WearLaw, law_of
@@ -78,10 +77,10 @@ class Measurements:
         if shapes != {()}:
             raise ValueError(f"load takes one amplitude or a list of Block, not an array of {max(shapes)}")
         check("cycles", self.cycles, NUMBER)
-        check(self.what, self.measured, POSITIVE if self.relative else ranges.NUMBER)
+        check(self.what, self.measured, POSITIVE if self.relative else NUMBER)
         check("deviation", self.deviation, POSITIVE)
         if self.r is not None:
-            check("r", self.r, RADIUS)
+            check("r", self.r, NOT_NEGATIVE)
         shape = np.shape(self.measured)
         if len(shape) != 1 or np.shape(self.cycles) != shape:
             raise ValueError(

@@ -8,7 +8,7 @@ F_N0/(pi a^2). s = (1+k)/2 and q = (1-k)/2.
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import EXPONENT, RADIUS, ArrayLike
+from plgwear_jax._core.domains import EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.special.arcsine import arcsine_tail
 from plgwear_jax.special.disc import disc_displacement
@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 
-@formula(r=RADIUS, k=EXPONENT)
+@formula(r=NOT_NEGATIVE, k=EXPONENT)
 def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure under the flat punch, p_0 = (1+k)/2 (1 - r^2)^((k-1)/2), Eq. (2) over Eq. (8); zero for r > 1.
 
@@ -56,7 +56,7 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     return punch_stress(jnp.asarray(r), jnp.ones_like(s), s, q, smooth=jnp.zeros_like(s), singular=s)
 
 
-@formula(r=RADIUS, k=EXPONENT)
+@formula(r=NOT_NEGATIVE, k=EXPONENT)
 def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Uniform pressure under the worn punch, F_Ninf/F_N0 of Eq. (10) for r <= 1; zero outside.
 
@@ -82,7 +82,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) ->
     return jnp.where(jnp.asarray(r) <= 1.0, 1.0 / sine_quotient(*exponents(k), digits), 0.0)
 
 
-@formula(r=RADIUS, k=EXPONENT)
+@formula(r=NOT_NEGATIVE, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Displacement of the surface under and outside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
 
@@ -111,7 +111,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     return jnp.where(r <= 1.0, 1.0, body)
 
 
-@formula(r=RADIUS, k=EXPONENT)
+@formula(r=NOT_NEGATIVE, k=EXPONENT)
 def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Displacement of the surface under and outside the worn punch, which is the shape of the worn punch, Eq. (5).
 

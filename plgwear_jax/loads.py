@@ -9,7 +9,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
     AMPLITUDE,
-    CYCLES,
+    NUMBER,
     POSITIVE,
     ArrayLike,
     Domain,
@@ -21,14 +21,12 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import guarded_field, record
 from plgwear_jax._core.startup.programs import traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
-AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0 and finite", NUMBER.contains)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
@@ -200,7 +198,7 @@ class Displacement(Load):
         `docs/explanation/numerics.md`, "Wear over cycles".
     """
 
-    ranges: ClassVar = {"displacement_amplitude": AMPLITUDE_OF_DISPLACEMENT, "rig_stiffness": POSITIVE}
+    ranges: ClassVar = {"displacement_amplitude": NUMBER, "rig_stiffness": POSITIVE}
 
     displacement_amplitude: Numbers
     rig_stiffness: Any = None
@@ -247,7 +245,7 @@ class Block:
         `docs/explanation/numerics.md`, "Any test".
     """
 
-    ranges: ClassVar = {"cycles": CYCLES, "normal_force": POSITIVE, "friction": POSITIVE}
+    ranges: ClassVar = {"cycles": NUMBER, "normal_force": POSITIVE, "friction": POSITIVE}
 
     load: Any
     cycles: Numbers

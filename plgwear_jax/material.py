@@ -7,7 +7,16 @@ from typing import ClassVar, Literal
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
+from plgwear_jax._core.domains import (
+    EXPONENT,
+    NOT_NEGATIVE,
+    POISSON_RATIO,
+    POSITIVE,
+    ArrayLike,
+    Numbers,
+    check,
+    guarded,
+)
 from plgwear_jax._core.formula import compiled, formula
 from plgwear_jax._core.record import guarded_field, number_or, record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
@@ -15,8 +24,6 @@ from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 
 __all__ = ["PowerLawGraded", "h_N", "holl_ratio", "tangential_ratio"]
-
-DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 
 def _gamma_factor(k: Array, s: Array, beta_squared: Array, digits: int | None) -> Array:
@@ -182,7 +189,7 @@ class HalfSpace:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
         self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
         for name, value in given.items():
-            check(name, value, DEPTH)
+            check(name, value, NOT_NEGATIVE)
 
 
 @record
@@ -227,7 +234,7 @@ class PowerLawGraded(HalfSpace):
     def modulus(self, z: ArrayLike) -> Array:
         """Young's modulus E(z) in Pa at depths z >= 0 in m, Eq. (1); at z = 0 its limit: 0, E0 or infinity."""
         E0, z0, k = self._guarded()
-        relative = guarded("z", z, DEPTH) / z0
+        relative = guarded("z", z, NOT_NEGATIVE) / z0
         inside = relative > 0.0
         power = jnp.exp(k * jnp.log(jnp.where(inside, relative, 1.0)))
         surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike, Domain
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, NUMBER, ArrayLike, Domain
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.fretting.surface import arc_between
@@ -32,10 +32,9 @@ __all__ = [
 ]
 
 SHARE = Domain("0 <= displacement < 1, beyond which the slip is gross", AMPLITUDE.contains)
-SOFTNESS = Domain("compliance >= 0 and finite", lambda x: (x >= 0.0) & (x < float("inf")))
 
 
-@formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
+@formula(k=EXPONENT, phi=AMPLITUDE, compliance=NUMBER)
 def displacement_amplitude(
     k: ArrayLike, phi: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
 ) -> Array:
@@ -69,7 +68,7 @@ def displacement_amplitude(
     return (contact + compliance * phi) / (1.0 + compliance)
 
 
-@formula(k=EXPONENT, displacement=SHARE, compliance=SOFTNESS)
+@formula(k=EXPONENT, displacement=SHARE, compliance=NUMBER)
 def amplitude(
     k: ArrayLike, displacement: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
 ) -> Array:
@@ -131,7 +130,7 @@ def _log_square_jvp(digits: int | None, primals: Any, tangents: Any) -> tuple[Ar
     return x, ((1.0 + compliance * other) * dgoal - held) / (1.0 + power * compliance * other)
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
 def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Amplitude of the slip between the surfaces in the ring c < r < 1, where the unworn contact slips.
 
@@ -254,7 +253,7 @@ def softness(s: Array, phi: Array, digits: int | None) -> Array:
     return jnp.where(small, mean / (1.0 + s), at)
 
 
-@formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
+@formula(k=EXPONENT, phi=AMPLITUDE, compliance=NUMBER)
 def contact_share(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
     """Share of the contact in the displacement amplitude at the actuator of a rig; the rig itself has the rest.
 

@@ -305,29 +305,29 @@ z0                  z_0         m   POSITIVE       -  characteristic depth  char
 E                   E           Pa  POSITIVE       -  modulus  Young's modulus of the half-space
 material.thickness  t_{#}       m   POSITIVE       -  thickness #  thickness of layer # from above
 material.modulus    E_{#}       Pa  POSITIVE       -  modulus #  Young's modulus of layer #, or at depth #
-material.depth      z_{#}       m   RADIUS         -  depth #  depth # below the surface
+material.depth      z_{#}       m   NOT_NEGATIVE  -  depth #  depth # below the surface
 indenter.E          E_i         Pa  POSITIVE       -  modulus of the indenter  Young's modulus of an elastic indenter
 indenter.nu         \nu_i       1   POISSON_RATIO  -  Poisson's ratio of the indenter
 shape.exponent      n           1   POSITIVE       -  exponent of the shape  exponent n of the indenter's shape
 shape.slope         \tan\alpha  1   POSITIVE       -  slope of the cone  slope of a conical indenter
 shape.flat_radius   b           m   POSITIVE       -  radius of the flat  radius b of the indenter's flat middle
-shape.r             r_{#}       m   RADIUS         -  radius # of the table  radius # of the table of heights
-shape.heights       f_{#}       m   RADIUS         -  height #  height # of the indenter above its apex
+shape.r             r_{#}       m   NOT_NEGATIVE  -  radius # of the table  radius # of the table of heights
+shape.heights       f_{#}       m   NOT_NEGATIVE  -  height #  height # of the indenter above its apex
 radius              R           m   POSITIVE       -  radius of the indenter
 normal_force        F_N         N   POSITIVE       -  normal force  normal force F_N
 friction            \mu         1   POSITIVE       -  coefficient of friction  coefficient of friction mu
 depth               d           m   POSITIVE       -  indentation depth  indentation depth d
 phi               \varphi  1  AMPLITUDE  -  amplitude  amplitude F_x/(mu F_N) of the tangential force
-tangential_force  F_x  N  AMPLITUDE_OF_FORCE  -  tangential force  amplitude F_x of the tangential force
-displacement      u_x  m  AMPLITUDE_OF_FORCE  -  displacement  amplitude of the tangential displacement
+tangential_force  F_x  N  NUMBER  -  tangential force  amplitude F_x of the tangential force
+displacement      u_x  m  NUMBER  -  displacement  amplitude of the tangential displacement
 rig_stiffness     k_r  N/m  POSITIVE  -  stiffness of the rig  stiffness of the rig of a displacement
 factor            \lambda  1  POSITIVE  -  factor of the load  factor on all amplitudes of a load
-r                 r  m  RADIUS  a_0  radius  distance from the axis of the contact
-distance          s  m  RADIUS  a_0  distance inside the stick-slip boundary
+r                 r  m  NOT_NEGATIVE  a_0  radius  distance from the axis of the contact
+distance          s  m  NOT_NEGATIVE  a_0  distance inside the stick-slip boundary
 x                   x  m  FINITE  -  place along the motion  distance along the motion, negative behind the contact
-z                 z  m  RADIUS  -  depth  depth below the surface
-least             z_1  m  RADIUS  -  smallest depth
-most              z_2  m  RADIUS  -  largest depth
+z                 z  m  NOT_NEGATIVE  -  depth  depth below the surface
+least             z_1  m  NOT_NEGATIVE  -  smallest depth
+most              z_2  m  NOT_NEGATIVE  -  largest depth
 cycles            N  1  NUMBER  -  cycles  number of cycles N
 wear_coefficient  K  1/Pa  POSITIVE  -  wear coefficient  Archard's wear coefficient K
 share             \Delta V/\Delta V_\infty  1  SHARE  -  share of the final volume

@@ -13,12 +13,12 @@ from jax.core import Tracer
 
 from plgwear_jax._core.ranges import (  # noqa: F401 - those who check ask here for what is allowed
     AMPLITUDE,
-    CYCLES,
-    DISTANCE,
     EXPONENT,
+    FINITE,
+    NOT_NEGATIVE,
+    NUMBER,
     POISSON_RATIO,
     POSITIVE,
-    RADIUS,
     SHARE,
     Domain,
 )

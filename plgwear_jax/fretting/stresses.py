@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS, ArrayLike
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import slip, stick, stick_power
 from plgwear_jax.special.elementary import exponentials, log, quotient, reciprocal
@@ -21,7 +21,7 @@ def _initial_pressure_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
     return jnp.where(under, rate, 0.0)
 
 
-@formula(slopes={"r": _initial_pressure_by_r}, r=RADIUS, k=EXPONENT)
+@formula(slopes={"r": _initial_pressure_by_r}, r=NOT_NEGATIVE, k=EXPONENT)
 def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure before any wear, p_0 = (k+3)/2 (1 - r^2)^((1+k)/2), Eq. (13); zero for r >= 1.
 
@@ -60,7 +60,7 @@ def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | Non
     return jnp.where(under, rate, 0.0)
 
 
-@formula(slopes={"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _steady_pressure_by_phi}, r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
 def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure in the worn state, Eq. (17) with b = c: singular at the stick-slip boundary, zero outside it.
 
@@ -91,7 +91,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     return punch_stress(jnp.asarray(r), stick(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi)
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
 def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Tangential traction in the worn state, Eq. (19) with b = c: singular at the stick-slip boundary, zero outside it.
 
@@ -176,7 +176,7 @@ def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int 
 
 @formula(
     slopes={"distance": _edge_pressure_by_distance, "phi": _edge_pressure_by_phi},
-    distance=DISTANCE,
+    distance=NOT_NEGATIVE,
     k=EXPONENT,
     phi=AMPLITUDE,
 )

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_tail, over_abscissa
@@ -49,7 +49,9 @@ def _initial_punch(r: Array, k: Array) -> Any:
     return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
 
-@formula(slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits=digits)}, r=RADIUS, k=EXPONENT)
+@formula(
+    slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits=digits)}, r=NOT_NEGATIVE, k=EXPONENT
+)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -91,7 +93,7 @@ def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | N
 
 @formula(
     slopes={"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
-    r=RADIUS,
+    r=NOT_NEGATIVE,
     k=EXPONENT,
     phi=AMPLITUDE,
 )
@@ -194,7 +196,7 @@ def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) ->
     return jnp.where(ring.worn, sinking(s, phi, digits) * rate, 0.0)
 
 
-@formula(slopes={"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _worn_depth_by_phi}, r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
 def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Depth worn off the indenter, f_inf - f_0 = c^2 Q (Lambda - L)/2, from Eqs. (24) and (25).
 
@@ -221,7 +223,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
     return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
 
 
-@formula(slopes={"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _worn_depth_by_phi}, r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
 def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Shape f_inf of the worn indenter, Eq. (25): d_inf - w_inf in the worn ring, f_0 = r^2/2 elsewhere.
 

@@ -10,8 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import check, check_real, guarded, one_or_nan
-from plgwear_jax._core.ranges import NUMBER
+from plgwear_jax._core.domains import NUMBER, check, check_real, guarded, one_or_nan
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact

@@ -16,11 +16,10 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
 from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of, leaf
-from plgwear_jax._core.domains import POSITIVE, RADIUS, check
+from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
-from plgwear_jax._core.ranges import FINITE
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import (
     BY_THEN,
@@ -139,13 +138,10 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
     return tuple(found[name] for name in sorted(found))
 
 
-_PLACED = {"r": RADIUS, "x": FINITE, "least": RADIUS, "most": RADIUS}  # else they are positive
-
-
 def _checked_places(said: str, places: Mapping[str, Any]) -> dict[str, Any]:
-    domains = _PLACED | ({"z": RADIUS} if "x" in places else {})  # E(0) of a power law is no modulus
+    positive = {"distance"} if "x" in places else {"distance", "z"}  # E(0) of a power law is no modulus
     for place, value in places.items():
-        check(said.format(place), value, domains.get(place, POSITIVE))
+        check(said.format(place), value, POSITIVE if place in positive else leaf(place).domain)
     return {place: as_float(value) for place, value in places.items()}
 
 

@@ -7,25 +7,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core import ranges
-from plgwear_jax._core.domains import CYCLES, DISTANCE, RADIUS, SHARE, ArrayLike, Domain, guarded
+from plgwear_jax._core.domains import FINITE, NOT_NEGATIVE, NUMBER, SHARE, ArrayLike, guarded
 from plgwear_jax._core.leaves import leaf_of, paths_of
 from plgwear_jax._core.record import guarded_field
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, PARTIAL_SLIP
-from plgwear_jax.material import DEPTH
-
-NUMBER = Domain("cycles >= 0 and finite", CYCLES.contains)
+from plgwear_jax.loads import PARTIAL_SLIP
 
 ARGUMENTS = {
-    "displacement_amplitude": AMPLITUDE_OF_DISPLACEMENT,
-    "r": RADIUS,
-    "distance": DISTANCE,
-    "x": ranges.FINITE,
-    **dict.fromkeys(("z", "least", "most"), DEPTH),
-    "cycles": NUMBER,
+    **dict.fromkeys(("displacement_amplitude", "cycles", "depth", "volume"), NUMBER),
+    **dict.fromkeys(("r", "distance", "z", "least", "most"), NOT_NEGATIVE),
+    "x": FINITE,
     "share": SHARE,
-    "depth": ranges.NUMBER,
-    "volume": ranges.NUMBER,
 }
 
 

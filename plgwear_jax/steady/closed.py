@@ -15,13 +15,13 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.catalogue import FRETTING
-from plgwear_jax._core.domains import EXPONENT, ArrayLike, Domain, check, guarded, one_or_nan
+from plgwear_jax._core.domains import EXPONENT, NUMBER, ArrayLike, Domain, check, guarded, one_or_nan
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import guarded_field
 from plgwear_jax._core.startup.programs import follows, program, with_slopes
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Force
+from plgwear_jax.loads import Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.steady.arguments import amplitude_of
@@ -312,7 +312,7 @@ class Steady(Solution):
     @compiled
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m."""
-        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        moved = guarded("displacement_amplitude", displacement_amplitude, NUMBER)
         limit, onset = self._limiting_friction, self._onset
         rig = limit * self.load.rig_compliance
         return limit * partial_slip.amplitude(self._k, moved / (onset + rig), rig / onset, digits=self.digits)

@@ -9,6 +9,8 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
+    NOT_NEGATIVE,
+    NUMBER,
     POISSON_RATIO,
     POSITIVE,
     ArrayLike,
@@ -18,9 +20,8 @@ from plgwear_jax._core.domains import (
     one_or_nan,
 )
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import check_columns, guarded_field, record
-from plgwear_jax.material import DEPTH, HalfSpace, PowerLawGraded
+from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
 
@@ -69,7 +70,7 @@ class Elastic:
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
-        z = guarded("z", z, DEPTH)
+        z = guarded("z", z, NOT_NEGATIVE)
         return guarded_field(self, "E") * one_or_nan(~jnp.isnan(z))
 
 
@@ -98,7 +99,7 @@ class AnyModulus(HalfSpace):
         """Young's modulus in Pa at depths z >= 0 in m; for fields without further axes than that along the depth."""
         arrays = self.arrays()
         dtype = jnp.result_type(*arrays, z, 0.0)
-        z = jnp.asarray(guarded("z", z, DEPTH), dtype)
+        z = jnp.asarray(guarded("z", z, NOT_NEGATIVE), dtype)
         length, modulus = (array.astype(dtype) for array in arrays)
         unit = 2.0**20  # 1/m: in micrometres the coefficients of cubics are numbers of float32
         found = self.by_depth(unit * length, modulus).at(unit * z)
