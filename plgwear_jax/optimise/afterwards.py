@@ -257,9 +257,11 @@ def sensitivities(found: Design) -> Sensitivities:
     def slopes_by(path: str, value: Any, rows_at: Callable[[Any], np.ndarray], room: float = 1.0) -> np.ndarray:
         """Derivatives of rows by k, nu or an exponent, or by the logarithm of all else."""
         steps = _input_steps(path, float(np.max(value)), room)
-        beside = np.array([rows_at(moved(path, value, step)) for step in steps])
+        beside = [rows_at(moved(path, value, step)) for step in steps]
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        return _slope_of(steps, beside - here)
+        changes = np.reshape(beside - here, (steps.size, -1))
+        # the slope where no step is made, of the polynomial through all of them
+        return np.polynomial.polynomial.polyfit(steps, changes, steps.size - 1)[1].reshape(here.shape)
 
     curvatures = [
         slopes_by(name, value, lambda x, name=name: rows(question, {**best, name: x}))[:, 1:]
@@ -292,12 +294,6 @@ def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
     # With this step the error of a difference of fourth order equals that of rounding.
     steps = float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2 * min(room, 1.0) * np.arange(-2.0, 3.0)
     return steps - max(value + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
-
-
-def _slope_of(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The derivative before the steps of the polynomial through the values after them, along their first axis."""
-    found = np.polynomial.polynomial.polyfit(steps, values.reshape(steps.size, -1), steps.size - 1)
-    return found[1].reshape(values.shape[1:])
 
 
 # --- the inputs -------------------------------------------------------------------------------------------------------
