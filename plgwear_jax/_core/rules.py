@@ -6,14 +6,11 @@ Imports nothing that takes time: a scene is refused before JAX or NumPy are ther
 import math
 import sys
 from collections.abc import Collection, Mapping
-from typing import Any, Literal, get_args
+from typing import Any
 
 from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind, quantity
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
 
-Hold = Literal["contact_radius"]
-
-HOLDS: tuple[str, ...] = get_args(Hold)
 OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
 # Besides these any other number of a contact, such as "shape.exponent" or "material.thickness[0]".
 VARIABLES = ("k", "z0", "E0", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")

@@ -7,7 +7,7 @@ weights that do not depend on the design, and smooth functions of it.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict, Unpack, cast
+from typing import Any, Literal, TypedDict, Unpack, cast
 
 import jax
 import numpy as np
@@ -23,10 +23,8 @@ from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import (
     BY_THEN,
-    HOLDS,
     OBJECTIVE,
     VARIABLES,
-    Hold,
     WrongKeyError,
     is_after_cycles,
     is_linear,
@@ -75,7 +73,7 @@ class Keywords(TypedDict, total=False):
 
     minimise: Objective | None
     limits: Mapping[str, Any] | None
-    hold: Hold | None
+    hold: Literal["contact_radius"] | None
     cycles: Given | None
     law: Given | WearLaw | None
     weight: Given | None
@@ -321,9 +319,9 @@ def checked_kind_of(contact: Any) -> Kind:
     return kind_of(contact)
 
 
-def is_held(hold: Hold | None) -> bool:
+def is_held(hold: str | None) -> bool:
     """Whether the contact radius is held, or a ValueError."""
-    if hold not in (None, *HOLDS):
+    if hold not in (None, "contact_radius"):
         raise ValueError(f'hold = {hold!r}: must be "contact_radius", or None')
     return hold is not None
 
