@@ -51,22 +51,22 @@ class Candidate:
 
     def __init__(self, question: Question, variables: Mapping[str, Any], shared: Shared | None = None) -> None:
         self.question, self.shared = question, shared or Shared()
-        self.free = with_variables(question.contact, variables)
+        self.varied = with_variables(question.contact, variables)  # E0 as it is
         self._runs: dict[Any, Any] = {}  # what was solved over cycles, for all quantities
 
     @functools.cached_property
     def contact(self) -> Any:
         """The contact, with E0 adjusted to hold the contact radius."""
-        material, radius = self.free.material, self.shared.radius
+        material, radius = self.varied.material, self.shared.radius
         if radius is None:
-            return self.free
-        if is_closed(self.free):  # a_0 depends on E0/z0^k alone, Eq. (12)
-            log_stiffening = (3.0 + jnp.asarray(material.k)) * jnp.log(self.free.steady(0.0).contact_radius / radius)
+            return self.varied
+        if is_closed(self.varied):  # a_0 depends on E0/z0^k alone, Eq. (12)
+            log_stiffening = (3.0 + jnp.asarray(material.k)) * jnp.log(self.varied.steady(0.0).contact_radius / radius)
         else:
             from plgwear_jax.steady.held_radius import log_stiffness_for  # which closed forms do without
 
-            log_stiffening = log_stiffness_for(self.free, radius) - material.log_stiffness()
-        return with_variables(self.free, {"E0": material.E0 * jnp.exp(log_stiffening)})
+            log_stiffening = log_stiffness_for(self.varied, radius) - material.log_stiffness()
+        return with_variables(self.varied, {"E0": material.E0 * jnp.exp(log_stiffening)})
 
     # --- the states of the contact ------------------------------------------------------------------------------------
 
@@ -76,14 +76,14 @@ class Candidate:
         load = self.question.load
         if not (solved_one_by_one(self.question) and self.question.by_force):
             return load.amplitudes, None
-        limit = jnp.asarray(self.free.friction * self.free.normal_force)
+        limit = jnp.asarray(self.varied.friction * self.varied.normal_force)
         phi, between = solved_at(load.amplitudes / limit)
         return phi * limit, between
 
     def _steady(self, force: Any) -> Any:
         force = Force(force, self.question.load.load.rig_stiffness)
-        if self.shared.radius is not None and is_closed(self.free):  # a smaller program
-            return self.free.steady(force)._with_contact_radius(self.shared.radius)
+        if self.shared.radius is not None and is_closed(self.varied):  # a smaller program, and exactly this radius
+            return self.varied.steady(force)._with_contact_radius(self.shared.radius)
         return self.contact.steady(force)
 
     @functools.cached_property
@@ -108,7 +108,7 @@ class Candidate:
         if not is_after_cycles(name):
             return read_from(self.largest if at_largest else self.steady, name, places)
         if shared.runs is not None:
-            return shared.runs.worn(self.free, shared.radius, horizon)
+            return shared.runs.worn(self.varied, shared.radius, horizon)
         given = {**places, "cycles": jnp.asarray(horizon.cycles), "wear_coefficient": horizon.law}
         under = load if load.amplitudes is None else load.with_amplitudes(self._amplitudes[0], None)
         return read(self.contact, name, under.load, given, solved=self._runs)

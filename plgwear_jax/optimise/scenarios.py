@@ -13,9 +13,8 @@ from plgwear_jax._core.domains import NUMBER, ArrayLike, Domain, as_array, check
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
-from plgwear_jax.loads import Load
-from plgwear_jax.optimise.search import namespace
+from plgwear_jax.loads import AMPLITUDE_OF_FORCE, Load
+from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.wear_laws import law_of
 
@@ -223,7 +222,7 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
     given = Scenarios(given.contact, 1.0 if given.weight is None else given.weight, own_law, given.tangential_force)
     check("scenarios: weight", given.weight, NUMBER)
     if given.tangential_force is not None:
-        check("scenarios: tangential_force", given.tangential_force, FORCE)
+        check("scenarios: tangential_force", given.tangential_force, AMPLITUDE_OF_FORCE)
     leaves = {name: np.asarray(leaf, float) for name, leaf in paths_of(given).items()}
     own = own_axes(given)
     shapes = {name: leaf.shape[: leaf.ndim - n] for (name, leaf), n in zip(leaves.items(), own, strict=True)}

@@ -67,10 +67,10 @@ class Minimum:
         converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
         certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
             was found. This is what a global search can say, and no proof.
-        scan_found_nothing_better: For one variable: nothing lower is expected between two points of the scan.
-            This holds as long as the
-            second derivative between them leaves the range of its means over this and the neighbouring intervals by
-            no more than these differ, which is estimated, not bounded: no proof either. For several variables False.
+        scan_found_nothing_better: For one variable: nothing lower is expected between two points of the scan. This
+            holds as long as the second derivative between them leaves the range of its means over this and the
+            neighbouring intervals by no more than these differ, which is estimated, not bounded: no proof either. For
+            several variables False.
         rival: The next best minimum, by name; NaN if there is none.
         rival_value: The function there; infinite if there is none.
         steps: How often the objective and its gradient were evaluated on the longest of the descents.

@@ -60,9 +60,9 @@ def sweep(
         quantities: Names of functions of `fretting`, `gross_slip` and `material`, in the paper's units, such as
             "wear_volume" or "gross_slip.force_ratio"; with a contact any quantity of `catalogue`, in SI units, such as
             "slip_amplitude" or "transient.wear_volume". Derivatives are written after the name, "wear_volume.dk",
-            "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the
-            fields of `optimise.optimal_exponent`. With a contact, those of `optimise.designs` are "design.k" (or
-            another variable), "design.wear_volume" (or another objective), "design.saving", "design.certified" etc.
+            "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the fields of `optimise.optimal_exponent`. With a
+            contact, those of `optimise.designs` are "design.k" (or another variable), "design.wear_volume" (or another
+            objective), "design.saving", "design.certified" etc.
         contact: The contact whose methods are meant; an axis replaces the field of its name.
         load: What is held over cycles, as `FrettingContact.over_cycles` and `optimise.designs` take it: a
             `Displacement`, of partial or gross slip, a list of `Block`, or an amplitude of the force. Its numbers are
@@ -83,9 +83,9 @@ def sweep(
         progress: Called with the number of points done and of all points, after each chunk.
         **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
             a_0); with a contact any number of it in SI units by its path, such as "radius", "material.k" or just "k",
-            "indenter.E", "material.modulus[2]"; tangential_force in N, phi, or displacement in m, of
-            a rig with its rig_stiffness in N/m; factor of `loads`; r and distance in m; cycles and wear_coefficient in
-            1/Pa, or share. The first axis varies slowest.
+            "indenter.E", "material.modulus[2]"; tangential_force in N, phi, or displacement in m, of a rig with its
+            rig_stiffness in N/m; factor of `loads`; r and distance in m; cycles and wear_coefficient in 1/Pa, or share.
+            The first axis varies slowest.
 
     Returns:
         The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
