@@ -354,7 +354,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     if kept is not None:
         for name in filter(needs_force, names):
             text = f"is a limit of the steady state under one amplitude of the force, not under {_held(kept)}"
-            raise ValueError(f"limits.{name}: {text}")
+            raise WrongKeyError(f"limits.{name}", text)
     lasting = [name for name in (objective, *names) if is_after_cycles(name)]
     if cycles is None and lasting:
         raise WrongKeyError(lasting[0], "is a quantity after a life, which needs cycles and law")

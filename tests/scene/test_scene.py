@@ -262,21 +262,11 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     assert vars(several.front(distance=1e-6))["limits"] == {"pressure": [far]}
 
 
-def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch):
+@cases("scene/refused.toml", "designs")
+def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch, case):
     monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=np.inf, reference_value=1.0))
-    design = SINGLE_NUMBERS.partition("[design]")[0]
-    far = changed(SINGLE_NUMBERS, (HOLD, changed(TWO_LIMITS, ("distance = 1e-6", "distance = 1e-3"))))
-    for text, ask, message in (
-        (design, "design", "[design]: missing; it says what may vary"),
-        (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load]: an amplitude of 0: nothing wears"),
-        (far, "design", "[design] limits.edge_pressure.distance = 0.001: must be below the stick radius"),
-        (SINGLE_NUMBERS, "design", "the wear exceeds the range of numbers"),
-        (SINGLE_NUMBERS, "front", "x.distance: must be a finite number, as edge_pressure needs the distance from the"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}", "front", "x: edge_pressure is no quantity of a gross-slip contact"),
-    ):
-        assert refusal(scene.SceneError, getattr(read(text), ask)).startswith(message)
-    line = refusal(scene.SceneError, read(SINGLE_NUMBERS).front, distance=0.0)
-    assert line.endswith("from the stick-slip boundary in m must be a finite number > 0")
+    given = read(case.get("text") or changed(SINGLE_NUMBERS, *case["changes"].items()))
+    assert is_told(refusal(scene.SceneError, getattr(given, case["ask"]), **case.get("given", {})), case)
 
 
 @parametrize(
