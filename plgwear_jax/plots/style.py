@@ -113,7 +113,7 @@ def show_units(
         formatter.factor = factor
         axis.set_major_formatter(formatter)
         return
-    ticks = LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,))
+    ticks = LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 100.0 * lower else (1.0,))
     if axis.get_scale() == "asinh":  # both signs: powers of ten outside of the linear part, and zero
         scale: Any = axis.get_transform()
         lower = scale.linear_width

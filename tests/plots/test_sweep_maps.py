@@ -208,12 +208,14 @@ def test_an_axis_is_stretched_as_its_values_are_spaced(axis, text, scale, dtype)
 
 def test_cells_meet_halfway_on_a_stretched_axis():
     z0, k = np.geomspace(1e-6, 1e-3, 10), read_axis("k", "-0.999:0.999:12:logit")
-    figure = drawn(plane(k, z0), k=k, z0=z0)
+    shown = plane(k, z0)
+    figure = drawn(shown, k=k, z0=z0)
     corners = mesh(figure).get_coordinates()
     assert_allclose(corners[1:-1, 0, 1], np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
     depth = np.arctanh(k)
     assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
     assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
+    assert "20" in ticks(drawn(shown, k=k, z0=0.02 * z0**0.6).axes[0].yaxis)
 
 
 @parametrize("end", [1e-3, 1e-6])
