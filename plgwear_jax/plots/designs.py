@@ -202,14 +202,13 @@ def front_picture(front: Front) -> Figure:
     columns = {front.y_name: front.y, **front.variables}
     figure = page(7.0 * len(columns), 7.0)
     panels = figure.subplots(1, len(columns), sharex=True, squeeze=False)[0]
-    inside = np.where(front.certified, BLUE, "w")
     for axes, (name, values) in zip(panels, columns.items(), strict=True):
         axes.plot(front.x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
         axes.margins(x=0.05)
-        axes.scatter(front.x, values, s=12.0, color=inside, edgecolors=BLUE)
-        if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
-            axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
-        show_units(axes.yaxis, name, leaf(name).label, size=np.max(values))
+        axes.scatter(front.x, values, s=12.0, color=np.where(front.certified, BLUE, "w"), edgecolors=BLUE)
+        if np.ptp(values) < 1e-6 * np.max(abs(values)):  # else the axis would show rounding errors
+            axes.set_ylim(*sorted(values[0] * np.array([0.5, 1.5])))
+        show_units(axes.yaxis, name, leaf(name).label, size=max(values))
     letters(panels)
     axes = panels[0]
     axes.plot(front.reference_x, front.reference_y, "s", color=REFERENCE["color"], label="reference", **DOT)
@@ -217,7 +216,7 @@ def front_picture(front: Front) -> Figure:
     legend_above(figure, axes, 2)
     for side, name, places in ((axes.yaxis, front.y_name, front.y_places), (axes.xaxis, front.x_name, front.x_places)):
         show_units(side, name, placed(name, places) if places else None)
-    ended = (f"{best}: {end}" for best, end in zip(front.best, front.ends, strict=True))
+    ended = (f"{best}: {end}" if end != best else best for best, end in zip(front.best, front.ends, strict=True))
     figure.supxlabel("\n".join([axes.get_xlabel(), *ended]), fontsize="medium")
     axes.set_xlabel("")
     return figure

@@ -1,5 +1,6 @@
 """Pictures: what they show, in which units, and that a file is whole or not there."""
 
+import dataclasses
 import os
 from pathlib import Path
 from types import SimpleNamespace
@@ -171,7 +172,8 @@ def test_no_radius_of_a_block_is_cut_off():
     read = {"volume": contact, "force_amplitude": contact, "contact_radius": contact, "stick_radius": stick}
     run = SimpleNamespace(load=blocks, **{name: lambda _, values=values: values for name, values in read.items()})
     for axes in plots.blocks_picture(run).axes:
-        assert axes.get_ylim()[0] == 0.0 and axes.get_ylim()[1] > max(line.get_ydata().max() for line in axes.lines)
+        low, high = axes.get_ylim()
+        assert low == 0.0 and high > axes.dataLim.y1
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
@@ -198,6 +200,8 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert_allclose(dots.get_offsets(), along)
     assert np.all(dots.get_facecolors() == 1.0, axis=1).tolist() == [False, True, False]
     assert legend(figure) == ["least wear volume for this edge pressure", "reference"]
+    told = plots.front_picture(dataclasses.replace(front, at_bound={})).get_supxlabel()
+    assert told.splitlines()[1] == "least edge pressure"
 
 
 @parametrize(
