@@ -259,9 +259,8 @@ def sensitivities(found: Design) -> Sensitivities:
         steps = _input_steps(path, float(np.max(value)), room)
         beside = [rows_at(moved(path, value, step)) for step in steps]
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-        changes = np.reshape(beside - here, (steps.size, -1))
-        # the slope where no step is made, of the polynomial through all of them
-        return np.polynomial.polynomial.polyfit(steps, changes, steps.size - 1)[1].reshape(here.shape)
+        # The slope where no step is made, of the polynomial through all of them.
+        return np.tensordot(np.linalg.inv(np.vander(steps))[-2], beside - here, 1)
 
     curvatures = [
         slopes_by(name, value, lambda x, name=name: rows(question, {**best, name: x}))[:, 1:]

@@ -67,6 +67,7 @@ def with_room(highest: Any, lowest: Any) -> tuple[Any, Any]:
 def _without_shares(question: Question) -> tuple[RunsAlongExponent, Array]:
     """What closed forms tell of the runs, and the amplitudes at which they are needed, (n,)."""
     phi, _ = solved_at(question.phi)
+    phi = jnp.where(phi > 0.0, phi, 1e-4 * phi[0])  # a run under no force has no share, and hardly any wear
     highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
     k = nodes_between(highest, lowest, NODES if "k" in question.bounds else 1)
     log_ratio = jnp.log(dataclasses.replace(question.contact.material, k=k).tangential_ratio()) - jnp.log1p(k)

@@ -66,7 +66,8 @@ class Keywords(TypedDict, total=False):
         law: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
         weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
         level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
-            over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude.
+            over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude. Without them the
+            worst amplitudes are the largest, as for wear, also if the stick radius, which falls, is minimised.
         scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
             with equal probabilities. The limits are kept in every scenario. The reference is the contact itself.
     """

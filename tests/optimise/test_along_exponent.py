@@ -49,12 +49,12 @@ def test_slopes_between_the_runs():
 
 def test_a_reference_and_wear_beyond_the_bounds_of_a_design():
     contact = dome(np.float64(0.8))
-    found = optimise.design(contact, 1.0, {"k": (-0.3, 0.2)}, **LIFE)
-    each = [one.over_cycles(1.0, 1e-14).volume(4e5) for one in (contact, found.contact)]
+    found = optimise.design(contact, [0.0, 1.0], {"k": (-0.3, 0.2)}, **LIFE)  # under no force nothing wears
+    each = [0.5 * one.over_cycles(1.0, 1e-14).volume(4e5) for one in (contact, found.contact)]
     assert_allclose([found.reference_value, found.value], each, rtol=1e-6)
     k = np.array([-0.7, 0.1, 0.6])
     course = optimise.along(found, "k", k)
-    assert_allclose(course.value, dome(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
+    assert_allclose(course.value, 0.5 * dome(k).over_cycles(1.0, 1e-14).volume(4e5), rtol=1e-5)
     assert np.all(course.keeps_limits)
 
 
