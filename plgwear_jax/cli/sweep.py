@@ -127,7 +127,7 @@ def sweep(
     except KeyboardInterrupt:
         bar.stop()
         warn(f"{out}: stopped with {task.percentage:.1f} % done; the same command continues it")
-        raise typer.Exit(130) from None
+        raise
     finally:
         if bar.live.is_started:
             bar.stop()

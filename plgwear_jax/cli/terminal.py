@@ -7,6 +7,7 @@ import errno
 import functools
 import gc
 import math
+import os
 import signal
 import sys
 import threading
@@ -44,6 +45,8 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
         try:
             with _interrupts():
                 command(**given)
+        except KeyboardInterrupt:
+            os._exit(130)  # XLA may still compute: at its own end Python takes away what that uses, and crashes
         except GivenError as error:
             refuse(message(error, given.get("scene_file")))
         except ModuleNotFoundError as error:  # of an extra
@@ -59,11 +62,11 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, later, main = sys.unraisablehook, [], threading.main_thread().ident or 0
+    before, later, main = sys.unraisablehook, [], threading.main_thread().ident
 
     def interrupt() -> None:
         if hasattr(signal, "pthread_kill"):  # which also ends a wait
-            signal.pthread_kill(main, signal.SIGINT)
+            signal.pthread_kill(main, signal.SIGINT)  # pyright: ignore[reportArgumentType]
         else:
             _thread.interrupt_main()
 
