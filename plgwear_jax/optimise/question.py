@@ -358,7 +358,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
             raise WrongKeyError(f"limits.{name}", text)
     lasting = [name for name in (objective, *names) if is_after_cycles(name)]
     if cycles is None and lasting:
-        raise WrongKeyError(lasting[0], "is a quantity after a life, which needs cycles and law")
+        raise WrongKeyError(lasting[0], "is a quantity after a life, which needs cycles and a wear law")
     if cycles is not None:
         if objective not in BY_THEN and not lasting:
             text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
