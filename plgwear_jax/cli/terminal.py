@@ -62,11 +62,11 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, later, main = sys.unraisablehook, [], threading.main_thread().ident
+    before, later, main = sys.unraisablehook, [], threading.main_thread().ident or 0
 
     def interrupt() -> None:
         if hasattr(signal, "pthread_kill"):  # which also ends a wait
-            signal.pthread_kill(main, signal.SIGINT)  # pyright: ignore[reportArgumentType]
+            signal.pthread_kill(main, signal.SIGINT)
         else:
             _thread.interrupt_main()
 
