@@ -5,7 +5,6 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
@@ -18,7 +17,7 @@ from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
 from plgwear_jax.optimise.conditions import conditions, residual_of, solved_by_elimination
-from plgwear_jax.optimise.evaluation import Known, evaluate
+from plgwear_jax.optimise.evaluation import Known, evaluate, plan_for
 from plgwear_jax.optimise.question import Question, keeps, moved
 
 
@@ -234,7 +233,8 @@ def sensitivities(found: Design) -> Sensitivities:
         found: The result of `design`.
 
     Returns:
-        The derivatives by input, to some ten digits in float64.
+        The derivatives by input, to some ten digits in float64; those of a life followed step by step, as under a held
+            displacement, to one or two: its wear jumps a little.
 
     Raises:
         ValueError: The design is one for scenarios: where two of them are equally bad, there are none. Or it breaks a
@@ -246,7 +246,7 @@ def sensitivities(found: Design) -> Sensitivities:
         raise ValueError("sensitivities takes a design that keeps its limits: one that breaks them is no optimum")
     minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
-    best = found.variables
+    best, noise = found.variables, plan_for(question).noise
 
     def rows(question: Question, variables: Mapping[str, float]) -> np.ndarray:
         """The objective and the limits at a point with their slopes, (1 + m, 1 + n)."""
@@ -256,7 +256,7 @@ def sensitivities(found: Design) -> Sensitivities:
 
     def slopes_by(path: str, value: Any, rows_at: Callable[[Any], np.ndarray], room: float = 1.0) -> np.ndarray:
         """Derivatives of rows by k, nu or an exponent, or by the logarithm of all else."""
-        steps = _input_steps(path, float(np.max(value)), room)
+        steps = _input_steps(path, float(np.max(value)), room, noise)
         beside = [rows_at(moved(path, value, step)) for step in steps]
         # Values are subtracted first, so that the derivative of what does not change is exactly 0.
         # The slope where no step is made, of the polynomial through all of them.
@@ -286,12 +286,12 @@ def sensitivities(found: Design) -> Sensitivities:
     return Sensitivities(variables, saving)
 
 
-def _input_steps(path: str, value: float, room: float = 1.0) -> np.ndarray:
+def _input_steps(path: str, value: float, room: float = 1.0, noise: float = 1e-4) -> np.ndarray:
     """Changes of a number that leave it well within its range, (5,)."""
     of = path.rpartition(".")[2]
     room = {"k": 1.0 - abs(value), "nu": 1.0 + value}.get(of, room)
-    # With this step the error of a difference of fourth order equals that of rounding.
-    steps = float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2 * min(room, 1.0) * np.arange(-2.0, 3.0)
+    # With this step the error of a difference of fourth order is some of the noise: a longer one may leave a regime.
+    steps = (0.1 * noise) ** 0.2 * min(room, 1.0) * np.arange(-2.0, 3.0)
     return steps - max(value + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
 
 

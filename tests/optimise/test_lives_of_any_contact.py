@@ -63,9 +63,11 @@ def test_loads_other_than_the_force(name):
     assert "load: " in repr(found)
     with pytest.raises(ValueError, match="in_steady_state takes a design under force control"):
         optimise.in_steady_state(found)
+    if name == "partial slip":  # which a march follows to two digits, in whatever unit of force
+        by = optimise.sensitivities(found).saving
+        assert abs(by["E0"] + by["normal_force"] + by["rig_stiffness"] - by["wear_coefficient"]) < 0.02
     if name == "gross slip":
-        loaded = loads.Displacement(np.array([3.0 * ONSET]))
-        many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
+        many = optimise.designs(RIGID, loads.Displacement(np.array([3.0 * ONSET])), RANGE, **LIFE)
         assert_allclose(many.value, [found.value], rtol=1e-9)
         harder = optimise.under_other_load(found, 1.1)
         assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
@@ -177,18 +179,17 @@ def test_the_best_exponent_for_a_life():
     assert found.k[1, 2] == 0.8 and np.all(found.at_bound[:, :2])
     # No exponent of a scan wears less.
     k = np.linspace(-0.8, 0.8, 33)[:, None, None]
-    theta = material.tangential_ratio(k, 0.3)
-    scan = Reduced(k, phi, digits=2).volume(x * theta)
-    assert_allclose(np.min(scan, axis=0), found.wear_volume, rtol=1e-2)
-    assert np.all(np.min(scan, axis=0) > 0.995 * found.wear_volume)
+    scan = Reduced(k, phi, digits=2).volume(x * material.tangential_ratio(k, 0.3))
+    more = scan.min(axis=0) / found.wear_volume
+    assert np.all((more > 0.995) & (more <= 1.01))
 
 
 def test_a_saving_ends_where_it_last_changes_its_sign():
     lives = np.geomspace(1.0, 1e4, 9)
     more = 0.01 * np.log(lives / 3e2)
-    assert_allclose(overtaken_at(lives, more), 3e2, rtol=1e-12)
-    more[1] = 0.02  # once before
-    assert_allclose(overtaken_at(lives, more), 3e2, rtol=1e-12)
+    for once_before in (more[1], 0.02):
+        more[1] = once_before
+        assert_allclose(overtaken_at(lives, more), 3e2, rtol=1e-12)
     assert overtaken_at(lives, -more) is None and overtaken_at(lives, abs(more)) is None
 
 
@@ -202,9 +203,8 @@ def test_a_search_has_no_derivatives_where_only_first_ones_exist():
         def designed(amplitude, x=contact, life=life, load=load):
             return optimise.designs(x, load(amplitude), RANGE, **life).value
 
-        slope = jax.grad(designed)
         with pytest.raises(ValueError, match="designs: has no derivatives by the numbers of a contact without closed"):
-            slope(FORCE if load is loads.Force else 0.5 * ONSET)
+            jax.grad(designed)(FORCE if load is loads.Force else 0.5 * ONSET)
 
 
 def test_several_displacements_have_weights():
