@@ -128,7 +128,7 @@ def pretended(monkeypatch):
         limits = [allowed + (BY_RADIUS @ one) for one in x]
         slopes = np.concatenate([slopes[:, :1], np.repeat(slopes[:, 1:], allowed.size, axis=1)], axis=1)
         values = np.concatenate([(x @ wear + bent - np.log(shared.scale))[:, None], limits], axis=1)
-        return evaluation.Evaluation(np.concatenate([values[..., None], slopes], axis=-1), {}, ())
+        return evaluation.Evaluation(np.concatenate([values[..., None], slopes], axis=-1), {}, (), ())
 
     monkeypatch.setattr(evaluation.Evaluator, "_solved", solved)
     read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=np.ones(1), deepest_wear=1e-6)
