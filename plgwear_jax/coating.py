@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, POISSON_RATIO, POSITIVE, ArrayLike, check, guarded
+from plgwear_jax._core.domains import NUMBER, POISSON_RATIO, POSITIVE, ArrayLike, check, nan_outside
 from plgwear_jax._core.doubts import FELT
 from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.startup.programs import program
@@ -61,8 +61,8 @@ def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
     References:
         Gao, Chiu and Lee, International Journal of Solids and Structures 29 (1992) 2471.
     """
-    x = jnp.asarray(guarded("relative_depth", relative_depth, NUMBER), float)
-    nu = guarded("nu", nu, POISSON_RATIO)
+    x = jnp.asarray(nan_outside("relative_depth", relative_depth, NUMBER), float)
+    nu = nan_outside("nu", nu, POISSON_RATIO)
     shear = x * (jnp.log1p(x * x) - 2.0 * jnp.log(jnp.where(x > 0.0, x, 1.0)))
     return 2.0 / jnp.pi * jnp.arctan(x) + ((1.0 - 2.0 * nu) * shear - x / (1.0 + x * x)) / (2.0 * jnp.pi * (1.0 - nu))
 

@@ -17,11 +17,11 @@ from plgwear_jax._core.domains import (
     RefusedError,
     as_array,
     check,
-    guarded,
+    nan_outside,
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.record import field_nan_outside, record
 from plgwear_jax._core.startup.programs import traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
@@ -122,7 +122,7 @@ class Load:
     @property
     def rig_compliance(self) -> Any:
         """The compliance in m/N of a rig in series, at whose actuator displacements are measured; 0 without a rig."""
-        return 0.0 if self.rig_stiffness is None else 1.0 / guarded("rig_stiffness", self.rig_stiffness, POSITIVE)
+        return 0.0 if self.rig_stiffness is None else 1.0 / nan_outside("rig_stiffness", self.rig_stiffness, POSITIVE)
 
 
 class Force(Load):
@@ -171,7 +171,7 @@ class Force(Load):
 
     def control(self, limit: Any) -> Control:
         """F_x is constant."""
-        amplitude = guarded_field(self, "tangential_force")
+        amplitude = field_nan_outside(self, "tangential_force")
         return Control(0.0, 1.0, amplitude * one_or_nan(PARTIAL_SLIP.contains(amplitude / limit)))
 
 
@@ -219,7 +219,7 @@ class Displacement(Load):
     def control(self, limit: Any) -> Control:
         """The displacement of the contact and of the rig together is constant."""
         del limit
-        amplitude = guarded_field(self, "displacement_amplitude")
+        amplitude = field_nan_outside(self, "displacement_amplitude")
         return Control(1.0, self.rig_compliance, amplitude)
 
 

@@ -15,10 +15,10 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Numbers,
     check,
-    guarded,
+    nan_outside,
 )
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import guarded_field, number_or, record
+from plgwear_jax._core.record import field_nan_outside, number_or, record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.exponents import exponents
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
@@ -234,7 +234,7 @@ class PowerLawGraded(HalfSpace):
     def modulus(self, z: ArrayLike) -> Array:
         """Young's modulus E(z) in Pa at depths z >= 0 in m, Eq. (1); at z = 0 its limit: 0, E0 or infinity."""
         E0, z0, k = self._guarded()
-        relative = guarded("z", z, NOT_NEGATIVE) / z0
+        relative = nan_outside("z", z, NOT_NEGATIVE) / z0
         inside = relative > 0.0
         power = jnp.exp(k * jnp.log(jnp.where(inside, relative, 1.0)))
         surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))
@@ -244,7 +244,7 @@ class PowerLawGraded(HalfSpace):
 
     def _guarded(self) -> tuple[Array, Array, Array]:
         """(E0, z0, k), NaN where they are traced and outside their ranges."""
-        return guarded_field(self, "E0"), guarded_field(self, "z0"), guarded_field(self, "k")
+        return field_nan_outside(self, "E0"), field_nan_outside(self, "z0"), field_nan_outside(self, "k")
 
     @compiled
     def plane_compliance(self) -> Array:
@@ -257,7 +257,7 @@ class PowerLawGraded(HalfSpace):
     @compiled
     def tangential_ratio(self, *, digits: int | None = None) -> Array:
         """Tangential over normal compliance, dimensionless: the function `tangential_ratio` of this k and nu."""
-        return tangential_ratio(guarded_field(self, "k"), self.nu, digits=digits)
+        return tangential_ratio(field_nan_outside(self, "k"), self.nu, digits=digits)
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, dataclass_transform
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Numbers
-from plgwear_jax._core.record import guarded_field, number_or, record, static
+from plgwear_jax._core.record import field_nan_outside, number_or, record, static
 from plgwear_jax.special.elementary import power_where
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
@@ -83,7 +83,7 @@ class Archard(WearLaw):
 
     def rate(self, pressure: Array, slip: Array) -> Array:
         """K p s in m."""
-        return guarded_field(self, "wear_coefficient") * pressure * slip
+        return field_nan_outside(self, "wear_coefficient") * pressure * slip
 
 
 class PressurePower(WearLaw):
@@ -114,8 +114,8 @@ class PressurePower(WearLaw):
 
     def rate(self, pressure: Array, slip: Array) -> Array:
         """The coefficient times p^exponent s in m."""
-        power = power_where(pressure > 0.0, pressure, guarded_field(self, "exponent"))
-        return guarded_field(self, "coefficient") * power * slip
+        power = power_where(pressure > 0.0, pressure, field_nan_outside(self, "exponent"))
+        return field_nan_outside(self, "coefficient") * power * slip
 
 
 def law_of(given: Any, exponent: float | None = None) -> WearLaw:

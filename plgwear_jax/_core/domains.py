@@ -131,7 +131,7 @@ def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, *others: A
     return dtype
 
 
-def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
+def nan_outside(name: str, value: ArrayLike, domain: Domain) -> Array:
     """The value as an array: checked where it is concrete, NaN outside the domain where it is traced."""
     value = as_array(value)
     check(name, value, domain)

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import as_array, check, guarded
+from plgwear_jax._core.domains import as_array, check, nan_outside
 
 T = TypeVar("T")
 
@@ -83,6 +83,6 @@ def check_columns(of: Any) -> None:
         raise ValueError(f"{' and '.join(of.tables)} take two points or more, not shapes {one} and {other}")
 
 
-def guarded_field(of: Any, name: str) -> Array:
+def field_nan_outside(of: Any, name: str) -> Array:
     """A field of a record as an array, NaN where it is traced and outside its range."""
-    return guarded(name, getattr(of, name), of.ranges[name])
+    return nan_outside(name, getattr(of, name), of.ranges[name])

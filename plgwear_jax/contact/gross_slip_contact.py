@@ -9,7 +9,7 @@ from jax import Array
 from plgwear_jax import gross_slip
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.record import field_nan_outside, record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.steady.solution import Solution
 
@@ -138,11 +138,11 @@ class SteadyPunch(Solution):
 
     @property
     def _radius(self) -> Array:
-        return guarded_field(self.contact, "radius")
+        return field_nan_outside(self.contact, "radius")
 
     @property
     def _depth(self) -> Array:
-        return guarded_field(self.contact, "depth")
+        return field_nan_outside(self.contact, "depth")
 
     def _of(self, function: Callable[..., Array], *r: ArrayLike) -> Array:
         """A dimensionless function of the exponent, and of radii in m if given."""

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, check, check_real, guarded, one_or_nan
+from plgwear_jax._core.domains import NUMBER, check, check_real, nan_outside, one_or_nan
 from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -117,7 +117,7 @@ def designs(
         return _designs_in_turn(question, level)
     if question.by_force:
         check_real("load", weighted.amplitudes)
-        phi = guarded("tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
+        phi = nan_outside("tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
         # NaN where traced numbers are outside their ranges
         weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weighted.weight)
     elif weighted.weight is None:

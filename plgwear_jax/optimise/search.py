@@ -179,7 +179,7 @@ def minimise(
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    minima = tied(function, found.pair[:-1], params)
+    minima = implicit(function, found.pair[:-1], params)
     found = found._replace(pair=Point._make((*minima, found.pair.residual)))
     return _minimum_of(found, names, params[0], upper, logarithmic)
 
@@ -295,15 +295,15 @@ def rows_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> A
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def tied(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
-    """(u, multipliers, rows) of minima, tied to the parameters by the implicit function theorem."""
+def implicit(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
+    """(u, multipliers, rows) of minima as functions of the parameters, by the implicit function theorem."""
     del function, params
     return found
 
 
-@tied.defjvp
+@implicit.defjvp
 def _tied_jvp(function, primals, tangents):
-    minima, params = tied(function, *primals), primals[1]
+    minima, params = implicit(function, *primals), primals[1]
     u, multipliers, rows = minima
     curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
     here = conditions(rows, curvatures, u, multipliers)

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from plgwear_jax._core.record import guarded_field
+from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax.shapes.powers import Cone, Parabola, PowerShape
 from plgwear_jax.shapes.shape import Outline, Shape
 from plgwear_jax.shapes.splines import Profile, RoundedFlat, TruncatedSphere
@@ -24,6 +24,6 @@ def shape_of(contact: Any) -> Shape:
 
 def outline_of(contact: Any) -> Outline:
     """The shape of a contact's indenter with its R."""
-    radius = guarded_field(contact, "radius")
+    radius = field_nan_outside(contact, "radius")
     shape = jax.tree.map(lambda x: jnp.asarray(x, radius.dtype), shape_of(contact))
     return Outline(shape.guarded(), radius)

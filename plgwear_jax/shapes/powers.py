@@ -9,23 +9,23 @@ from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Domain, Numbers
 from plgwear_jax._core.record import record
-from plgwear_jax.shapes.shape import Image, Shape
+from plgwear_jax.shapes.shape import AbelTransform, Shape
 
 EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
 
 
 @record
-class Power(Image):
+class Power(AbelTransform):
     """G = first T^power."""
 
     power: Array | None = None  # None for 1
 
     def fallen(self, y: Array) -> Array:
-        """See `Image`."""
+        """See `AbelTransform`."""
         return self.first * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)))
 
     def rate(self, T: Array, above: Array) -> Array:
-        """See `Image`."""
+        """See `AbelTransform`."""
         del above
         power = self.power
         return self.first * (jnp.ones_like(T) if power is None else power * jnp.exp((power - 1.0) * jnp.log(T)))

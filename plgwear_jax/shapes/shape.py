@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import Domain
-from plgwear_jax._core.record import guarded_field, number_or, record, static
+from plgwear_jax._core.record import field_nan_outside, number_or, record, static
 from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
@@ -25,11 +25,11 @@ from plgwear_jax.special.root import root_of
 
 
 @record
-class Image:
+class AbelTransform:
     """G of a shape, of which a subclass gives `at` or `fallen`."""
 
     first: Array  # G(1)
-    bends: Array | np.ndarray  # T - 1 where G bends, increasing: `bends_at`
+    kink_positions: Array | np.ndarray  # T - 1 where G bends, increasing: `kink_positions_at`
 
     def at(self, T: Array) -> Array:
         """G at T of shape (m,)."""
@@ -86,7 +86,7 @@ class Shape:
 
     def guarded(self) -> "Shape":
         """The shape, with NaN for traced fields outside their range."""
-        return dataclasses.replace(cast(Any, self), **{name: guarded_field(self, name) for name in self.ranges})
+        return dataclasses.replace(cast(Any, self), **{name: field_nan_outside(self, name) for name in self.ranges})
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m at radii in m, elementwise and by functions of `jax.numpy`, f(0) = 0.
@@ -113,7 +113,7 @@ class Shape:
         return 0.0
 
     @property
-    def reach(self) -> Any:
+    def known_radius(self) -> Any:
         """The radius in m up to which f is known; None if it is known everywhere."""
         return None
 
@@ -132,9 +132,9 @@ class Shape:
         found = ratios(s, one, s, count)[:, None] * (jacobi_table(count, s, one, 1.0 - 2.0 * x * x) @ values)
         return found[:, 0], found[:, 1]
 
-    def image(self, c: Array, radius: Array, a: Array) -> Image:
+    def image(self, c: Array, radius: Array, a: Array) -> AbelTransform:
         """G beside the contact of the radius c in m."""
-        return with_first(Computed(c, bends_at(self.kinks, c), c, Outline(self, radius), a))
+        return with_first(Computed(c, kink_positions_at(self.kinks, c), c, Outline(self, radius), a))
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
@@ -166,7 +166,7 @@ class Outline(NamedTuple):
         """f'(r)."""
         return value_with_slope(self.height, r)[1]
 
-    def image(self, c: Array, a: Array) -> Image:
+    def image(self, c: Array, a: Array) -> AbelTransform:
         """See `Shape.image`."""
         return self.shape.image(c, self.radius, a)
 
@@ -179,7 +179,7 @@ class Outline(NamedTuple):
 # --- by quadrature ----------------------------------------------------------------------------------------------------
 
 
-def bends_at(kinks: Any, c: Array) -> Array:
+def kink_positions_at(kinks: Any, c: Array) -> Array:
     """T - 1 at these radii; constants for derivatives, since they only divide an integral."""
     return jax.lax.stop_gradient(-inwards(kinks, c))
 
@@ -202,7 +202,7 @@ _RULE = logistic(80, 26.0)
 
 
 @record
-class Computed(Image):
+class Computed(AbelTransform):
     """G of any outline, by quadrature."""
 
     c: Array
@@ -210,7 +210,7 @@ class Computed(Image):
     a: Array
 
     def at(self, T: Array) -> Array:
-        """See `Image`."""
+        """See `AbelTransform`."""
         outline, c = self.outline, self.c
 
         def up_to(end: Array) -> Array:
@@ -220,6 +220,6 @@ class Computed(Image):
         return (outline.radius / (c * c)) * jax.vmap(up_to)(c * jnp.sqrt(T))
 
 
-def with_first(image: Any) -> Image:
+def with_first(image: Any) -> AbelTransform:
     """The image of a contact of the radius c, with its `first`."""
     return dataclasses.replace(image, first=image.at(jnp.ones(1, image.c.dtype))[0])

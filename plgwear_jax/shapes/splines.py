@@ -19,7 +19,7 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import NUMBER, Numbers, one_or_nan
 from plgwear_jax._core.record import check_columns, record
-from plgwear_jax.shapes.shape import Image, Shape, bends_at, with_first
+from plgwear_jax.shapes.shape import AbelTransform, Shape, kink_positions_at, with_first
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
 
 _ORDERS = np.arange(3)
@@ -39,7 +39,7 @@ def _series(a: Array) -> Array:
 
 
 @record
-class Spline(Image):
+class Spline(AbelTransform):
     """G of such a shape, in units of c^2/R."""
 
     c: Array
@@ -50,8 +50,8 @@ class Spline(Image):
     radius: Array
 
     def rate(self, T: Array, above: Array) -> Array:
-        """See `Image`."""
-        count = self.bends.size  # a table of many rows has none, but corners
+        """See `AbelTransform`."""
+        count = self.kink_positions.size  # a table of many rows has none, but corners
         first = (self.knots.size - count) // 2
         last = first + count
 
@@ -92,9 +92,9 @@ class _Splined(Shape):
     def _spline(self, radius: Array) -> tuple[Array, Array]:
         raise NotImplementedError
 
-    def image(self, c: Array, radius: Array, a: Array) -> Image:
+    def image(self, c: Array, radius: Array, a: Array) -> AbelTransform:
         """In closed form."""
-        return with_first(Spline(c, bends_at(self.kinks, c), c, *self._spline(radius), _series(a), a, radius))
+        return with_first(Spline(c, kink_positions_at(self.kinks, c), c, *self._spline(radius), _series(a), a, radius))
 
 
 class _Flat(_Splined):
@@ -249,7 +249,7 @@ class Profile(_Splined):
         return pointed, jnp.zeros_like(pointed)
 
     @property
-    def reach(self) -> Any:
+    def known_radius(self) -> Any:
         """The last radius."""
         return self.r[..., -1]
 

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import FINITE, NOT_NEGATIVE, NUMBER, SHARE, ArrayLike, guarded
+from plgwear_jax._core.domains import FINITE, NOT_NEGATIVE, NUMBER, SHARE, ArrayLike, nan_outside
 from plgwear_jax._core.leaves import leaf_of, paths_of
-from plgwear_jax._core.record import guarded_field
+from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax.loads import PARTIAL_SLIP
 
 ARGUMENTS = {
@@ -39,6 +39,6 @@ def refuse_array(contact: Any) -> None:
 
 def amplitude_of(contact: Any, tangential_force: ArrayLike) -> Array:
     """phi = F_x/(mu F_N), dimensionless; NaN from 1 on, where the whole contact slips."""
-    limit = guarded_field(contact, "friction") * guarded_field(contact, "normal_force")
+    limit = field_nan_outside(contact, "friction") * field_nan_outside(contact, "normal_force")
     phi = jnp.asarray(tangential_force) / limit
-    return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    return nan_outside("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)

@@ -25,7 +25,7 @@ def as_numbers(given: Any) -> Any:
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
-def each(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def vmap_contacts(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """The function's tree of results for each element of the broadcast arguments, which are trees, by `jax.vmap`.
 
     The function takes the last axis of `tables` whole.

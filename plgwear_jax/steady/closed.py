@@ -15,10 +15,10 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.catalogue import FRETTING
-from plgwear_jax._core.domains import EXPONENT, NUMBER, ArrayLike, Domain, check, guarded, one_or_nan
+from plgwear_jax._core.domains import EXPONENT, NUMBER, ArrayLike, Domain, check, nan_outside, one_or_nan
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import guarded_field
+from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax._core.startup.programs import follows, program, with_slopes
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import Force
@@ -50,7 +50,7 @@ def _unworn_radius(digits: int | None, contact: Any) -> Array:
     material = one_half_space(contact)
     log_stiffness = material.log_stiffness(digits=digits)
     k = jnp.asarray(material.k, log_stiffness.dtype)
-    load = (guarded_field(contact, name) for name in ("normal_force", "radius"))
+    load = (field_nan_outside(contact, name) for name in ("normal_force", "radius"))
     log_load = sum(map(jnp.log, load), jnp.log(0.25 * (3.0 + k)))
     # Materialised, or XLA would compute it again for every result that it scales.
     return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)))
@@ -151,7 +151,7 @@ class Steady(Solution):
     @property
     def _height(self) -> Array:
         """a_0^2/R, the unit of heights."""
-        return self.contact_radius * self.contact_radius / guarded_field(self.contact, "radius")
+        return self.contact_radius * self.contact_radius / field_nan_outside(self.contact, "radius")
 
     @property
     def _mean_pressure(self) -> Array:
@@ -166,7 +166,7 @@ class Steady(Solution):
     @property
     def _tangential_height(self) -> Array:
         """mu theta a_0^2/R, the unit of tangential displacements."""
-        friction = guarded_field(self.contact, "friction")
+        friction = field_nan_outside(self.contact, "friction")
         return friction * self._tangential_ratio * self._height
 
     def _scaled(self, unit: Array, function: Callable[..., Array], **at: ArrayLike) -> Array:
@@ -295,13 +295,13 @@ class Steady(Solution):
     @property
     @compiled
     def _onset_energy_ratio(self) -> Array:
-        k = guarded("k", self._k, EXPONENT)
+        k = nan_outside("k", self._k, EXPONENT)
         return self._one * ((1.0 + k) / (5.0 + k))
 
     @property
     @compiled
     def _onset_aperture(self) -> Array:
-        k = guarded("k", self._k, EXPONENT)
+        k = nan_outside("k", self._k, EXPONENT)
         return self._one * jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k))
 
     @property
@@ -312,7 +312,7 @@ class Steady(Solution):
     @compiled
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m."""
-        moved = guarded("displacement_amplitude", displacement_amplitude, NUMBER)
+        moved = nan_outside("displacement_amplitude", displacement_amplitude, NUMBER)
         limit, onset = self._limiting_friction, self._onset
         rig = limit * self.load.rig_compliance
         return limit * partial_slip.amplitude(self._k, moved / (onset + rig), rig / onset, digits=self.digits)

@@ -58,7 +58,7 @@ def over_radii_of(name: str, states: State, r: Array) -> Array:
 
 def deepest_of(state: State) -> Array:
     worn = state.phi > 0.0
-    most = deepest(state.beside.lack(state.further), jnp.where(worn, state.end, 1.0))
+    most = deepest(state.beside.deficit(state.further), jnp.where(worn, state.end, 1.0))
     return state.height(state.punch) * jnp.where(worn, most, 0.0)
 
 
@@ -159,11 +159,11 @@ def _outside(c: Array, r: Array) -> tuple[Array, Array]:
 
 def _gap(state: State, further: Array, r: Array) -> Array:
     """What Abel's integral leaves in m at radii (m,) beside c, pressed in further in c^2/R; 0 under the contact."""
-    c, lack = state.c, state.beside.lack(further)
+    c, deficit = state.c, state.beside.deficit(further)
     outside, y = _outside(c, r)
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
-    together = lack.v is not None and len(lack.image.bends) <= FEW_KINKS
-    found = jax.vmap(lack.depth)(y) if together else jax.lax.map(jax.checkpoint(lack.depth), y)
+    together = deficit.v is not None and len(deficit.image.kink_positions) <= FEW_KINKS
+    found = jax.vmap(deficit.depth)(y) if together else jax.lax.map(jax.checkpoint(deficit.depth), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0 * c)
 
 
@@ -233,10 +233,10 @@ def energy_of(state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     # As the stick area shrinks to c, F grows and the contact gives way by dF theta/K(c): the area of the loop is
     # 4 theta times the integral of F' (F - F') over 1/K, where nothing cancels but forces.
-    begin, end, bends = state.punch.log_c, state.unworn.log_c, state.beside.image.bends
+    begin, end, kinks = state.punch.log_c, state.unworn.log_c, state.beside.image.kink_positions
     # Where the contact grows beyond a kink F has one too: few are ends of pieces, many take more places.
-    few, count = len(bends) < FEW_KINKS, state.bodies.effort.nodes
-    inner = ratio_where(end > begin, 0.5 * jnp.log1p(bends), end - begin, 1.0) if few else np.zeros(0)
+    few, count = len(kinks) < FEW_KINKS, state.bodies.effort.nodes
+    inner = ratio_where(end > begin, 0.5 * jnp.log1p(kinks), end - begin, 1.0) if few else np.zeros(0)
     parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
@@ -304,8 +304,8 @@ def gross_slip_energy_ratio_of(state: State) -> Array:
     alone, rest = apart(bodies, punch)
     own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
     if rest is not None:
-        bowl, _ = outline.shape.moments(c, outline.radius, s, bodies.effort.modes)
-        own = own + punch.stiffness / punch.flat[0] * (bowl @ rest)
+        moments, _ = outline.shape.moments(c, outline.radius, s, bodies.effort.modes)
+        own = own + punch.stiffness / punch.flat[0] * (moments @ rest)
     return (punch.held - own / punch.depth) / punch.force
 
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, guarded, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_digits, nan_outside, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax.loads import PARTIAL_SLIP, Load
 from plgwear_jax.shapes import shape_of
@@ -94,11 +94,11 @@ class Solution:
     def _argument(self, name: str, value: ArrayLike) -> Any:
         """An argument of a method, checked where it is concrete; NaN where it is traced and outside its range."""
         self._check(**{name: value})
-        return guarded(name, value, ARGUMENTS[name])
+        return nan_outside(name, value, ARGUMENTS[name])
 
     def _relative(self, name: str, value: ArrayLike, unit: Array) -> Array:
         """A distance in a unit, on which what is infinitely far away does not depend."""
-        value = guarded(name, value, ARGUMENTS[name])
+        value = nan_outside(name, value, ARGUMENTS[name])
         endless = value == jnp.inf
         return jnp.where(endless, value, jnp.where(endless, unit, value) / unit)
 

@@ -11,7 +11,7 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, RefusedError, one_or_nan
-from plgwear_jax._core.record import guarded_field, record
+from plgwear_jax._core.record import field_nan_outside, record
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import program, traced, value_of, with_slopes
 from plgwear_jax._core.xla import materialised
@@ -19,7 +19,7 @@ from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import as_numbers, each
+from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
 from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
@@ -57,7 +57,7 @@ class State(Worn):
 def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
     """The states of all contacts and forces, in their common shape."""
     given = as_numbers((contact, tangential_force))
-    found, reach = with_slopes(solved_states)(effort, *given), shape_of(contact).reach
+    found, reach = with_slopes(solved_states)(effort, *given), shape_of(contact).known_radius
     if not traced(given):
         refuse_tension(found, worn=False)
         if reach is not None and np.any(np.isnan(found.results.worn_radius) & (found.least.pulled[..., 1] == 0.0)):
@@ -85,7 +85,7 @@ def opens(when: str, share: Any, r: Any) -> str:
 def bodies_of(effort: Effort, contact: Any) -> Bodies:
     """The bodies of one contact."""
     material, outline = contact.material, outline_of(contact)
-    others = contact.indenter, guarded_field(contact, "normal_force") * outline.radius, effort, outline
+    others = contact.indenter, field_nan_outside(contact, "normal_force") * outline.radius, effort, outline
     if isinstance(material, AnyModulus):
         return graded(material, *others)
     if isinstance(material, Elastic):
@@ -108,7 +108,7 @@ def theta_of(contact: Any, bodies: Any, c: Array, flat: Array | None = None) -> 
 
 def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The state of one contact, NaN where it would have to pull: all of it but the least pressures, or what is worn."""
-    force, friction = (guarded_field(contact, name) for name in ("normal_force", "friction"))
+    force, friction = (field_nan_outside(contact, name) for name in ("normal_force", "friction"))
     # Few pressures do not resolve what lies between a corner and a contact that ends next to it.
     corner = getattr(shape_of(contact), "corner", 0.0)
     bodies = bodies_of(max(effort, EFFORTS[4 if corner else 2]), contact)
@@ -117,7 +117,7 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)
     found = worn(bodies, force * bodies.outline.radius, phi)
     theta = theta_of(contact, bodies, found.unworn.c, found.unworn.flat)
-    least, reach = least_pressures(found, phi), bodies.outline.shape.reach
+    least, reach = least_pressures(found, phi), bodies.outline.shape.known_radius
     before, after = jnp.unstack(least.pulled == 0.0)
     if reach is not None:  # what is beyond a table is guessed
         before, after = before & (found.unworn.c <= reach), after & (found.c * jnp.sqrt(1.0 + found.end) <= reach)
@@ -144,11 +144,11 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
 def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The program of `states_of`."""
     one = sequential_vmap(functools.partial(state_of, effort))
-    return each(one, (contact, tangential_force))
+    return vmap_contacts(one, (contact, tangential_force))
 
 
 @program(static=1, level=1)
 def solved_results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
     """The results of these states alone, whose derivatives at known numbers are a smaller program."""
     one = sequential_vmap(lambda *given: state_of(effort, *given).results)
-    return each(one, (contact, tangential_force))
+    return vmap_contacts(one, (contact, tangential_force))

@@ -16,18 +16,18 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     Numbers,
-    guarded,
+    nan_outside,
     one_or_nan,
 )
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import check_columns, guarded_field, record
+from plgwear_jax._core.record import check_columns, field_nan_outside, record
 from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
 
 def mindlin_ratio(nu: ArrayLike) -> Array:
     """(2-nu)/(2(1-nu)), the tangential compliance of a homogeneous half-space over its normal one."""
-    nu = guarded("nu", nu, POISSON_RATIO)
+    nu = nan_outside("nu", nu, POISSON_RATIO)
     return (1.0 - 0.5 * nu) / (1.0 - nu)
 
 
@@ -61,8 +61,8 @@ class Elastic:
     @property
     def plane_modulus(self) -> Array:
         """E/(1 - nu^2) in Pa."""
-        nu = guarded_field(self, "nu")
-        return guarded_field(self, "E") / ((1.0 - nu) * (1.0 + nu))
+        nu = field_nan_outside(self, "nu")
+        return field_nan_outside(self, "E") / ((1.0 - nu) * (1.0 + nu))
 
     def tangential_ratio(self) -> Array:
         """Tangential over normal compliance, dimensionless."""
@@ -70,8 +70,8 @@ class Elastic:
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
-        z = guarded("z", z, NOT_NEGATIVE)
-        return guarded_field(self, "E") * one_or_nan(~jnp.isnan(z))
+        z = nan_outside("z", z, NOT_NEGATIVE)
+        return field_nan_outside(self, "E") * one_or_nan(~jnp.isnan(z))
 
 
 class AnyModulus(HalfSpace):
@@ -83,7 +83,7 @@ class AnyModulus(HalfSpace):
 
     def arrays(self) -> list[Array]:
         """The two arrays, NaN where a traced number is outside its range."""
-        return [guarded_field(self, name) for name in self.tables]
+        return [field_nan_outside(self, name) for name in self.tables]
 
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
@@ -99,7 +99,7 @@ class AnyModulus(HalfSpace):
         """Young's modulus in Pa at depths z >= 0 in m; for fields without further axes than that along the depth."""
         arrays = self.arrays()
         dtype = jnp.result_type(*arrays, z, 0.0)
-        z = jnp.asarray(guarded("z", z, NOT_NEGATIVE), dtype)
+        z = jnp.asarray(nan_outside("z", z, NOT_NEGATIVE), dtype)
         length, modulus = (array.astype(dtype) for array in arrays)
         unit = 2.0**20  # 1/m: in micrometres the coefficients of cubics are numbers of float32
         found = self.by_depth(unit * length, modulus).at(unit * z)

@@ -34,7 +34,7 @@ class RingCells(NamedTuple):
     gap: Array  # g beside the unworn contact of the stick radius c, integrated over each cell
     steady: Array  # H, integrated over each cell
     first: Array  # the pressure before any wear, the mean over each cell
-    swept: Array  # the gap that a flat punch of the radius c leaves, integrated over each cell
+    flat_punch_gap: Array  # the gap that a flat punch of the radius c leaves, integrated over each cell
     edges: Array  # T/C - 1 at the edges of the cells
     from_1: Array  # T/C - (a_0/c)^2 there
 

@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax._core.record import guarded_field, record, static
+from plgwear_jax._core.record import field_nan_outside, record, static
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import clamped, quotient
@@ -376,7 +376,7 @@ def _terms(effort: Effort, numbers: Array) -> Array:
 
 def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: Effort, outline: Outline) -> Graded:
     """A half-space of any E(z), and a homogeneous body or a rigid one, for a load F_N R."""
-    (lengths, moduli), nu = material.arrays(), guarded_field(material, "nu")
+    (lengths, moduli), nu = material.arrays(), field_nan_outside(material, "nu")
     plane = (1.0 - nu) * (1.0 + nu)
     surface = 2.0 * plane / moduli[0]
     of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus

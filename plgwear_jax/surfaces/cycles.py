@@ -53,23 +53,23 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
         v = touching * beside.flat + beside.own
         lost, risen = jnp.unstack(between(jnp.stack([beside.flat, v]), y))
         flat, unworn_gap = 1.0 - lost, jnp.maximum(unworn_gap + risen - v[0], 1e-3 * unworn_gap)
-    swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
+    flat_punch_gap, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * radius / punch.stiffness
-    whole = at_held_depth * (radius / (c * c)) + rise * swept[:, None] * swept
+    whole = at_held_depth * (radius / (c * c)) + rise * flat_punch_gap[:, None] * flat_punch_gap
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.
     some = size > 0.0
     last = jnp.sum(some) - 2  # and one more; behind both are empty cells
     (before, end), (first, second) = (
-        jnp.unstack(jax.lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, swept, 1.0), size)
+        jnp.unstack(jax.lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, flat_punch_gap, 1.0), size)
     )
     sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
-    steady = sunk * swept - gap
+    steady = sunk * flat_punch_gap - gap
     # The pressure before any wear. That of the contact in modes is not known next to a kink.
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, np.eye(there.size, dtype=whole.dtype))
     pressure = solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0]
-    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), swept, from_c, from_1)
+    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), flat_punch_gap, from_c, from_1)
 
 
 # --- powers of the wavenumber -----------------------------------------------------------------------------------------
@@ -278,17 +278,17 @@ def _through_inside(
 # --- inside c ---------------------------------------------------------------------------------------------------------
 
 
-def inward(found: Worn, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
+def inward(found: Worn, flat_punch_gap: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
     """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there under force control).
 
     Args:
         found: The contact of the radius a_0, and that of the stick radius c.
-        swept: As of `RingCells`.
+        flat_punch_gap: As of `RingCells`.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on.
     """
     bodies, punch, c, at = found.bodies, found.punch, found.c, (found.width, from_c, from_1)
-    sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
+    sunk = -math.pi * c * c / punch.stiffness * flat_punch_gap  # m/Pa
     if not isinstance(bodies, Graded):
         edges = _cells_that_stick(from_c, bodies.effort.digits)
         _, _, disc, mixed = power_terms(bodies, c, *at, (edges, edges - found.width))

@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
-from plgwear_jax.shapes.shape import Image, Outline, inwards
+from plgwear_jax.shapes.shape import AbelTransform, Outline, inwards
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
@@ -25,7 +25,7 @@ class Punch(NamedTuple):
 
     log_c: Array  # of the radius in m
     flat: Any  # y of a flat punch pressed by 1; on a power law alone this one and the next two are None
-    bowl: Any  # y of the indenter in units of c^2/R, T/2 for the parabola
+    indenter_solution: Any  # y of the indenter in units of c^2/R, T/2 for the parabola
     last: Any  # what the last pressure does to itself
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
@@ -50,9 +50,9 @@ def punch_at(bodies: Bodies, log_c: Array) -> Punch:
         return Punch(log_c, None, None, None, *inner)
     matrix, slope = bodies.matrices(c)
     first = jnp.asarray(np.eye(modes, 1)[:, 0], c.dtype)
-    bowl, rising = outline.shape.moments(c, outline.radius, s, modes)
-    found = solve_symmetric(matrix, jnp.stack([first, bowl], -1))
-    flat, bowl = jnp.unstack(found, axis=1)
+    moments, rising = outline.shape.moments(c, outline.radius, s, modes)
+    found = solve_symmetric(matrix, jnp.stack([first, moments], -1))
+    flat, indenter_solution = jnp.unstack(found, axis=1)
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
     unit = 2.0 * jnp.pi * bodies.front**2 * c
@@ -60,7 +60,9 @@ def punch_at(bodies: Bodies, log_c: Array) -> Punch:
     both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
     stiffness, held, growth, bent = jnp.unstack(both.ravel())
     depth = (bent + unit * (flat @ rising)) / growth
-    return Punch(log_c, flat, bowl, matrix[-1, -1], stiffness, growth, held, depth, stiffness * depth - held)
+    return Punch(
+        log_c, flat, indenter_solution, matrix[-1, -1], stiffness, growth, held, depth, stiffness * depth - held
+    )
 
 
 def surplus(punch: Punch, log_load: Array) -> Array:
@@ -154,10 +156,10 @@ def apart(bodies: Bodies, punch: Punch) -> tuple[Array, Any]:
     yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
     shape, radius = bodies.outline
     moments, _ = shape.moments(punch.c, radius, s, order.size)
-    return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
+    return punch.stiffness / (punch.flat[0] * yielding[0]), punch.indenter_solution - moments / yielding
 
 
-def resolved(image: Image) -> bool:
+def resolved(image: AbelTransform) -> bool:
     """Whether the pressures resolve the indenter, which then is a parabola."""
     return isinstance(image, Power) and image.power is None
 
@@ -167,7 +169,7 @@ def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:
     c, s, outline = punch.c, bodies.s, bodies.outline
     image, (stiffness, rest) = outline.image(c, s), apart(bodies, punch)
     flat = stiffness * punch.flat[0] / punch.stiffness
-    own = (rest - punch.bowl).at[0].add(image.first * flat)
+    own = (rest - punch.indenter_solution).at[0].add(image.first * flat)
     if resolved(image):
         return OnTheLaw(flat, own, None)
     parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * bodies.effort.nodes)
@@ -175,13 +177,13 @@ def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:
     return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s), faster))
 
 
-def grown(bodies: Bodies, punch: Punch, image: Image) -> Array:
+def grown(bodies: Bodies, punch: Punch, image: AbelTransform) -> Array:
     """How much faster than G the depth rises next to c: the indenter is flat punches of radii up to c."""
     rise, edge = along_radius(bodies, punch).depth, jnp.ones((1,), punch.log_c.dtype)
     return (punch.depth + 0.5 * rise) / image.rate(edge, inwards(bodies.outline.shape.kinks, punch.c)[None])[0]
 
 
-def _risen(outline: Outline, image: Image, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
+def _risen(outline: Outline, image: AbelTransform, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
     """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
     ends = inwards(outline.shape.corners, c) / z
@@ -217,7 +219,7 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
 
 def own_pressures(punch: Punch) -> Array:
     """y of the indenter that touches up to c and no further."""
-    return _without_edge(punch.depth * punch.flat - punch.bowl)
+    return _without_edge(punch.depth * punch.flat - punch.indenter_solution)
 
 
 def _without_edge(y: Array) -> Array:

@@ -18,7 +18,7 @@ from jax import Array
 
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.startup.programs import moved_along
-from plgwear_jax.shapes.shape import Image, inwards
+from plgwear_jax.shapes.shape import AbelTransform, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of, value_with_slope
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -44,11 +44,11 @@ def _to_powers() -> np.ndarray:
 
 
 @record
-class Lack:
+class DepthDeficit:
     """D(T) = level - (G(T) - G(1)) - v."""
 
     level: Array
-    image: Image  # G
+    image: AbelTransform  # G
     v: Array | None  # at the nodes in log(y); None if it is 0
     a: Array  # the exponent of Abel's integral
     nodes: int = static()  # of integrals where v is not 0
@@ -86,33 +86,33 @@ def _around(y: Array) -> tuple[Array, Array]:
 
 
 @record
-class Beside:
+class RingDisplacement:
     """v beside the contact of fixed radius."""
 
     a: Array
-    image: Image  # what Abel's integral takes to the indenter
+    image: AbelTransform  # what Abel's integral takes to the indenter
     nodes: int = static()  # of integrals
     flat: Any = None  # of the flat punch
     own: Any = None  # of the indenter that touches up to c and no further, less what it is at c
 
-    def lack(self, further: Array) -> Lack:
+    def deficit(self, further: Array) -> DepthDeficit:
         """D of the indenter pressed in further than it touches so, in c^2/R."""
         v = None if self.flat is None else further * self.flat + self.own
-        return Lack(further, self.image, v, self.a, self.nodes)
+        return DepthDeficit(further, self.image, v, self.a, self.nodes)
 
 
-def beside(bodies: Bodies, punch: Punch) -> Beside:
+def beside(bodies: Bodies, punch: Punch) -> RingDisplacement:
     """v of both."""
     c, a, depth, modes = punch.c, bodies.abel, punch.depth, bodies.effort.modes
     image = bodies.outline.image(c, a)
     fixed = a, image, bodies.effort.nodes
     if isinstance(bodies, OnePower):
-        return Beside(*fixed)
+        return RingDisplacement(*fixed)
     y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
-    both = jnp.stack([punch.flat, depth * punch.flat - punch.bowl], -1)
+    both = jnp.stack([punch.flat, depth * punch.flat - punch.indenter_solution], -1)
     if isinstance(bodies, Graded):
-        first, v = bodies.beside_edge(c, y, both, on_the_law(bodies, punch), len(image.bends))
-        return Beside(*fixed, first[0] + v[:, 0], v[:, 1])
+        first, v = bodies.beside_edge(c, y, both, on_the_law(bodies, punch), len(image.kink_positions))
+        return RingDisplacement(*fixed, first[0] + v[:, 0], v[:, 1])
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
     count = int(np.sum(_nodes() < -2.0 * math.log(modes)))
@@ -130,7 +130,7 @@ def beside(bodies: Bodies, punch: Punch) -> Beside:
         near = size * grown(bodies, punch, image) * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
-    return Beside(*fixed, 1.0 - flat, own - fallen)
+    return RingDisplacement(*fixed, 1.0 - flat, own - fallen)
 
 
 def sine_of(a: Array) -> Array:
@@ -138,27 +138,27 @@ def sine_of(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _counts(lack: Lack, y: Array) -> tuple[Array, Array]:
+def _counts(deficit: DepthDeficit, y: Array) -> tuple[Array, Array]:
     """Places between 0 and a number y, the last one y, and how much D counts there, (2, places).
 
     It counts for the depth at y, and for the integral of the depth over T up to 1 + y.
     """
-    a, bends = lack.a, lack.image.bends
+    a, kinks = deficit.a, deficit.image.kink_positions
     # Of a power law alone, whose integrands are known to all digits, the rule goes as far as these do.
-    alone = (160, 36.0) if len(bends) < FEW_KINKS else (100, 26.0)
-    rule = pieces(bends / y, a, logistic(*alone) if lack.v is None else logistic(lack.nodes))
+    alone = (160, 36.0) if len(kinks) < FEW_KINKS else (100, 26.0)
+    rule = pieces(kinks / y, a, logistic(*alone) if deficit.v is None else logistic(deficit.nodes))
     places, (weight, last) = jnp.append(y * rule.x, y), rule.singular(1.0 - a)
     further = jnp.append(y / (1.0 - a) * rule.left * weight, 0.0)
     front = sine_of(a) * jnp.exp((1.0 - a) * jnp.log(y) + (a - 1.0) * jnp.log1p(places))
     return places, front * jnp.stack([jnp.append(weight, last), further])
 
 
-def sunk_beside(bodies: Bodies, punch: Punch, around: Beside, further: Array, y: Array) -> Array:
+def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further: Array, y: Array) -> Array:
     """The displacements in c^2/R at T = 1 + y beside the contact, shape (m,), pressed in further than it touches.
 
     They are Abel's integral of v from 0 on, which is d - G(T) under the contact. Far away little is left of the depth.
     """
-    a, image, lack, log_c = around.a, around.image, around.lack(further), punch.log_c
+    a, image, deficit, log_c = around.a, around.image, around.deficit(further), punch.log_c
     level, known = punch.depth - image.first, jnp.minimum(y, math.exp(_FARTHEST))
     under = pieces(inwards(bodies.outline.shape.corners, punch.c)[::-1], a, logistic(200, 46.0))  # over x = 1 - T
     weight, last = under.singular(a)
@@ -167,10 +167,10 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: Beside, further: Array, y:
     def at(y: Array) -> Array:
         sunk = weight @ jnp.exp(-a * jnp.log(y + under.x))
         sunk = sine_of(a) * (sunk + last * (punch.depth + further) * jnp.exp(-a * jnp.log1p(y)))
-        if lack.v is None:
+        if deficit.v is None:
             return sunk
-        places, (own, _) = _counts(lack, y)
-        return sunk + own @ (level + between(lack.v, places))
+        places, (own, _) = _counts(deficit, y)
+        return sunk + own @ (level + between(deficit.v, places))
 
     sunk, log_r, log_last = jax.lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
     return sunk * jnp.exp(bodies.far(log_r) - bodies.far(log_last))
@@ -184,32 +184,32 @@ class Ring(NamedTuple):
 
 
 @jax.custom_jvp
-def ring_of(lack: Lack) -> Ring:
+def ring_of(deficit: DepthDeficit) -> Ring:
     """The ring of what is lacking."""
-    near = jnp.full((1,), 0.01, lack.a.dtype)
-    (fall,) = lack.image.fallen(near) / near  # about the slope of G at T = 1
-    start = jnp.log(jnp.maximum(lack.near / fall, float(jnp.finfo(near.dtype).eps)))
+    near = jnp.full((1,), 0.01, deficit.a.dtype)
+    (fall,) = deficit.image.fallen(near) / near  # about the slope of G at T = 1
+    start = jnp.log(jnp.maximum(deficit.near / fall, float(jnp.finfo(near.dtype).eps)))
 
     def excess(log_y: Array) -> Array:
-        places, (own, _) = _counts(lack, jnp.exp(log_y))
-        return -(own @ lack.at(places)) / (jnp.sum(own) * fall * jnp.exp(start))
+        places, (own, _) = _counts(deficit, jnp.exp(log_y))
+        return -(own @ deficit.at(places)) / (jnp.sum(own) * fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, (_, own) = _counts(lack, jnp.exp(log_y))
-    return Ring(log_y, own @ lack.at(places))
+    places, (_, own) = _counts(deficit, jnp.exp(log_y))
+    return Ring(log_y, own @ deficit.at(places))
 
 
 @functools.partial(ring_of.defjvp, symbolic_zeros=True)
 def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
     # Depth and volume are sums over D at places that move with the edge, where the depth stays 0.
-    def sums(lack: Lack, log_y: Array) -> Array:
-        places, own = _counts(lack, jnp.exp(log_y))
-        return own @ lack.at(places)
+    def sums(deficit: DepthDeficit, log_y: Array) -> Array:
+        places, own = _counts(deficit, jnp.exp(log_y))
+        return own @ deficit.at(places)
 
-    (lack,), ring = primals, ring_of(*primals)
+    (deficit,), ring = primals, ring_of(*primals)
     log_y = ring.log_y
-    _, by_y = value_with_slope(functools.partial(sums, lack), log_y)
-    _, held = moved_along(lambda lack: sums(lack, log_y), primals, tangents)
+    _, by_y = value_with_slope(functools.partial(sums, deficit), log_y)
+    _, held = moved_along(lambda deficit: sums(deficit, log_y), primals, tangents)
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
@@ -218,13 +218,13 @@ def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
 _PLACES, _CLOSER = np.linspace(0.0, 1.0, 26)[1:-1], np.array([-0.004, 0.0, 0.004])
 
 
-def deepest(lack: Lack, end: Array) -> Array:
+def deepest(deficit: DepthDeficit, end: Array) -> Array:
     """The largest depth in a ring that ends at y = end."""
 
     def depths_at(places: Array) -> Array:
         # In a wide ring it is at a power of the radius of the end, and towards either end for |k| -> 1.
         y = jnp.expm1(places * places * (3.0 - 2.0 * places) * jnp.log1p(end))
-        return jax.vmap(lack.depth)(y)
+        return jax.vmap(deficit.depth)(y)
 
     places, near = (jnp.asarray(at, end.dtype) for at in (_PLACES, _CLOSER))
     # Once more, nearer to the top, and there by a parabola: it has the second derivatives of a top that moves.
@@ -244,7 +244,7 @@ class Worn:
     unworn: Punch  # of the radius a_0
     punch: Punch  # of the radius c, that of the stick area
     further: Array  # d_inf less the depth of `punch`
-    beside: Beside  # of the radius c
+    beside: RingDisplacement  # of the radius c
     end: Array  # y of the outer edge of the worn ring
     volume: Array  # over c^4/R
 
@@ -278,7 +278,7 @@ def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:
     further, v = rise * phi / (1.0 - phi), beside(bodies, punch)
     # Without an amplitude there is no ring; a narrow one tells how rings begin.
     few = 4096.0 * float(jnp.finfo(phi.dtype).eps)
-    ring = ring_of(v.lack(jnp.where(wears, further, few * rise)))
+    ring = ring_of(v.deficit(jnp.where(wears, further, few * rise)))
     end, volume = (
         jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few),
         jnp.where(wears, jnp.pi * ring.volume, 0.0 * phi),

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import fretting
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.domains import POSITIVE, nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program, with_slopes
 from plgwear_jax._core.xla import materialised
@@ -18,7 +18,7 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, power_where, ratio_where, sine_quotient
 from plgwear_jax.special.exponents import exponents
-from plgwear_jax.steady.batch import each, in_turn
+from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
@@ -43,16 +43,24 @@ def rings_of(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCel
     def cells(from_c: Array, from_1: Array) -> tuple[RingCells, Array]:
         """(The ring in cells, the frictional work of the first cycle over C^(s+2))."""
         t, share, weight, size = images_of(from_c, from_1, unworn, s, q)
-        swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
+        flat_punch_gap, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
         of_ring = products_of(share, weight) * (sine * sine / (2.0 * (1.0 + s)))
-        compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept
+        compliance = of_ring + (0.5 * s / (1.0 + s)) * flat_punch_gap[:, None] * flat_punch_gap
         # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
         work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
         load = jnp.maximum(-from_1, 0.0)
         load = power_where(load > 0.0, load, 1.0 + s)
         first = ratio_where(size > 0.0, -jnp.diff(load), size)
         # Depths over C/2, areas over C.
-        ring = RingCells(2.0 * compliance / powered, gap, slips * swept - gap, powered * first, swept, from_c, from_1)
+        ring = RingCells(
+            2.0 * compliance / powered,
+            gap,
+            slips * flat_punch_gap - gap,
+            powered * first,
+            flat_punch_gap,
+            from_c,
+            from_1,
+        )
         return ring, work
 
     ring, work = jax.vmap(cells)(*edges_of(unworn, grown, resolution))
@@ -69,7 +77,7 @@ def run(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 @program(static=1, level=1)
 def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
     """The runs of all pairs of k and phi."""
-    return each(sequential_forward_mode(functools.partial(run, resolution)), (k, phi))
+    return vmap_contacts(sequential_forward_mode(functools.partial(run, resolution)), (k, phi))
 
 
 @program(static=1, level=1)
@@ -125,7 +133,10 @@ class ClosedRing(NamedTuple):
             outer, z = curves.edges[..., 1:], z[..., None]
             places = jnp.broadcast_arrays(outer / z, s, q)
             tails, *_ = arcsine_tail(fold(places[0]), *places[1:], 8 if z.dtype == jnp.float64 else None)
-            taken = s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0) + s * s * curves.swept
+            taken = (
+                s * sine_quotient(s, q) * jnp.diff(jnp.exp(q * jnp.log(outer)), prepend=0.0)
+                + s * s * curves.flat_punch_gap
+            )
             return jnp.diff(tails, prepend=0.0) - taken * jnp.exp(-q * jnp.log(z))
 
         return jnp.full_like(self.c, _NEAREST), caused_at
@@ -148,7 +159,7 @@ def _ring_of(digits: int | None, contact: Any, load: Any) -> ClosedRing:
 def _in_units(ring: ClosedRing, curves: RunCurves, wear_coefficient: Array) -> RunSolution:
     # Time is 4 K mu theta N for N cycles, in 1/Pa.
     unit, final = curves.unit / ring.mean_pressure, ring.a_0 * ring.a_0 * ring.height * curves.final
-    K, curves = guarded("wear_coefficient", wear_coefficient, POSITIVE), curves._replace(final=final, unit=unit)
+    K, curves = nan_outside("wear_coefficient", wear_coefficient, POSITIVE), curves._replace(final=final, unit=unit)
     pace = 4.0 * ring.friction * ring.theta * K / unit
     return RunSolution(curves, ring.phi, pace, ring.a_0, ring.c, ring, ring.force, ring.friction / K)
 

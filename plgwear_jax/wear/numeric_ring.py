@@ -10,11 +10,11 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.domains import POSITIVE, nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import each, in_turn
+from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, state_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
@@ -56,7 +56,7 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
         state = state_of(effort, contact, force)
         return state, curves_from(resolution, *numeric_rings_of(resolution, state))
 
-    return each(sequential_forward_mode(run), (contact, force))
+    return vmap_contacts(sequential_forward_mode(run), (contact, force))
 
 
 def _worn_runs(resolution: MarchResolution, states: State) -> _Runs:
@@ -102,7 +102,7 @@ class NumericRing(NamedTuple):
     def caused(self, curves: RunCurves) -> tuple[Array, Callable[[Array], Array]]:
         """(The least known 1 - (r/c)^2 inside c; by it what pressures a unit of pressure in each cell causes there)."""
         states = self.states
-        places, caused = in_turn(inward, states.shape, states, curves.swept, curves.edges, curves.from_1)
+        places, caused = in_turn(inward, states.shape, states, curves.flat_punch_gap, curves.edges, curves.from_1)
 
         def caused_at(z: Array) -> Array:
             place = moment_at(-places, -z, within=True)  # places decrease towards c
@@ -115,7 +115,7 @@ class NumericRing(NamedTuple):
 def _run_in_si(runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
     states, curves = runs
     phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
-    K = guarded("wear_coefficient", wear_coefficient, POSITIVE)
+    K = nan_outside("wear_coefficient", wear_coefficient, POSITIVE)
     pace = 4.0 * states.tangential * K / curves.unit  # 4 K mu theta in 1/Pa is the time of one cycle
     a_0 = states.results.contact_radius
     stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)

@@ -35,7 +35,7 @@ class RunCurves(NamedTuple):
     decay: Array  # a: beyond the last time the volume left to wear, r, obeys r' = -(a + b r) r
     slowing: Array  # b
     ratio: Array  # H/g in the cells
-    swept: Array  # Q/s integrated over the cells
+    flat_punch_gap: Array  # Q/s integrated over the cells
     edges: Array  # T/C - 1 at the edges of the cells
     from_1: Array  # T/C - (a_0/c)^2 there
     # As of `Scales`
@@ -151,7 +151,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
         fall - more * rest,
         more,
         ring.steady / ring.gap,
-        ring.swept,
+        ring.flat_punch_gap,
         ring.edges,
         ring.from_1,
         *scales,

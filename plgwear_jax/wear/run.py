@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NOT_NEGATIVE, ArrayLike, guarded, whole
+from plgwear_jax._core.domains import NOT_NEGATIVE, ArrayLike, nan_outside, whole
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.loads import Load
@@ -196,7 +196,9 @@ class Run(Solution, abc.ABC):
 
     def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Shape of the worn indenter in m above its apex."""
-        return self.depth(r, cycles) + shape_of(self.contact).height(guarded("r", r, NOT_NEGATIVE), self.contact.radius)
+        return self.depth(r, cycles) + shape_of(self.contact).height(
+            nan_outside("r", r, NOT_NEGATIVE), self.contact.radius
+        )
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Pressure in Pa, nowhere negative."""

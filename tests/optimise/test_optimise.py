@@ -214,7 +214,7 @@ def test_a_known_minimum_moves_with_what_its_function_depends_on():
 
     u = jnp.array([[0.15, -1.0]])
     found = u, jnp.zeros((1, 1)), search.rows_at(function, u, 0.3)
-    (moved,) = by_numpy(jax.jacfwd(lambda a: search.tied(function, found, a)[0]))(jnp.asarray(0.3))
+    (moved,) = by_numpy(jax.jacfwd(lambda a: search.implicit(function, found, a)[0]))(jnp.asarray(0.3))
     assert_allclose(moved, [0.5, 0.0], atol=1e-12)
 
 

@@ -23,7 +23,7 @@ from plgwear_jax.special.pchip import pchip
 from plgwear_jax.surfaces.cycles import through_springs
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.half_space import excess_compliance
-from plgwear_jax.surfaces.ring import Lack, deepest
+from plgwear_jax.surfaces.ring import DepthDeficit, deepest
 
 A = 1e-4  # about a contact radius
 THICKNESS, MODULUS, NU, F_X = LAYERS.thickness, LAYERS.modulus, 0.3, 2.0
@@ -291,7 +291,7 @@ def test_second_derivatives_of_the_deepest_wear_know_that_its_place_moves():
     image = Outline(Parabola(), jnp.asarray(RADIUS)).image(jnp.asarray(5e-5), jnp.asarray(0.4))
 
     def most(level):  # at a fixed place it would be proportional to it
-        return deepest(Lack(level, image, None, jnp.asarray(0.4), effort_of(4)), jnp.asarray(0.9))
+        return deepest(DepthDeficit(level, image, None, jnp.asarray(0.4), effort_of(4)), jnp.asarray(0.9))
 
     def along(function):
         return lambda level: jax.jvp(function, (level,), (jnp.ones_like(level),))[1]
