@@ -143,7 +143,9 @@ def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Ar
     wear: Callable[..., Array] = functools.partial(fretting.wear_volume, digits=digits)
     if of_life:
         from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
-        from plgwear_jax.wear.closed_ring import wear_volume
+        from plgwear_jax.wear.closed_ring import curves_of
+        from plgwear_jax.wear.ring_cells import march_resolution_of
+        from plgwear_jax.wear.ring_curves import share_at
 
         life, nu = of_life
         valid = valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)
@@ -151,7 +153,8 @@ def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Ar
         # Runs are along a last axis, and only as many as there are pairs of bounds and amplitudes.
         k = nodes_between(*with_room(upper, lower), NODES)
         phi, life, nu = (x[..., None] for x in (jnp.where(phi > 0.0, phi, 0.005), life, nu))
-        volume = wear_volume(k, phi, life * tangential_ratio(k, nu), digits)
+        runs = curves_of(march_resolution_of(digits), k, phi)
+        volume = runs.final * share_at(runs, life * tangential_ratio(k, nu) / runs.unit)
         given = *(jnp.broadcast_to(x, (*shape, NODES)) for x in (k, jnp.log(volume))), worn
         digits = digits or 4
 

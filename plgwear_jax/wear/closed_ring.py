@@ -22,7 +22,7 @@ from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from, share_at
+from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
 from plgwear_jax.wear.ring_run import RingRun, RunSolution
 
 # --- without units: radii in a_0, heights in a_0^2/R, pressures in F_N/(pi a_0^2), time as n of the theory ------------
@@ -83,13 +83,6 @@ def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 @program(static=1, level=1)
 def _rings(resolution: MarchResolution, k: Array, phi: Array) -> tuple[RingCells, Scales]:
     return in_turn(functools.partial(rings_of, resolution), k.shape, k, phi)
-
-
-def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
-    """The worn volume after n reduced cycles, by runs to these digits."""
-    k, phi = jnp.broadcast_arrays(k, phi)
-    curves = curves_of(march_resolution_of(digits), k, phi)
-    return curves.final * share_at(curves, n / curves.unit)
 
 
 # --- in SI units ------------------------------------------------------------------------------------------------------
