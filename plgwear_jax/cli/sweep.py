@@ -93,6 +93,8 @@ def sweep(
         name, values = _name_and_text("--axis =", text, "NAME=VALUES, such as shape.exponent=2:4:9")
         if name in texts:
             refuse(f"--axis = {one_line(text)}: {name} is given more than once")
+        if name in inspect.signature(library.sweep).parameters:
+            refuse(f"--axis = {one_line(text)}: {name} is no axis")
         texts[name] = values
     for name, text in texts.items():
         if name in ("nu", "material.nu") and text.strip() == "holl":
@@ -121,8 +123,7 @@ def sweep(
             chunk=chunk,
             scheduler=scheduler,
             progress=follow,
-            **subject,
-            **axes,
+            **axes | subject | axes,  # in the order of the axes, which replace what the file gives
         )
     except KeyboardInterrupt:
         bar.stop()
@@ -208,8 +209,9 @@ def _subject(
     if given.wear and "wear_coefficient" not in axes and followed:
         given.wear.refuse_frictions(axes)
     if given.wear and lasts:
-        known = {"wear_coefficient": given.wear.archard, "cycles": None if blocks else given.lasts}
-        found |= {name: value for name, value in known.items() if value is not None and name not in axes}
+        found["wear_coefficient"] = given.wear.archard
+        if given.wear.cycles and not blocks:
+            found["cycles"] = given.wear.cycles
     if designed:
         own = "contact", "load", "weight", *(["cycles"] if blocks else [])  # which a sweep has otherwise
         found["design"] = {name: value for name, value in given.arguments().items() if name not in own}
@@ -234,7 +236,7 @@ def _subject(
 
         found["load"] = Force(load.force, load.rig_stiffness)
     rig = load and load.rig_stiffness
-    if rig and "load" not in found and "rig_stiffness" not in axes:
+    if rig and "load" not in found:
         found["rig_stiffness"] = rig
     return found
 

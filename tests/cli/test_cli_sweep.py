@@ -130,6 +130,7 @@ BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
         ),
         (FORCED, "wear_volume", "--displacement=1e-7:2e-7:2", {"rig_stiffness": 2e7}),
         (FORCED, "wear_volume", "--phi=0.1:0.2:2", {"rig_stiffness": 2e7}),
+        (FORCED, "wear_volume", "--phi=0.1:0.2:2 --rig-stiffness=1e7:2e7:2", {}),
         (HELD, "transient.wear_volume", "--rig-stiffness=1e7:2e7:2", {"load": Displacement(2e-7, 2e7)}),
         (SLIDING, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(1.5e-6)}),
         (SLIDING, "design.k", "--radius=1e-3:2e-3:2", {"load": Displacement(1.5e-6)}),
