@@ -302,7 +302,7 @@ def implicit(function: Callable[[Array, Any], Array], found: Any, params: Any) -
 
 
 @implicit.defjvp
-def _tied_jvp(function, primals, tangents):
+def _implicit_jvp(function, primals, tangents):
     minima, params = implicit(function, *primals), primals[1]
     u, multipliers, rows = minima
     curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
