@@ -257,13 +257,13 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
     def moved_by(steps: Array) -> tuple[Any, Any]:
         there = {name: moved(name, x, step) for (name, x), step in zip(here.items(), steps, strict=True)}
         candidate = Candidate(question, there, shared)
-        held = {"E0": candidate.contact.material.E0} if question.hold else {}
         pressed = candidate.steady._pressed if left_out else ()
         state = candidate.steady._solution if tells_states(question) else ()
         pressed, state = jax.tree.map(lambda x: x[0], (pressed, state))
-        return (candidate.rows(), pressed), (held, state)
+        return (candidate.rows(), pressed), state
 
-    (rows, pressed), (held, state) = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
+    held = {"E0": Candidate(question, here, shared).contact.material.E0} if question.hold else {}
+    (rows, pressed), state = rows_of(moved_by, jnp.zeros(len(here), point.dtype))
     return Evaluation(rows, held, state, pressed)
 
 

@@ -128,7 +128,7 @@ def size_of(lowered):
 @parametrize(
     "asked, most",
     [
-        (HELD, Size(22, 3950)),
+        (HELD, Size(26, 3900)),
         (HELD | {"limits": ALLOWED}, Size(38, 6000)),
         ({"vary": {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, **LIFE}, Size(90, 5600)),
     ],
