@@ -17,7 +17,7 @@ from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.question import Question
-from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at
+from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at, without_zeros
 from plgwear_jax.steady.batch import vmap_contacts
 from plgwear_jax.wear.closed_ring import run
 from plgwear_jax.wear.ring_cells import march_resolution_of
@@ -66,8 +66,7 @@ def with_room(highest: Any, lowest: Any) -> tuple[Any, Any]:
 @program()
 def _without_shares(question: Question) -> tuple[RunsAlongExponent, Array]:
     """What closed forms tell of the runs, and the amplitudes at which they are needed, (n,)."""
-    phi, _ = solved_at(question.phi)
-    phi = jnp.where(phi > 0.0, phi, 1e-4 * phi[0])  # a run under no force has no share, and hardly any wear
+    phi = without_zeros(solved_at(question.phi)[0])
     highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
     k = nodes_between(highest, lowest, NODES if "k" in question.bounds else 1)
     log_ratio = jnp.log(dataclasses.replace(question.contact.material, k=k).tangential_ratio()) - jnp.log1p(k)

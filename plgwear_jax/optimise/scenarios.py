@@ -123,11 +123,16 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
 _NODES = 16  # a table of more amplitudes is solved at so many
 
 
+def without_zeros(phi: Array) -> Array:
+    """These phi, the largest first, where 0 becomes one that hardly wears: of 0 there is no logarithm and no share."""
+    return jnp.where(phi > 0.0, phi, 1e-4 * phi[0])
+
+
 def solved_at(phi: Array) -> tuple[Array, Array | None]:
     """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
     if phi.size <= _NODES:
         return phi, None
-    phi = jnp.where(phi > 0.0, phi, 1e-4 * phi[0])  # a logarithm of 0 has no place among others
+    phi = without_zeros(phi)
     x = jnp.log(phi / (1.0 - phi))  # along which the logarithm of the wear is smooth also towards 0 and 1
     at = nodes_between(x[0], jnp.minimum(jnp.min(x), x[0] - 0.1), _NODES)
     return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares_of_nodes(at, x)

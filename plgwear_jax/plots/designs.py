@@ -206,9 +206,9 @@ def front_picture(front: Front) -> Figure:
         axes.plot(front.x, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
         axes.margins(x=0.05)
         axes.scatter(front.x, values, s=12.0, color=np.where(front.certified, BLUE, "w"), edgecolors=BLUE)
-        if np.ptp(values) < 1e-6 * np.max(abs(values)):  # else the axis would show rounding errors
-            axes.set_ylim(*sorted(values[0] * np.array([0.5, 1.5])))
-        show_units(axes.yaxis, name, leaf(name).label, size=max(values))
+        if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
+            axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
+        show_units(axes.yaxis, name, leaf(name).label, size=np.max(values))
     letters(panels)
     axes = panels[0]
     axes.plot(front.reference_x, front.reference_y, "s", color=REFERENCE["color"], label="reference", **DOT)

@@ -4,6 +4,7 @@ Needs the extras `sweep` and `plots`. A store may hold a map of any size: along 
 as can be seen. Labels, units and the spacing of the axes are those that the sweep stores.
 """
 
+import itertools
 import math
 import re
 import textwrap
@@ -20,6 +21,7 @@ with needs("pictures of sweeps", "sweep"):
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import AsinhNorm, ListedColormap, LogNorm, Normalize
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -299,6 +301,19 @@ def _relative(variable: xr.DataArray) -> xr.DataArray:
     return ratio.assign_attrs(variable.attrs, units="1", label=r"wear volume $\Delta V/\Delta V(k=0)$")
 
 
+def _middles(axes: Axes, lines: ContourSet) -> Any:
+    """Where the numbers of contours stand, (n, 2): at their middles, unless they crowd, as at the edge most of all."""
+    of_axes, places = axes.transAxes.inverted(), []
+    pieces = (axes.transData.transform_path(path).to_polygons(closed_only=False) for path in lines.get_paths())
+    for piece in map(of_axes.transform, itertools.chain.from_iterable(pieces)):
+        length = np.append(0.0, np.cumsum(np.hypot(*np.diff(piece, axis=0).T)))
+        middle = [np.interp(0.5 * length[-1], length, along) for along in piece.T]
+        apart = min([math.dist(middle, other) for other in places], default=1.0)
+        if length[-1] > 0.15 and apart > 0.06 and np.abs(np.subtract(middle, 0.5)).max() < 0.47:
+            places.append(middle)
+    return (axes.transAxes - axes.transData).transform(places) if places else []
+
+
 def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     """Draw colours, contour lines and the optimum; the entries of the legend."""
     variable, yes_or_no = _relative(given), given.dtype.kind == "b"
@@ -326,18 +341,9 @@ def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
     if levels:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, values, levels=levels, colors=ink, linewidths=0.5, linestyles="solid")
-        places = []
-        for path in lines.get_paths():
-            for piece in axes.transData.transform_path(path).to_polygons(closed_only=False):
-                shown = axes.transAxes.inverted().transform(piece)
-                length = np.append(0.0, np.cumsum(np.hypot(*np.diff(shown, axis=0).T)))
-                middle = [np.interp(0.5 * length[-1], length, along) for along in shown.T]
-                # Contours crowd, at the edge most of all, and so would their numbers.
-                apart = min([math.dist(middle, other) for other in places], default=1.0)
-                if length[-1] > 0.15 and apart > 0.06 and np.abs(np.subtract(middle, 0.5)).max() < 0.47:
-                    places.append(middle)
-        at = (axes.transAxes - axes.transData).transform(places) if places else []
-        axes.clabel(lines, fontsize=6, inline_spacing=4, fmt=bar.ax.yaxis.get_major_formatter(), manual=at)
+        axes.clabel(
+            lines, fontsize=6, inline_spacing=4, fmt=bar.ax.yaxis.get_major_formatter(), manual=_middles(axes, lines)
+        )
     return _draw_least(axes, variable, x, y) if variable.name in _WEARS else []
 
 
