@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
-from plgwear_jax.special.elementary import ratio_where
+from plgwear_jax.special.elementary import clamped, ratio_where
 
 _FEW_POINTS = 32  # that are compared faster one by one than by halving
 
@@ -21,14 +22,14 @@ class Piecewise(NamedTuple):
     def interval(self, x: Array) -> Array:
         """The number of the interval, 0 also for what lies before the first one."""
         inner = self.start[1:]
-        method = "scan" if inner.size > _FEW_POINTS else "compare_all"
-        return jnp.searchsorted(inner, x, side="right", method=method)
+        if inner.size > _FEW_POINTS:
+            return jnp.searchsorted(inner, x, side="right").astype(np.uint32)  # JAX wraps other indices
+        return jnp.sum(x[..., None] >= inner, -1, dtype=np.uint32)
 
     def at(self, x: Array) -> Array:
         """The value, constant outside."""
-        place = self.interval(x)
-        inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[place]
-        return horner(jnp.unstack(self.coefficients[:, place]), inside)
+        begin, *powers = jnp.unstack(jnp.concatenate([self.start[None], self.coefficients])[:, self.interval(x)])
+        return horner(powers, clamped(0.0, jnp.minimum(x, self.start[-1]) - begin))
 
     def between(self, x: Array, y: Array) -> Array:
         """The value in the middle between two places."""

@@ -18,8 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.elementary import clamped
-from plgwear_jax.special.pchip import Piecewise, horner
+from plgwear_jax.special.pchip import Piecewise
 
 # --- the compliance ---------------------------------------------------------------------------------------------------
 
@@ -30,12 +29,12 @@ _EACH = {1: 1, 2: 1, 3: 2, 4: 3, 5: 8}  # for each row
 _LEAST = 1e-4  # of the square of a change of log(E)
 
 
-def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
+def _edges(modulus: Piecewise, q: Array, digits: int) -> Array:
     """Depths at which each q divides the half-space, from the surface downwards, shape (edges, q).
 
-    With each comes the number of the interval below it. A part of the thickness h, in which log(E) changes by d, has an
-    error like w h d^2, with w = exp(-2 z q). Extrapolated it falls with the fourth power of the number of parts: an
-    interval gets parts in proportion to the fifth root of this.
+    A part of the thickness h, in which log(E) changes by d, has an error like w h d^2, with w = exp(-2 z q).
+    Extrapolated it falls with the fourth power of the number of parts: an interval gets parts in proportion to the
+    fifth root of this.
     """
     # The first interval is what lies above the table.
     ends = jnp.minimum(jnp.append(0.0, modulus.start)[:, None], _DEEP / q)
@@ -56,31 +55,22 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
     begin, length, start, parts, bend = jnp.unstack(jnp.stack(several)[:, interval, np.arange(q.size)])
     share = (edge - start) / parts
-    return begin + length * share / (share + bend * (1.0 - share)), jnp.maximum(interval, 1) - 1
+    return begin + length * share / (share + bend * (1.0 - share))
 
 
-def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, Array]:
-    """(Thicknesses, moduli, modulus below) of layers of one modulus each, shapes (layers, divisions, q).
+def _layers(between: Callable[[Array, Array], Array], edges: Array, even: bool, q: Array) -> tuple[Array, Array]:
+    """(Thicknesses in units of 1/q, one over the moduli) of layers of one modulus each, on axes as of `_MATRICES`.
 
-    The last division is the finest one; layers of constant modulus need no other than their own.
+    Last comes an empty layer of what lies below. Each part has two halves, and the last axis but that of q has two
+    divisions: once with the modulus in the middle of the part, the first half empty, and once with that of each half.
+    Parts of an `even` modulus need no other division than their own.
     """
-    if len(modulus.coefficients) == 1:
-        own = modulus.coefficients[0][:, None, None]
-        return jnp.diff(modulus.start)[:, None, None], own[:-1], own[-1:]
-    edges, interval = _edges(modulus, q, digits)
-    # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
-    layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
-    shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
-    each = jnp.concatenate([modulus.start[None], modulus.coefficients])[:, interval]
-
-    def at(x: Array, each: Array) -> Array:
-        begin, *powers = jnp.unstack(each)
-        return horner(powers, clamped(0.0, x - begin))
-
-    shape, last = (-1, 2, q.size), edges[-1]
-    moduli = at(layer + shares * thick, each[:, :-1, None, None]).reshape(shape)
-    below = jnp.where(last < modulus.start[-1], at(last, each[:, -1]), modulus.coefficients[0, -1])
-    return (parts * thick).reshape(shape), moduli, below
+    shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
+    parts = jnp.diff(edges, axis=0, append=edges[-1:])[:, None, None]
+    bounds = edges[:, None, None] + shares * parts
+    low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
+    h = jnp.minimum((high - low) * q, _THICK)
+    return h, jnp.broadcast_to(1.0 / between(low, high), h.shape)
 
 
 def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> Array:
@@ -95,10 +85,10 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     if modulus.start.size == 1:  # a homogeneous half-space
         return jnp.zeros_like(q)
     surface = modulus.coefficients[0, 0]  # no depth is above z = 0
-    thick, moduli, below = _divided(modulus, q, digits)
-    h = jnp.minimum(thick * q, _THICK)[:, None, None, None]
-    s = jnp.broadcast_to(surface / moduli[:, None, None, None], h.shape)  # mu(0)/mu
-    total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, surface / below, nu, h))[0] / (1.0 - nu)
+    edges, even = depths_for(modulus, q, digits)
+    h, s = _layers(modulus.between, edges, even, q)
+    s = surface * s  # mu(0)/mu
+    total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, nu, h))[0] / (1.0 - nu)
     coarse, fine = total[0], total[-1]
     return fine + (fine - coarse) / 3.0 - 1.0
 
@@ -131,15 +121,15 @@ def _parts_of_matrices(dtype: Any, planes: int) -> list[Array]:
     return [jnp.asarray(each[..., :planes, None, None], dtype) for each in _MATRICES]
 
 
-def _layer_matrices(s: Array, below: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Array, Array, Array]:
-    """Of all layers at once (what each adds to Y, P, Phi), from one over their moduli and that below."""
+def _layer_matrices(s: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Array, Array, Array]:
+    """Of all layers at once (what each adds to Y, P, Phi), from one over their moduli; the last one is empty."""
     one, own, own_by_nu, of_lost, of_left, of_squared, turn = _parts_of_matrices(h.dtype, planes)
     once = jnp.exp(-h)
     left = once * once * h
     spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
     spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:planes, None, None]
-    below = jnp.broadcast_to(below, (1, *h.shape[1:]))
-    return (own + nu * own_by_nu) * (s - jnp.append(s[1:], below, 0)), spread, once * (one + h * turn)
+    steps = -jnp.diff(s, axis=0, append=s[-1:])
+    return (own + nu * own_by_nu) * steps, spread, once * (one + h * turn)
 
 
 def _matrix_product(a: Array, b: Array) -> Array:
@@ -201,7 +191,7 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     """`edges` and `even` of `responses`."""
     if len(modulus.coefficients) == 1:
         return modulus.start[:, None], True
-    return _edges(modulus, q, digits)[0], False
+    return _edges(modulus, q, digits), False
 
 
 def responses(
@@ -223,18 +213,12 @@ def responses(
     """
     every = jnp.sort(jnp.concatenate([edges, jnp.broadcast_to(z[:, None], (z.size, edges.shape[1]))]), 0)
     place = jnp.maximum(jnp.sum(every[:, None] < z[:, None], 0), 1)
-    # Of each part the ends of its halves, the first half once empty.
-    shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
-    bounds = every[:-1, None, None] + shares * jnp.diff(every, axis=0)[:, None, None]
-    low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
-    h = jnp.minimum((high - low) * q, _THICK)
-    s = jnp.broadcast_to(1.0 / between(low, high), h.shape)
-    layers = _layer_matrices(s, 1.0 / between(every[-1], every[-1]), nu, h, planes=2)
-    _, (inside, down) = _upwards(*layers)
+    h, s = _layers(between, every, even, q)
+    _, (inside, down) = _upwards(*_layer_matrices(s, nu, h, planes=2))
     one, own, own_by_nu, *_ = _parts_of_matrices(q.dtype, 2)
     shape = down.shape[1:]
     tractions = _tractions_below(jnp.broadcast_to(one, shape), down)
-    last = (shares.shape[0] - 1) * place - 1  # the part above each depth
+    last = len(h) // len(every) * place - 1  # the part above each depth
     last = jnp.broadcast_to(last[:, None, None, None, None], (z.size, 1, 1, 1, *shape[3:]))
     compliance, tractions = (
         jnp.take_along_axis(each, last, 0) for each in (inside - (own + nu * own_by_nu) * s, tractions)
