@@ -11,7 +11,9 @@ and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the dis
 with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shapes` has G. It is computed beside it.
 """
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -20,13 +22,14 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax._core.record import field_nan_outside, record, static
+from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import clamped, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.quadrature import bent
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
-from plgwear_jax.surfaces.effort import Effort, by_numbers
+from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import Foundation, foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
 
@@ -147,7 +150,7 @@ class PowerLaw(_Touching):
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
-        found, lag = _inside(self.effort, jnp.stack([self.k, self.s])), 0.5 * _of_sign(self.k)[1]
+        found, lag = _tables(_inside, self.effort, self.k, self.s), 0.5 * _of_sign(self.k)[1]
         outside = jnp.asarray(bent(4 * self.effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
@@ -189,9 +192,12 @@ class _Inside(NamedTuple):
     front: Array
 
 
-@by_numbers
-def _inside(effort: Effort, numbers: Array) -> _Inside:
-    k, s = numbers
+def _tables(function: Callable[..., Any], effort: Effort, k: Array, s: Array) -> Any:
+    # In forward mode: reverse mode multiplies by tables, and compiles no more.
+    return sequential_forward_mode(functools.partial(function, effort))(k, s)
+
+
+def _inside(effort: Effort, k: Array, s: Array) -> _Inside:
     (positive, size), above = _of_sign(k), k >= 0.0
     a, lag = 0.5 * (1.0 + positive), 0.5 * size
     other = jnp.where(above, 0.5, 0.5 * (1.0 + k))  # of the other term, not that which leads
@@ -363,14 +369,12 @@ def power_law(
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * clamped(-40.0, last, 40.0)))
     s = materialised(0.5 + 0.5 * k * share)
-    terms = _terms(effort, jnp.stack([k, s]))
+    terms = _tables(_terms, effort, k, s)
     return PowerLaw(outline, effort, radius, k, log_g, homogeneous, s, *terms)
 
 
-@by_numbers
-def _terms(effort: Effort, numbers: Array) -> Array:
+def _terms(effort: Effort, k: Array, s: Array) -> Array:
     """The matrices of the power law and of the homogeneous body, by k and s."""
-    k, s = numbers
     return jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
 
 

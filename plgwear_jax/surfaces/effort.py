@@ -1,15 +1,8 @@
-"""How finely the contact is divided for a number of digits, and derivatives of its tables by a few numbers."""
+"""How finely the contact is divided for a number of digits."""
 
-import functools
-from collections.abc import Callable
-from typing import Any, NamedTuple
-
-import jax
-import jax.numpy as jnp
-from jax import Array
+from typing import NamedTuple
 
 from plgwear_jax._core.domains import whole
-from plgwear_jax._core.startup.programs import along_each
 
 
 class Effort(NamedTuple):
@@ -34,17 +27,3 @@ def effort_of(digits: int | None) -> Effort:
     """The effort for these digits; 4 by default."""
     known = whole("digits", 4 if digits is None else digits, 1, max(EFFORTS), " of numeric contacts")
     return EFFORTS[max(known, min(EFFORTS))]
-
-
-def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Array], Any]:
-    """The function, differentiated in forward mode: reverse mode multiplies by tables, and compiles no more."""
-    ruled = jax.custom_jvp(function, nondiff_argnums=(0,))
-
-    def rule(effort: Effort, primals: Any, tangents: Any) -> tuple[Any, Any]:
-        (numbers,), (step,) = primals, tangents
-        each = jnp.eye(numbers.size, dtype=numbers.dtype)
-        _, found = along_each(functools.partial(function, effort), numbers, each)
-        return ruled(effort, numbers), jax.tree.map(lambda by: jnp.tensordot(step, by, 1), found)
-
-    ruled.defjvp(rule)
-    return ruled
