@@ -9,7 +9,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import FINITE, NOT_NEGATIVE, NUMBER, SHARE, ArrayLike, nan_outside
 from plgwear_jax._core.leaves import leaf_of, paths_of
-from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax.loads import PARTIAL_SLIP
 
 ARGUMENTS = {
@@ -37,8 +36,7 @@ def refuse_array(contact: Any) -> None:
             raise ValueError(f"contact: {name} of shape {np.shape(number)}: takes one contact, not an array of them")
 
 
-def amplitude_of(contact: Any, tangential_force: ArrayLike) -> Array:
+def amplitude_of(friction: Array, normal_force: Array, tangential_force: ArrayLike) -> Array:
     """phi = F_x/(mu F_N), dimensionless; NaN from 1 on, where the whole contact slips."""
-    limit = field_nan_outside(contact, "friction") * field_nan_outside(contact, "normal_force")
-    phi = jnp.asarray(tangential_force) / limit
+    phi = jnp.asarray(tangential_force) / (friction * normal_force)
     return nan_outside("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)

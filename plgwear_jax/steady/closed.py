@@ -130,7 +130,8 @@ class Steady(Solution):
     @compiled
     def amplitude(self) -> Array:
         """phi = F_x/(mu F_N), dimensionless."""
-        return amplitude_of(self.contact, self.tangential_force)
+        friction, force = (field_nan_outside(self.contact, name) for name in ("friction", "normal_force"))
+        return amplitude_of(friction, force, self.tangential_force)
 
     @property
     def _limiting_friction(self) -> Array:

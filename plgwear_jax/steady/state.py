@@ -82,10 +82,10 @@ def opens(when: str, share: Any, r: Any) -> str:
     return f"the pressure {when} would be negative {where}: the contact would open there"
 
 
-def bodies_of(effort: Effort, contact: Any) -> Bodies:
-    """The bodies of one contact."""
+def bodies_of(effort: Effort, contact: Any, force: Array) -> Bodies:
+    """The bodies of one contact under a normal force."""
     material, outline = contact.material, outline_of(contact)
-    others = contact.indenter, field_nan_outside(contact, "normal_force") * outline.radius, effort, outline
+    others = contact.indenter, force * outline.radius, effort, outline
     if isinstance(material, AnyModulus):
         return graded(material, *others)
     if isinstance(material, Elastic):
@@ -111,8 +111,8 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     force, friction = (field_nan_outside(contact, name) for name in ("normal_force", "friction"))
     # Few pressures do not resolve what lies between a corner and a contact that ends next to it.
     corner = getattr(shape_of(contact), "corner", 0.0)
-    bodies = bodies_of(max(effort, EFFORTS[4 if corner else 2]), contact)
-    phi = amplitude_of(contact, tangential_force)
+    bodies = bodies_of(max(effort, EFFORTS[4 if corner else 2]), contact, force)
+    phi = amplitude_of(friction, force, tangential_force)
     # Rings are resolved down to roundings of the radius: a smaller amplitude counts as none.
     phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)
     found = worn(bodies, force * bodies.outline.radius, phi)

@@ -18,6 +18,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
+from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
@@ -171,7 +172,7 @@ _BENDS = 8.0, 13.0
 
 def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw) -> TestHistory:
     """The history of a test."""
-    bodies = bodies_of(effort, contact)
+    bodies = bodies_of(effort, contact, field_nan_outside(contact, "normal_force"))
     outline = bodies.outline
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))

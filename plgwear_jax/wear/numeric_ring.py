@@ -114,7 +114,7 @@ class NumericRing(NamedTuple):
 @program()
 def _run_in_si(runs: _Runs, contact: Any, force: Array, wear_coefficient: Array) -> RunSolution:
     states, curves = runs
-    phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
+    phi = amplitude_of(states.friction, states.force, force)
     K = nan_outside("wear_coefficient", wear_coefficient, POSITIVE)
     pace = 4.0 * states.tangential * K / curves.unit  # 4 K mu theta in 1/Pa is the time of one cycle
     a_0 = states.results.contact_radius
