@@ -51,7 +51,7 @@ class Pieces(NamedTuple):
         The latter is what the rule leaves out, which lies there.
         """
         weight = self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
-        whole = jnp.exp(power * jnp.log(self.last)) / power
+        whole = self.last**power / power
         return weight, whole - jnp.sum(weight[-self.places :])
 
     def ended(self, terms: Array, power: Array) -> Array:

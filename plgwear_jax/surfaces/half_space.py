@@ -66,7 +66,7 @@ def _layers(between: Callable[[Array, Array], Array], edges: Array, even: bool, 
     Parts of an `even` modulus need no other division than their own.
     """
     shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
-    parts = jnp.diff(edges, axis=0, append=edges[-1:])[:, None, None]
+    parts = (jnp.append(edges[1:], edges[-1:], 0) - edges)[:, None, None]
     bounds = edges[:, None, None] + shares * parts
     low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
     h = jnp.minimum((high - low) * q, _THICK)
@@ -128,7 +128,7 @@ def _layer_matrices(s: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Arr
     left = once * once * h
     spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
     spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:planes, None, None]
-    steps = -jnp.diff(s, axis=0, append=s[-1:])
+    steps = s - jnp.append(s[1:], s[-1:], 0)
     return (own + nu * own_by_nu) * steps, spread, once * (one + h * turn)
 
 
