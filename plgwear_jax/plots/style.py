@@ -113,19 +113,19 @@ def show_units(
         formatter.factor = factor
         axis.set_major_formatter(formatter)
         return
-    ticks = LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 100.0 * lower else (1.0,))
-    if axis.get_scale() == "asinh":  # both signs: powers of ten outside of the linear part, and zero
-        scale: Any = axis.get_transform()
-        lower = scale.linear_width
-        ticks = AsinhLocator(lower, numticks=7)
+    both = axis.get_scale() == "asinh"  # both signs: powers of ten outside of the linear part, and zero
+    lower = getattr(axis.get_transform(), "linear_width", lower)
     short = 1e-3 <= lower / factor < upper / factor < 1e5
+    # Powers of ten leave room for few others.
+    more = (1.0, 2.0, 3.0, 5.0)[:: 1 if short else 2] if upper < 100.0 * lower else (1.0,)
+    axis.set_major_locator(AsinhLocator(lower, numticks=7) if both else LogLocator(subs=more))
 
     def number(x: float, _: Any) -> str:
         if short or x == 0.0:
             return axis.get_major_formatter().fix_minus(f"{x / factor:g}")
-        return rf"${'-' if x < 0.0 else ''}10^{{{np.log10(abs(x / factor)):.0f}}}$"
+        digit, power = f"{x / factor:.0e}".split("e")
+        return rf"${digit} \times 10^{{{int(power)}}}$".replace(r"1 \times ", "")
 
-    axis.set_major_locator(ticks)
     axis.set_major_formatter(number)
     axis.set_minor_formatter(NullFormatter())
 

@@ -216,6 +216,7 @@ def test_cells_meet_halfway_on_a_stretched_axis():
     assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
     assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
     assert "20" in ticks(drawn(shown, k=k, z0=0.02 * z0**0.6).axes[0].yaxis)
+    assert r"$3 \times 10^{5}$" in ticks(drawn(shown, k=k, cycles=1e7 * z0**0.4).axes[0].yaxis)
 
 
 @parametrize("end", [1e-3, 1e-6])
