@@ -229,12 +229,8 @@ def _subject(
             refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
     elif load.weights is not None:
         found["loads"] = {str(load.table): (load.force, load.weights)}
-    elif load.displacement is not None or (load.cycles is not None and followed):
-        found["load"] = load.record()
-    elif "displacement" not in axes:
-        from plgwear_jax.loads import Force
-
-        found["load"] = Force(load.force, load.rig_stiffness)
+    elif (held := load.displacement is not None or (blocks and followed)) or "displacement" not in axes:
+        found["load"] = load.acting(held)
     rig = load and load.rig_stiffness
     if rig and "load" not in found:
         found["rig_stiffness"] = rig

@@ -349,20 +349,20 @@ class Scene:
         from plgwear_jax.scene import solving
 
         contact = solving.homogeneous(self.build_contact())
-        # The quantities with the amplitudes in N that give them: a contact that slips as a whole has few.
+        # The quantities with what gives them: a contact that slips as a whole has few.
+        lasts = any("cycles" in laws[name].arguments for name in names)
         if load is None or load.slides is None:
-            parts: list[tuple[Any, Any]] = [(names, load and load.force)]
+            parts: list[tuple[Any, Any]] = [(names, load and load.acting(lasts))]
         else:
             still = [name for name in names if "F_x" not in laws[name].arguments]
             peaks = [name for name in names if name in STRESSES and table is None]
             if not still + peaks:
                 raise load.slides
-            parts = [(still, 0.0), (peaks, load.hardest)]
-        if self.wear is not None and any("cycles" in laws[name].arguments for some, _ in parts for name in some):
+            parts = [(still, Force(0.0, load.rig_stiffness)), (peaks, Force(load.hardest))]
+        if self.wear is not None and lasts:
             places |= {"cycles": self.wear.cycles, "wear_coefficient": self.wear.archard}
-        values = {}
-        for some, force in parts:
-            acting, weights = load and Force(force, load.rig_stiffness), load and load.weights
+        values, weights = {}, load and load.weights
+        for some, acting in parts:
             if some:
                 values |= solving.scene_values(tuple(some), points, digits, contact, acting, weights, places)
         values = {name: np.asarray(value) for name, value in values.items()}

@@ -7,7 +7,6 @@ import numpy as np
 from plgwear_jax import optimise
 from plgwear_jax._core.ranges import POSITIVE
 from plgwear_jax._core.rules import WrongKeyError, exponents_within
-from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.keys import OtherFileError, SceneError
@@ -57,8 +56,6 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
 def keywords_of(given: "Scene") -> dict[str, Any]:
     """The arguments of a design of any kind, by name."""
     space, load, wear = given.asked(), given.load, given.wear
-    # The blocks of a history, or a displacement over a life; else forces in N, with the rig of their displacements.
-    acting = load and (load.record() if given.wears_otherwise else Force(load.force, load.rig_stiffness))
     lasting = {}
     if wear is not None and given.life is not None:
         scattered = {} if space.scatter is None else space.scatter.columns
@@ -67,7 +64,7 @@ def keywords_of(given: "Scene") -> dict[str, Any]:
         lasting = {"cycles": given.life, "law": wear.law}
     return {
         "contact": given.build_contact(),
-        "load": acting,
+        "load": load and load.acting(given.life is not None),
         "weight": load and load.weights,
         "level": space.level,
         "hold": space.hold,

@@ -196,6 +196,14 @@ class LoadSection(SimpleNamespace):
             for row, load in enumerate(every)
         ]
 
+    def acting(self, lasts: bool) -> Any:
+        """What a computation takes: over cycles a displacement, which is kept, or blocks; else forces, with the rig."""
+        if lasts and (self.cycles is not None or self.displacement is not None):
+            return self.record()
+        from plgwear_jax.loads import Force
+
+        return Force(self.force, self.rig_stiffness)
+
     @cached_property
     def moved(self) -> Any:
         """What the displacements of `given` do to the unworn contact: a `DisplacementEffect`."""

@@ -359,6 +359,9 @@ def test_a_life_is_solved_for_what_is_worn_by_then():
     energy = worn / 200.0 * contact.friction / coefficient
     assert_allclose(found["transient.energy_per_cycle"].value, energy, rtol=1e-4)
     assert [found[name].unit for name in names] == ["m^3", "J", "m", "Pa"]
+    held = read(changed(text, ("[output]", wear), ("tangential_force = 0.32", "displacement = 1e-7"))).solve()
+    kept = contact.over_cycles(loads.Displacement(1e-7), coefficient).volume(1e5)
+    assert_allclose(held["transient.wear_volume"].value, kept, rtol=1e-6)
     said = '"transient.wear_volume" is not a quantity of a fretting contact'
     assert said in complaint(text)  # which has no life
 
