@@ -229,7 +229,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
-            told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
+            told = f"after {last:.3g} cycles the scar is ten times as wide as at first, or as the table of heights"
             refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
         printed = printed or [last]
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]

@@ -180,8 +180,9 @@ class TruncatedSphere(_Flat):
 class Profile(_Splined):
     """A measured shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
 
-    The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
-    any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
+    The table has to reach beyond the worn radius; gross slip is followed until the scar nears its end. Where it is
+    steep at r = 0 it is a cone there: the pressure before any wear is infinite at the tip for k <= 0. At each radius of
+    the table the pressure has a kink.
 
     Of a table of more than 513 rows, every second, third or further one counts, and the last, so that there are no more
     than 513. From 33 rows on results have fewer digits (`docs/explanation/accuracy.md`, "How exactly").

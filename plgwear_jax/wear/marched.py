@@ -174,6 +174,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
     """The history of a test."""
     bodies = bodies_of(effort, contact, field_nan_outside(contact, "normal_force"))
     outline = bodies.outline
+    known = jnp.inf if outline.shape.known_radius is None else outline.shape.known_radius
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
     begins = np.arange(number) * (count + 1)
@@ -204,7 +205,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         stick = jnp.where((least > 0.0) & (last > 0.0), last, least)
         unworn, widest, pressed = radius[0], jnp.nanmax(radius[begins]), radius[most_pressed]
         # --- the cycles of a test without an end: until the scar has grown, or for many times what it takes to wear
-        slips, reach = found.rate[0] > 0.0, _REACH * widest
+        slips, reach = found.rate[0] > 0.0, jnp.minimum(_REACH * widest, known)
         rate = jnp.where(slips, found.rate[0], 1.0)
         path = 4.0 * blocks.friction[0] * theta
         slipping = jnp.where(found.pressure[0] > 0.0, found.slip[0], 0.0) @ jnp.diff(disc.edges)
@@ -242,19 +243,20 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
     estimate = bodies.radius
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, estimate, _REACH * estimate, zero, zero)
-    known = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype) + zero, jax.eval_shape(one_pass, 0, start)[3])
+    empty = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype) + zero, jax.eval_shape(one_pass, 0, start)[3])
     _, shift, _, history = jax.lax.while_loop(
         lambda state: (state[0] < _PASSES[0]) | ((state[1] > _SETTLED) & (state[0] < _PASSES[1])),
         lambda state: one_pass(state[0], state[2]),
-        (jnp.int32(0), jax.lax.stop_gradient(zero), start, known),
+        (jnp.int32(0), jax.lax.stop_gradient(zero), start, empty),
     )
     # No grid follows a narrower ring: it would seem to stick, and nothing would ever wear.
     inner, outer = history.moments.stick_radius[0], history.moments.contact_radius[0]
     narrow = (outer - inner < _NARROWEST * outer) | (shift > _SETTLED)
     narrow &= jnp.isnan(blocks.cycles[-1]) & moved(history.moments)[0]
-    # A number outside its range leaves some moments that look plausible.
-    unknown = jnp.isnan(history.moments.rate + history.moments.force_amplitude)
-    return history._replace(moments=until((history.moments.least < -MOST) | narrow | unknown, history.moments))
+    # A number outside its range leaves some moments that look plausible, and so does what lies beyond a table.
+    moments = history.moments
+    unknown = jnp.isnan(moments.rate + moments.force_amplitude) | (moments.contact_radius > known)
+    return history._replace(moments=until((moments.least < -MOST) | narrow | unknown, moments))
 
 
 _LOG_HUNDRED = float(np.log(100.0))
@@ -298,7 +300,7 @@ class MarchedRun(Run):
         if cycles is None or traced((self.contact, self.load, self.law, cycles)):
             return
         last = np.where(self._solution.beyond > 0.0, self.lasting_cycles, np.inf)
-        wide = "after which the scar is ten times as wide as at first"
+        wide = "after which the scar is ten times as wide as at first, or as its table of heights"
         where = wide if self.load.lasts else "where the blocks end"
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
         asked, end = np.broadcast_arrays(cycles, last)
@@ -334,8 +336,9 @@ class MarchedRun(Run):
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"
                 raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
-            told = "the scar grows beyond the cells of the time stepping, as it does in blocks close to gross slip"
-            raise RefusedError(f"load: {told}, or the slip ring is narrower than {_NARROWEST} contact radii")
+            told = "the table of heights, if it has one, or the cells of the time stepping, as near gross slip"
+            narrow = f"the slip ring is narrower than {_NARROWEST} contact radii"
+            raise RefusedError(f"load: the scar grows beyond {told}, or {narrow}")
         return found
 
     def _solved(self, given: Any) -> TestHistory:

@@ -27,6 +27,7 @@ from plgwear_jax import (
     RoundedFlat,
     Shape,
     TruncatedSphere,
+    loads,
     scene,
 )
 from plgwear_jax.special.quadrature import logistic
@@ -550,6 +551,7 @@ def test_shapes_that_no_contact_can_have(shape, told):
 def test_traced_shapes_that_are_none_give_nan():
     short = contact_with(SHORT)
     assert np.isnan(jax.jit(lambda force: short.steady(force).wear_volume)(2.0))
+    assert np.isnan(jax.jit(lambda u: short.over_cycles(loads.Displacement(u), COEFFICIENT).volume(1e3))(1e-5))
     falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).steady(0.0).contact_radius)
     assert np.isnan(falling(HEIGHTS[::-1].copy())) and np.isfinite(falling(HEIGHTS))
     assert np.isnan(jax.jit(lambda n: contact_with(PowerShape(n)).steady(0.0).contact_radius)(0.5))
