@@ -79,7 +79,7 @@ def coating(
     given.load.refuse_rest()
     if isinstance(given.material.nu, str):
         refuse(f'{scene_file}: [material] nu = "holl": changes with k; a table needs a number')
-    report = Report(scene_file, as_json, f"{table.stem}-coating", picture=picture, table=csv_file, scene=out)
+    report = Report(scene_file, as_json, f"{table.stem}-coating", table, picture=picture, table=csv_file, scene=out)
     text = ""
     if out:
         named = given.load.table or given.load.history

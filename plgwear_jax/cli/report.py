@@ -5,6 +5,8 @@ A command says which rows and columns it has. Words and units of quantities come
 
 import contextlib
 import json
+import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -123,13 +125,14 @@ class Report:
         scene_file: The scene, whose name is the title of tables.
         as_json: Whether to print one JSON object instead of words.
         named: The name of the picture, if one will be drawn that has no other.
+        read: Files that the command reads, other than those that the scene names.
         targets: The files to be written, if any: a `picture`, a `table` in CSV, and a `scene` in TOML.
 
     Raises:
-        TargetError: One of the files cannot be written.
+        TargetError: One of the files cannot be written, or would replace one that is read.
     """
 
-    def __init__(self, scene_file: Path, as_json: bool, named: str = "", **targets: Path | None) -> None:
+    def __init__(self, scene_file: Path, as_json: bool, named: str = "", *read: Path, **targets: Path | None) -> None:
         self.scene = str(scene_file)
         self._as_json, self._words = as_json, []
         self._found: dict[str, Any] = {"scene": self.scene}
@@ -137,7 +140,13 @@ class Report:
         if named:
             targets["picture"] = targets["picture"] or Path(f"{named}.png")
         self._files = {what: file for what, file in targets.items() if file}
+        # What stands in quotation marks, other than in comments, may be a file that it names. A pipe is empty now.
+        text = scene_file.read_text("utf-8") if scene_file.is_file() else ""
+        quoted = re.findall(r"""#.*|["'](.+?)["']""", text)
+        known = {os.path.realpath(one) for one in (scene_file, *read, *map(scene_file.parent.joinpath, quoted))}
         for what, file in self._files.items():
+            if os.path.realpath(file) in known:
+                raise files.TargetError(f"{file}: is named twice; what is written must not replace what is read")
             files.check_target(file, {"table": (".csv",), "scene": (".toml",)}.get(what, files.PICTURES))
 
     def put(self, units: Mapping[str, str] = {}, /, **facts: Any) -> None:

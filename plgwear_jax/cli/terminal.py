@@ -42,10 +42,6 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
-        files: dict[str, Path] = {}
-        for file in given.values():
-            if isinstance(file, Path) and files.setdefault(os.path.realpath(file), file) is not file:
-                refuse(f"{file}: is named twice; what is written must not replace what is read")
         try:
             with _interrupts():
                 command(**given)
