@@ -18,7 +18,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.catalogue import PEAKS, SEARCHED, read, read_from
 from plgwear_jax._core.domains import RefusedError
-from plgwear_jax._core.rules import BY_THEN, is_after_cycles, is_linear
+from plgwear_jax._core.rules import BY_THEN, WrongKeyError, is_after_cycles, is_linear
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
@@ -421,13 +421,13 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
     """The value of the best candidate; where none has one, an error says why by its contact."""
     if not np.isnan(value):
         return value
-    why = ""
+    why = " > 0"
     try:
         if question.load is not None and question.by_force:
             _ = contact.steady(np.max(np.nan_to_num(question.load.amplitudes))).wear_volume
     except RefusedError as error:
         why = f": {error}"
-    raise RefusedError(f"vary: no candidate has a {question.objective}{why}")
+    raise WrongKeyError("vary", f"no candidate has a {question.objective}{why}")
 
 
 # --- the best over scenarios ------------------------------------------------------------------------------------------

@@ -201,7 +201,7 @@ class Scene:
         try:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
-            raise SceneError(str(error)) from None
+            raise SceneError(str(error).replace(f"{key}.", f"{key} {name}@")) from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
         for place, value in places.items():
             if not domain.contains(value):

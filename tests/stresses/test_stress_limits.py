@@ -149,9 +149,9 @@ def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
     assert asked.traded("x", "tension") == {"tension": {"x": -1e-4, "z": 0.0}}
     assert asked.traded("x", "peak_mises_between") == {"peak_mises_between": {"least": 0.0, "most": 2e-5}}
     for text, line in [
-        ("tension@-5e-5", "x.z: must be a finite number, as tension needs the depth in m"),
+        ("tension@-5e-5", "x tension@z: must be a finite number, as tension needs the depth in m"),
         ("tension@nan,0", 'x = "tension@nan,0": the distance along the motion in m must be a finite number'),
-        ("peak_mises_between@2e-6,1e-6", "x.most: must be a larger depth than least"),
+        ("peak_mises_between@2e-6,1e-6", "x peak_mises_between@most: must be a larger depth than least"),
     ]:
         assert refusal(SceneError, asked.traded, "x", text) == line
 
