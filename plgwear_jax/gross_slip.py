@@ -53,7 +53,7 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     """
     del digits
     s, q = exponents(k)
-    return punch_stress(jnp.asarray(r), jnp.ones_like(s), s, q, smooth=jnp.zeros_like(s), singular=s)
+    return punch_stress(r, jnp.ones_like(s), s, q, smooth=jnp.zeros_like(s), singular=s)
 
 
 @formula(r=NOT_NEGATIVE, k=EXPONENT)

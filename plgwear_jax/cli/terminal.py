@@ -173,7 +173,7 @@ def positive(key: str, value: float | None, what: str) -> None:
 # --- JAX and matplotlib -----------------------------------------------------------------------------------------------
 
 
-def set_up(one_question: bool = True) -> None:
+def set_up(one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:

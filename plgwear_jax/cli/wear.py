@@ -179,8 +179,8 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
         doubtful = of_wear(shares[0.99]) if shares else of_wear(math.inf if life else end["cycles"], grows=True)
         if doubtful:
             warn(f"{report.scene}: [wear]: {doubtful}")
-        regime = "partial slip" if not slips.any() else "gross slip, then partial slip" if slips[0] else "mixed slip"
-        regime = "gross slip" if slips.all() else regime
+        changes = "gross slip, then partial slip" if slips[0] else "mixed slip"
+        regime = "gross slip" if slips.all() else changes if slips.any() else "partial slip"
         rows = {name: values[np.searchsorted(cycles, printed)] for name, values in columns.items()}
         if not load.in_gross_slip.any():
             report.put(tangential_force=load.largest)
@@ -262,8 +262,8 @@ def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | No
 def _interval_in_words(interval: tuple[float, float], told: Callable[[float], str]) -> str:
     """An interval of confidence in words; empty if nothing limits it."""
     low, high = interval
-    said = f"{told(low)} to {told(high)}" if low and high < math.inf else f"at least {told(low)}"
-    said = said if low or not high < math.inf else f"at most {told(high)}"
+    one_sided = f"at least {told(low)}" if low else f"at most {told(high)}"
+    said = f"{told(low)} to {told(high)}" if low and high < math.inf else one_sided
     return f"95 % confidence: {said}" if low > 0.0 or high < math.inf else ""  # NaN is neither
 
 

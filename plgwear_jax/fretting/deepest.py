@@ -126,4 +126,4 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the maximum of Eq. (25) less Eq. (24).
     """
     # The starter has an error of 3e-4, which leaves one of 1e-11 in the depth.
-    return stationary(_DEEPEST, _depth_near_deepest, jnp.asarray(k), jnp.asarray(phi), digits, few=11)
+    return stationary(_DEEPEST, _depth_near_deepest, k, phi, digits, few=11)

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -134,7 +134,7 @@ def place_in_ring(
 # Volume and largest depth do not change with y at the place where they are read.
 
 
-def stationary(root: Root, function: Callable[..., Array], k: Array, phi: Array, digits: int | None, few: int) -> Array:
+def stationary(root: Root, function: Callable[..., Array], k: Any, phi: Any, digits: int | None, few: int) -> Array:
     """What a function of (y, s, q, phi, digits, second) gives at the place y.
 
     Up to `few` digits its `second` order correction of a y from the starter is cheaper than a Halley step.

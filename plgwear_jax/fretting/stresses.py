@@ -46,7 +46,7 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     """
     del digits
     s, q = exponents(k)
-    return punch_stress(jnp.asarray(r), jnp.ones_like(s), s, q, smooth=1.0 + s, singular=jnp.zeros_like(s))
+    return punch_stress(r, jnp.ones_like(s), s, q, smooth=1.0 + s, singular=jnp.zeros_like(s))
 
 
 def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -88,7 +88,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     k, phi = jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
     # F_1(c)/F_N = c^(k+3) = 1 - phi, Eq. (12).
-    return punch_stress(jnp.asarray(r), stick(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi)
+    return punch_stress(r, stick(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi)
 
 
 @formula(r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
@@ -118,7 +118,7 @@ def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     del digits
     k, phi = jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
-    return punch_stress(jnp.asarray(r), stick(k, phi), s, q, smooth=jnp.zeros_like(phi), singular=s * phi)
+    return punch_stress(r, stick(k, phi), s, q, smooth=jnp.zeros_like(phi), singular=s * phi)
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)

@@ -183,7 +183,7 @@ def _ring_at(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     return _Ring(inside & (lift > 0.0), c, at, y, lift)
 
 
-def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+def _worn_depth(r: Any, k: Any, phi: Any, digits: int | None) -> Array:
     ring = _ring_at(r, k, phi, digits)
     return jnp.where(ring.worn, 0.5 * ring.c * ring.c * ring.at.share * ring.lift, 0.0)
 
@@ -220,7 +220,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (24), (25).
     """
-    return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
+    return _worn_depth(r, k, phi, digits)
 
 
 @formula(slopes={"phi": _worn_depth_by_phi}, r=NOT_NEGATIVE, k=EXPONENT, phi=AMPLITUDE)
@@ -248,4 +248,4 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = 
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (25).
     """
     r = jnp.asarray(r)
-    return 0.5 * r * r + _worn_depth(r, jnp.asarray(k), jnp.asarray(phi), digits)
+    return 0.5 * r * r + _worn_depth(r, k, phi, digits)

@@ -72,4 +72,4 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         `docs/explanation/theory.md`, "One special function".
     """
     # The starter has an error of 5e-3, which leaves one of 2e-8 in the volume.
-    return stationary(EDGE, _wear_volume, jnp.asarray(k), jnp.asarray(phi), digits, few=8)
+    return stationary(EDGE, _wear_volume, k, phi, digits, few=8)

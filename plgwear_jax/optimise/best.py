@@ -382,9 +382,13 @@ def _in_words(found: Design) -> str:
     for name, value in found.variables.items():
         lines.append(placed_between(name, name, value, found.bounds[name], found.at_bound[name]))
     material, load, scenarios = vars(found.contact.material), found.load, found.question.scenarios
-    numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in material]
-    told = "E(z) at depths" if "depth" in material else ", ".join(_row_of(name, material[name]) for name in numbers)
-    lines.append(f"material: {told}{f'; {found.hold} held' if found.hold else ''}")
+    told = []
+    for name in ("E0", "z0", "k", "thickness", "modulus"):
+        if name in material:
+            row = ", ".join(measured(f"material.{name}", value) for value in np.ravel(material[name]))
+            told.append(f"{name} = [{row}]" if np.ndim(material[name]) else f"{name} = {row}")
+    of_what = "E(z) at depths" if "depth" in material else ", ".join(told)
+    lines.append(f"material: {of_what}{f'; {found.hold} held' if found.hold else ''}")
     if load is not None:
         counting = int(np.count_nonzero(np.asarray(load.weight)))
         told = f"{counting} amplitudes, at most " if counting > 1 else ""
@@ -400,12 +404,6 @@ def _in_words(found: Design) -> str:
         limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
     lines.append(f"limits: {', '.join(limits)}" if limits else None)
     return printed("Design", [*lines, certainty(found, "converged", "certified", "scan_found_nothing_better")])
-
-
-def _row_of(name: str, values: Any) -> str:
-    """A number of a material, or a row of them."""
-    told = ", ".join(measured(f"material.{name}", value) for value in np.ravel(values))
-    return f"{name} = [{told}]" if np.ndim(values) else f"{name} = {told}"
 
 
 def headline(found: Any) -> str:

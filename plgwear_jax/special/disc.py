@@ -122,7 +122,7 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -> Array:
+def disc_displacement(r: Array, s: Array, q: Array, digits: int | None) -> Array:
     """Displacement w(r)/w(0) of a uniformly loaded disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
 
     At r = 1 the slope in r, infinite for q <= s, is replaced by the slope at the neighbouring floating-point number.

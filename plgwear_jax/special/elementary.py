@@ -259,7 +259,7 @@ _SINC_QUOTIENT = _tails(_SINC)[:19]
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def sinc_quotient(square: Array, digits: int | None = None) -> Array:
+def sinc_quotient(square: Array, digits: int | None) -> Array:
     """sin(pi x)/(pi x (1 - x^2)) as a function of x^2 = square in [0, 1]."""
     return polynomial(_SINC_QUOTIENT, square, digits)
 
@@ -269,7 +269,7 @@ _SINE_QUOTIENT = tuple(4.0 / math.pi * c for c in _tails(_COSINE))
 _SINE_EXCESS = tuple(4.0 * c for c in _tails((_SINE_QUOTIENT[0] - 1.0, *_SINE_QUOTIENT[1:])))[:16]
 
 
-def sine_excess(s: Array, q: Array, digits: int | None = None) -> Array:
+def sine_excess(s: Array, q: Array, digits: int | None) -> Array:
     """(sin(pi s)/(pi s q) - 1)/(s q) for q = 1 - s in [0, 1]: between 1, at both ends, and 16/pi - 4."""
     return polynomial(_SINE_EXCESS, (q - s) * (q - s), digits)
 

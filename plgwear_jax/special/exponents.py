@@ -43,7 +43,7 @@ def log_beside_edge(r: Array, c: Array) -> Array:
     return jnp.where(central, near, jnp.log(jnp.where(central, 1.0, ((c - r) / c) * ((c + r) / c))))
 
 
-def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:
+def punch_stress(r: Any, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
     log_z = log_beside_edge(jnp.where(under, r, 0.0), c)

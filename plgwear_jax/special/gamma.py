@@ -47,13 +47,13 @@ _EDGE_ODD = _numbers_in("""
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def reciprocal_gamma(z: Array, digits: int | None = None) -> Array:
+def reciprocal_gamma(z: Array, digits: int | None) -> Array:
     """1/Gamma(1+z) for z in [-1/2, 2]."""
     return polynomial(RECIPROCAL_GAMMA, (z - 0.75) / 1.25, digits)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) -> tuple[Array, Array]:
+def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None) -> tuple[Array, Array]:
     """(even, odd) with 1/Gamma(1 + z +- d) = even +- d odd, where d^2 = square.
 
     Division of the polynomial by (x - t)^2 - d^2, whose zeros are t +- d, leaves odd (x - t) + even. It needs no square
@@ -68,7 +68,7 @@ def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) ->
     return odd - t * before, before / 1.25
 
 
-def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
+def edge_pair(square: Array, ends: Array, digits: int | None) -> tuple[Array, Array, Array]:
     """(even, odd, poles) with 2^-q Gamma(1+2q)/Gamma(1+q)^2 = (even + h ends odd)/poles at q = 1/2 - h; abs(h) <= 1/2.
 
     `square` is h^2 and `ends` is 1/4 - h^2, to full relative accuracy also near its zeros, where the odd part vanishes.
@@ -79,7 +79,7 @@ def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Ar
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def catalan_deficit(q: Array, s: Array, digits: int | None = None) -> Array:
+def catalan_deficit(q: Array, s: Array, digits: int | None) -> Array:
     """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1), to all digits also near its zeros."""
     numerator = polynomial(_VOLUME_NUMERATOR, q - s, digits)
     return q * s * numerator / ((1.0 + q) * reciprocal_gamma(2.0 * q, digits))

@@ -31,7 +31,7 @@ def fold_at(dtype: DTypeLike) -> float:
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
+def lerch_tail(x: Array, a: Array, digits: int | None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive and neither large nor small."""
     fold = fold_at(x.dtype)
     # As many levels below the first as keep the error below the last digit wanted, for x up to the fold. The first one

@@ -181,10 +181,6 @@ def _triangle_solved(matrix, right, *, left_side, lower, transpose_a, unit_diago
 # --- loops and branches -----------------------------------------------------------------------------------------------
 
 
-def _branched(which, *values, branches):
-    return branches[min(max(int(which), 0), len(branches) - 1)](values)
-
-
 def _repeated(*values, cond_jaxpr, cond_nconsts, body_jaxpr, body_nconsts):
     first = cond_nconsts + body_nconsts
     tested, fixed, state = values[:cond_nconsts], values[cond_nconsts:first], values[first:]
@@ -223,7 +219,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "clamp": lambda least, x, most: np.minimum(np.maximum(x, least), most),
     "complex": _complex,
     "concatenate": lambda *parts, dimension: np.concatenate(parts, dimension),
-    "cond": _branched,
+    "cond": lambda which, *values, branches: branches[min(max(int(which), 0), len(branches) - 1)](values),
     "convert_element_type": _converted,
     "cummax": functools.partial(_accumulated, np.maximum),
     "cumprod": functools.partial(_accumulated, np.multiply),

@@ -55,9 +55,9 @@ _LAW = "admissible"  # Poisson's ratio is Holl's for k >= 0, and 1/2 for k < 0
 _PAIRED = EXPONENTS[:, None], AMPLITUDES  # all nine pairs of k and φ
 
 
-def _crowded(lower: float, upper: float) -> np.ndarray:
-    """A column of numbers between two of -1 to 1, dense towards these, where functions have infinite slopes."""
-    return np.sin(0.5 * np.pi * np.linspace(lower, upper, 401))[:, None]
+def _crowded(lower: float) -> np.ndarray:
+    """A column of numbers from -1 or 0 to 1, dense towards -1 and 1, where functions have infinite slopes."""
+    return np.sin(0.5 * np.pi * np.linspace(lower, 1.0, 401))[:, None]
 
 
 def _of_k(k: float) -> str:
@@ -105,7 +105,7 @@ def gross_slip_set_up(page: FigureBase) -> list[Claim]:
     Beside it the pressure before and after wear, Eqs. (2), (9), for k = −0.5, 0, 0.5.
     """
     axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
-    r, x, depth = _crowded(0.0, 1.0), np.linspace(-2.5, 2.5, 1001), 0.42
+    r, x, depth = _crowded(0.0), np.linspace(-2.5, 2.5, 1001), 0.42
     initial, steady = gross_slip.initial_pressure(r, EXPONENTS), gross_slip.steady_pressure(r, EXPONENTS[1:])
     pressures.set_prop_cycle(_OF_EXPONENT)
     pressures.plot(r, initial, label=[f"initial, {_of_k(k)}" for k in EXPONENTS])
@@ -222,7 +222,7 @@ def punch_on_compliant_surface(page: FigureBase) -> list[Claim]:
 
 def effective_volume_change(page: FigureBase) -> list[Claim]:
     """The effective volume change of the punch over the exponent, Eq. (7)."""
-    k, best, most = _crowded(-1.0, 1.0) * ALMOST, numbers()["best_k"], 100.0 * numbers()["best_change"]
+    k, best, most = _crowded(-1.0) * ALMOST, numbers()["best_k"], 100.0 * numbers()["best_change"]
     change = gross_slip.volume_change(k)
     axes = page.add_subplot(ylim=(0.0, 18.0), ylabel=r"$\Delta V/(\pi a^2 d)$ (%)", **_OVER_K)
     axes.plot(k, 100.0 * change, **BEST)
@@ -247,7 +247,7 @@ def normal_forces(page: FigureBase) -> list[Claim]:
     (a) With Holl's ratio where that is at most 1/2, and 1/2 for k < 0; (b) with Holl's ratio for all k. The dotted line
     is the initial force on the homogeneous half-space.
     """
-    k, cycle = _crowded(-1.0, 1.0) * ALMOST, cycler(color=[BLUE, "k", ORANGE])
+    k, cycle = _crowded(-1.0) * ALMOST, cycler(color=[BLUE, "k", ORANGE])
     panels = page.subplots(1, 2, sharey=True, subplot_kw=_OVER_K | {"ylim": (0.0, 4.0), "prop_cycle": cycle})
     ratio = gross_slip.force_ratio(k)
     for axes, nu in zip(panels, (_LAW, "holl"), strict=True):
@@ -281,7 +281,7 @@ def force_tendencies(page: FigureBase) -> list[Claim]:
 
     Poisson's ratio is 1/2 for k < 0 and Holl's for k > 0. The arrows are those of the table.
     """
-    k, z0 = 0.9999 * _crowded(-1.0, 1.0)[:, 0], np.geomspace(0.03, 30.0, 101)
+    k, z0 = 0.9999 * _crowded(-1.0)[:, 0], np.geomspace(0.03, 30.0, 101)
     axes = page.add_subplot(yscale="log", ylabel="characteristic depth $z_0/a$", **_OVER_K)
     said = -k * np.log(z0[:, None])  # positive where the force grows by Table 1
     grows = np.log(stiffness_of(k, _LAW) / stiffness_of(0.0, _LAW)) + said
@@ -386,7 +386,7 @@ def gradients_of_equal_contact(page: FigureBase) -> list[Claim]:
 def _column(page: FigureBase, field: Callable[..., Any], x: Any, reach: float, top: float, label: str) -> Any:
     """A column of panels, one for each exponent, with a field at each amplitude over x of shape (k, r, φ)."""
     frame = {"prop_cycle": _OF_AMPLITUDE, "ylim": (0.0, top), "ylabel": label}
-    panels, r = page.subplots(3, 1, sharex=True, sharey=True, subplot_kw=frame), reach * _crowded(0.0, 1.0)
+    panels, r = page.subplots(3, 1, sharex=True, sharey=True, subplot_kw=frame), reach * _crowded(0.0)
     for axes, k, places in zip(panels, EXPONENTS, x, strict=True):
         axes.plot(places, field(places, k, AMPLITUDES), label=[rf"$F_x/(\mu F_N) = {phi:g}$" for phi in AMPLITUDES])
         axes.plot(r, field(r, k, 0.0), label="unworn", linestyle="-", **_THIN)
