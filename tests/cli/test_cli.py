@@ -9,6 +9,7 @@ import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import jax
 import jax.numpy as jnp
@@ -408,10 +409,8 @@ def test_what_cannot_be_designed_is_refused(folder, search, trade, case):
 
 
 def test_design_whose_picture_cannot_be_written_after_all(folder, search, monkeypatch):
-    def disappears(*_, **__):
-        raise plots.PictureError("contact-design.png: cannot be written: No space left on device")
-
-    monkeypatch.setattr(plots, "save", disappears)
+    full = plots.PictureError("contact-design.png: cannot be written: No space left on device")
+    monkeypatch.setattr(plots, "save", mock.Mock(side_effect=full))
     for as_json in ("", "--json"):
         line = refused(f"design contact.toml {as_json}")
         assert line == "contact-design.png: cannot be written: No space left on device"
@@ -424,19 +423,14 @@ def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch
     assert refused("solve contact.toml").endswith(extreme)
     assert refused("design contact.toml") == f"contact.toml: the wear {extreme}"
 
-    def opens(*_, **__):
-        raise RefusedError("the pressure before any wear would be negative")
-
+    opens = mock.Mock(side_effect=RefusedError("the pressure before any wear would be negative"))
     with monkeypatch.context() as patched:
         patched.setattr(optimise, "design", lambda **_: SimpleNamespace(value=np.nan, reference_value=np.nan))
         patched.setattr(FrettingContact, "steady", opens)
         assert refused("design contact.toml") == "contact.toml: the pressure before any wear would be negative"
 
-    def overflows(*_, **__):
-        raise ValueError("E0 = inf is outside the allowed range > 0 and finite")
-
-    monkeypatch.setattr(optimise, "design", overflows)
     why = "E0 = inf is outside the allowed range > 0 and finite"
+    monkeypatch.setattr(optimise, "design", mock.Mock(side_effect=ValueError(why)))
     line = f"contact.toml: some value in the input file is too extreme: {why}"
     assert refused("design contact.toml") == line
 
@@ -618,10 +612,7 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
 def test_an_interrupt_during_the_start_is_no_fault_of_the_program(monkeypatch, capsys):
     from plgwear_jax import __main__
 
-    def interrupted() -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(cli, "main", interrupted)
+    monkeypatch.setattr(cli, "main", mock.Mock(side_effect=KeyboardInterrupt))
     with pytest.raises(SystemExit) as ended:
         __main__.main()
     assert ended.value.code == 130 and capsys.readouterr() == ("", "")

@@ -5,7 +5,9 @@ import json
 import os
 import sys
 import zlib
+from functools import partial
 from pathlib import Path
+from unittest import mock
 
 import jax
 import pytest
@@ -18,6 +20,7 @@ from plgwear_jax import cli
 from plgwear_jax._core.startup import programs
 from plgwear_jax.cli import cache, terminal
 
+start = partial(terminal.set_up, one_question=False)
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -123,7 +126,7 @@ def settings(monkeypatch):
 
 
 def test_what_is_compiled_is_kept_within_bounds(folder, settings):
-    terminal.set_up(one_question=False)
+    start()
     assert settings == {
         "jax_enable_x64": True,
         "jax_compilation_cache_dir": str(folder / "cache" / "plgwear"),
@@ -138,10 +141,10 @@ def test_what_is_compiled_is_kept_within_bounds(folder, settings):
 def test_an_option_turns_it_off(settings):
     for line, variables in ((("--no-cache", "schema"), {}), (("schema",), {"PLGWEAR_NO_CACHE": "1"})):
         assert CliRunner().invoke(cli.app, line, env=variables).exit_code == 0
-        terminal.set_up(one_question=False)
+        start()
         assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
     assert CliRunner().invoke(cli.app, ["schema"]).exit_code == 0
-    terminal.set_up(one_question=False)
+    start()
     assert "jax_compilation_cache_dir" in settings
 
 
@@ -156,12 +159,8 @@ def test_an_option_turns_it_off(settings):
 )
 def test_variables_of_jax_decide_instead(settings, monkeypatch, variable):
     monkeypatch.setenv(*variable.split("="))
-    terminal.set_up(one_question=False)
+    start()
     assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
-
-
-def a_file(place):
-    place.write_text("mine")
 
 
 def no_home(place):
@@ -174,26 +173,28 @@ def open_to_others(place):
     place.chmod(0o777)
 
 
-def a_lock_that_cannot_be(place):
-    (place / ".lockfile").mkdir(parents=True)
-
-
-@parametrize("make", [a_file, no_home, open_to_others, a_lock_that_cannot_be])
+# Also a file in its place, and a lock that cannot be.
+@parametrize(
+    "make",
+    [
+        lambda place: place.write_text("mine"),
+        no_home,
+        open_to_others,
+        lambda place: (place / ".lockfile").mkdir(parents=True),
+    ],
+)
 def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys, make):
     make(Path("cache/plgwear"))
     before = sorted(Path().rglob("*"))
-    terminal.set_up(one_question=False)
+    start()
     assert settings == {"jax_enable_x64": True} and capsys.readouterr() == ("", "")
     assert sorted(Path().rglob("*")) == before
 
 
 @parametrize("error", [PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")])
 def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, error):
-    def refuses(*_, **__):
-        raise error
-
-    monkeypatch.setattr("filelock.FileLock.acquire", refuses)
-    terminal.set_up(one_question=False)
+    monkeypatch.setattr("filelock.FileLock.acquire", mock.Mock(side_effect=error))
+    start()
     assert settings == {"jax_enable_x64": True}
 
 
@@ -215,7 +216,7 @@ def test_halves_of_programs_are_dropped(settings):
     place.mkdir(0o700)
     for name in ("whole-cache", "whole-atime", "half-cache"):
         (place / name).write_bytes(b"")
-    terminal.set_up(one_question=False)
+    start()
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 

@@ -19,8 +19,8 @@ SHARES = np.array([0.01, 0.2, 0.7, 0.999, 1.0, 1.001, 1.5, 8.0])
 RIGS = [None, 2e7]
 
 
-def under(contact, forces=FORCES):
-    return dataclasses.replace(contact, normal_force=forces[:, None])
+def under(contact):
+    return dataclasses.replace(contact, normal_force=FORCES[:, None])
 
 
 @parametrize("rig", RIGS)

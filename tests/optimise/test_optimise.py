@@ -47,17 +47,9 @@ def test_the_minimum_of_two_variables(in_square):
     assert not found.scan_found_nothing_better  # nothing is said of several variables
 
 
-def hilly(v):
-    return jnp.sin(40.0 * v["x"]) + v["x"]
-
-
 def dip(v):
     """Between two points of the scan, of which they know nothing but a slope."""
     return v["x"] ** 2 - 0.5 * jnp.exp(-(((v["x"] - 0.515) / 0.02) ** 2))
-
-
-def quintic(v, coefficients):
-    return sum(c * v["x"] ** (n + 1) for n, c in enumerate(coefficients))
 
 
 # Both valleys, the right one alone, bounds out of order, an upper bound that moves through the left valley; then hills,
@@ -75,7 +67,11 @@ def with_polynomial():
     @functools.partial(jax.vmap, in_axes=(0, 0, 0, None))
     def best(which, lower, upper, coefficients):
         def objective(v):
-            return jnp.stack([two_valleys(v), hilly(v), dip(v), quintic(v, coefficients)])[which]
+            hilly, quintic = (
+                jnp.sin(40.0 * v["x"]) + v["x"],
+                sum(c * v["x"] ** (n + 1) for n, c in enumerate(coefficients)),
+            )
+            return jnp.stack([two_valleys(v), hilly, dip(v), quintic])[which]
 
         return minimise(objective, {"x": Interval(lower, upper)})
 

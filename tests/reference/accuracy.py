@@ -55,10 +55,6 @@ def amplitudes(rng, count, region):
     ).clip(least, 1.0 - least)
 
 
-def only_k(rng, count, region):
-    return (exponents(rng, count, region),)
-
-
 def k_nu(rng, count, region):
     finest = 12.0 if region == "edges" else 2.0
     nu = _mixed(rng, count, lambda n: rng.uniform(-0.9, 0.5, n), lambda n: 0.5 - 10.0 ** -rng.uniform(0.0, finest, n))
@@ -204,7 +200,7 @@ QUANTITIES = (
     *_of(gross_slip, punch, "initial_displacement", "steady_displacement", twin="gross_{}"),
     *_of(gross_slip, under_punch, "initial_pressure", "steady_pressure", twin="gross_{}"),
     *_of(fretting, under_punch, "initial_pressure"),
-    *_of(gross_slip, only_k, "volume_change", "force_ratio", "force_drop"),
+    *_of(gross_slip, lambda *given: (exponents(*given),), "volume_change", "force_ratio", "force_drop"),
     *_of(material, k_nu, "h_N", "tangential_ratio"),
     *_of(partial_slip, k_phi_and_rig, "displacement_amplitude", "contact_share"),
     *_of(partial_slip, k_phi_and_rig, "amplitude", twin="force_amplitude"),

@@ -152,12 +152,11 @@ def on_power_law(k, edges):
     return rings_of(edges, lambda b, r: scale * b ** (1.0 - k) * disc(r[:, None] / b, k), 1.0 / (1.0 + k))
 
 
-def edges_to(outer, inner=60, beyond=60):
+def edges_to(outer, inner, beyond):
     """Of rings that crowd towards a_0 from both sides, to an outer radius."""
     inside = 1.0 - (1.0 - np.linspace(0.0, 1.0, inner + 1)) ** 1.5
     x = np.linspace(0.0, 1.0, beyond + 1)[1:]
-    first = 1.0 / inner
-    growth = np.log(max((outer - 1.0) / (first * beyond), 1.001)) * 1.6
+    growth = np.log(max((outer - 1.0) * inner / beyond, 1.001)) * 1.6
     return np.concatenate([inside, 1.0 + (outer - 1.0) * np.expm1(growth * x) / np.expm1(growth)])
 
 

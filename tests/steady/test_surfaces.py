@@ -143,10 +143,10 @@ def test_slopes_of_the_wear_keep_the_similarity_of_contacts_and_are_those_of_dif
     assert lengths + 2.0 * forces == pytest.approx(3.0, abs=2e-4)
     assert moduli + forces == pytest.approx(0.0, abs=1e-7)
 
-    def of_thickness(thickness):
-        return log_volume(dataclasses.replace(contact, material=Layered(thickness, MODULUS, NU)), F_X)
-
-    assert_allclose(by.material.thickness * THICKNESS, by_differences(of_thickness, THICKNESS), atol=2e-6)
+    others = by_differences(
+        lambda x: log_volume(dataclasses.replace(contact, material=Layered(x, MODULUS, NU)), F_X), THICKNESS
+    )
+    assert_allclose(by.material.thickness * THICKNESS, others, atol=2e-6)
     assert np.all(abs(by.material.thickness * THICKNESS) > 0.1)
 
 

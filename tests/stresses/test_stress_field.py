@@ -67,8 +67,8 @@ def test_first_yield_without_friction_is_below_the_surface():
 X = np.array([-2.0, -1.05, -0.9, -0.5, 0.0, 0.6])
 
 
-def rule(a, count=100):
-    node, weight = np.polynomial.legendre.leggauss(count)
+def rule(a):
+    node, weight = np.polynomial.legendre.leggauss(100)
     u = 0.5 * (1.0 + node)
     return a * np.sin(0.5 * np.pi * u), a * 0.25 * np.pi * np.cos(0.5 * np.pi * u) * weight
 

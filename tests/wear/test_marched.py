@@ -399,27 +399,14 @@ def by_exponent(m):
     return worn(GROSS, PressurePower(COEFFICIENT * 1e9 ** (1.0 - m), m))
 
 
-def by_radius(R):
-    return FrettingContact(LAW, R, FORCE, FRICTION).over_cycles(TWO, COEFFICIENT)
-
-
-def by_friction(mu):
-    return LAYERED.over_cycles([Block(GROSS, 5e4, friction=mu), Block(HELD, 5e4)], COEFFICIENT)
-
-
-def by_grading(k):
-    """The cells move, and the compliance in them changes: the edge of the contact follows both."""
-    return dome(k).over_cycles(Displacement(0.55 * ONSET, 1e8), COEFFICIENT)
-
-
 MOVED = [
-    (lambda u: worn(Displacement(u)), HELD.displacement_amplitude, 2e-2),
-    (lambda u: worn(Displacement(u)), GROSS.displacement_amplitude, 2e-2),
+    *((lambda u: worn(Displacement(u)), load.displacement_amplitude, 2e-2) for load in (HELD, GROSS)),
     (lambda F: contact_of(LAW, force=F).over_cycles(HELD, COEFFICIENT), FORCE, 2e-2),
     *((by_exponent, m, 6e-2) for m in (0.5, 0.8, 1.3, 1.5)),
-    (by_radius, RADIUS, 2e-2),
-    (by_friction, 0.5, 2e-2),
-    (by_grading, 0.5, 2e-2),
+    (lambda R: FrettingContact(LAW, R, FORCE, FRICTION).over_cycles(TWO, COEFFICIENT), RADIUS, 2e-2),
+    (lambda mu: LAYERED.over_cycles([Block(GROSS, 5e4, friction=mu), Block(HELD, 5e4)], COEFFICIENT), 0.5, 2e-2),
+    # The cells move, and the compliance in them changes: the edge of the contact follows both.
+    (lambda k: dome(k).over_cycles(Displacement(0.55 * ONSET, 1e8), COEFFICIENT), 0.5, 2e-2),
 ]
 
 
