@@ -242,7 +242,7 @@ def blocks_picture(run: Run) -> Figure:
     ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
     cycles, steps = np.append(0.0, ends), {"drawstyle": "steps-pre"}
     for axes, name, read, style in (
-        (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0}),
+        (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0, "clip_on": False}),
         (panels[1], "tangential_force", run.force_amplitude, BEST | steps),
         (panels[2], "r", run.contact_radius, BEST | steps | {"label": "contact"}),  # the larger one sets the limits
         (panels[2], "r", run.stick_radius, REFERENCE | steps | {"label": "stick"}),

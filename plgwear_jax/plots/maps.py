@@ -277,7 +277,8 @@ def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
     *other, across = (variable[dim] for dim in variable.dims)
     x, norm = _stretch(axes, "x", across), _norm(variable)
     labels = [_place_told(one) if _is_number(one) else _value(one, one.item()) for row in other for one in row]
-    style: Style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
+    # Points on the frame are whole, unless there is 0, which a logarithmic axis would draw far below it.
+    style: Style = {"marker": "o", "markersize": 3.0, "clip_on": not variable.min()} if x.size <= 12 else {}
     if not _is_number(across):
         style["linestyle"] = ""
     axes.set_prop_cycle(**_CURVES)
