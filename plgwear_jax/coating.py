@@ -161,11 +161,11 @@ def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radiu
     material = PowerLawGraded(math.exp(log_modulus), contact_radius, k, nu)
     doubt = None
     if covered < _FAR:
-        doubt = f"the table covers {covered:.0%} of what the contact feels; the rest is taken as its ends are"
+        doubt = f"the table covers {100.0 * covered:.0f} % of what the contact feels; the rest is taken as its ends are"
     elif not freedom:
         doubt = "two points and two unknowns: the data tell no interval"
     elif scatter > _ROUGH:
-        doubt = f"the moduli scatter {scatter:.0%} about the fit: this is hardly a power law"
+        doubt = f"the moduli scatter {100.0 * scatter:.0f} % about the fit: this is hardly a power law"
     with np.errstate(divide="ignore"):
         fitted = math.exp(log_modulus) * (depth / contact_radius) ** k
     return PowerLawFit(

@@ -319,7 +319,7 @@ def fit_wear_coefficient(
         elif high == math.inf and final is None:
             said = "the data do not bound the wear coefficient from above"
         elif final is not None and (high == math.inf or fitted[worn].min() > _STEADY * final):
-            beyond = f"all points lie beyond {fitted[worn].min() / final:.0%} of the steady state"
+            beyond = f"all points lie beyond {100.0 * fitted[worn].min() / final:.0f} % of the steady state"
             said = f"{beyond}: they tell little but the least coefficient"
         elif high - low > math.log(100.0):
             said = "the scatter is too large: the data hardly tell the wear coefficient"
