@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import re
+import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -240,4 +241,6 @@ class Report:
             if isinstance(one, str):
                 typer.echo(one)
             else:
-                Console(markup=False, highlight=False, emoji=False).print(one)  # text is not interpreted
+                # A narrow terminal breaks lines, and cuts no numbers; text is not interpreted.
+                width = max(80, shutil.get_terminal_size().columns)
+                Console(width=width, markup=False, highlight=False, emoji=False).print(one)

@@ -25,8 +25,8 @@ PACKAGE = Path(plgwear_jax.__file__).parent
 
 
 @pytest.fixture(autouse=True)
-def _wide(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "120")
+def _narrow(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "20")
 
 
 @parametrize("file", sorted([*PACKAGE.glob("cli/*.py"), *PACKAGE.glob("plots/*.py")]), ids=lambda f: f.stem)
