@@ -242,7 +242,7 @@ def descended(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
         select(taken, new[longest, np.arange(plan.starts)], old) for new, old in ((trials, at.u), (rows, at.rows))
     )
     shortest = plan.lengths()[-1] * at.step
-    stuck = ~at.done & ~taken & (xp.abs(shortest).max(1) < 4.0 * plan.eps)
+    stuck = ~at.done & ~taken & (xp.abs(shortest).max(1) < enough)
     at = at._replace(u=u, rows=rows, step=0.25 * shortest, steps=at.steps + ~at.done)
     settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
     pushed = _pushed(at, rows)
@@ -401,6 +401,8 @@ def _kept(plan: SearchPlan, state: SearchState, rows: Any) -> Point:
 
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------
 
+INFINITE = 1e3  # the value of a limit where what it limits is infinite
+
 
 def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -> SearchState:
     """The search with its descents begun in the deepest valleys of the scan."""
@@ -418,7 +420,9 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
     excess, worst = xp.maximum(above, 0.0).sum(1), above.max(1, initial=-np.inf)
     height, keeps = (values[:, 0] - lowest[0]) / scale[0], known & (worst <= 0.0)
     # Points that keep the limits lie below all others, which are the higher the more they break them.
-    depth = xp.where(keeps, height, xp.where(known, 2.0 + excess, np.inf))
+    # Where some keep them, those are left out at which a limited stress is infinite.
+    near = known & ((worst < INFINITE) | ~keeps.any())
+    depth = xp.where(keeps, height, xp.where(near, 2.0 + excess, np.inf))
     valley = _valleys(plan, depth)
     valleys, count = xp.lexsort((xp.where(valley, depth, np.inf),))[: plan.starts], valley.sum()
     points = xp.asarray(plan.mesh().reshape(-1, plan.variables))

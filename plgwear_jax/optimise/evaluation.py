@@ -22,7 +22,7 @@ from plgwear_jax._core.rules import BY_THEN, WrongKeyError, is_after_cycles, is_
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.ask_and_tell import SearchPlan, plan_of
+from plgwear_jax.optimise.ask_and_tell import INFINITE, SearchPlan, plan_of
 from plgwear_jax.optimise.question import (
     Limit,
     Question,
@@ -168,7 +168,7 @@ class Candidate:
 
 def _broken_by(one: Limit, value: Any) -> Array:
     """How far a value breaks a limit: positive where it does."""
-    over = jnp.minimum(_log_or_least(value / one.value), 1e3)
+    over = jnp.minimum(_log_or_least(value / one.value), INFINITE)
     return -over if one.lowest else over
 
 
@@ -178,7 +178,7 @@ _how_far_broken = program()(_broken_by)
 def _log_or_least(x: Any) -> Array:
     """log(x), finite where x is 0 or negative, as a depth of wear is outside of the ring."""
     x = jnp.asarray(x)
-    return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
+    return jnp.where(x <= 0.0, -INFINITE, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
 
 
 def reference_variables(question: Question) -> dict[str, Any]:
