@@ -200,12 +200,13 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
     """
     size = math.prod(shape)
     most = min(size, most) or 1
-    chunks = -(-size // most)
+    # One chunk is no loop: in loops JAX loses the rules of closed forms in second derivatives that begin in reverse.
+    chunks = (-(-size // most), most)[size <= most :]
     # The last chunk is filled up with the first elements.
-    filled = [jnp.resize(value, (chunks, most, *value.shape[len(shape) :])) for value in values]
-    found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), filled)
-    found = jax.tree.map(lambda leaf: leaf.reshape(chunks * most, *leaf.shape[2:])[:size], found)
-    return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
+    filled = [jnp.resize(value, chunks + value.shape[len(shape) :]) for value in values]
+    together = jax.vmap(lambda chunk: function(*chunk), axis_name=BATCH)
+    found = jax.lax.map(together, filled) if size > most else together(filled)
+    return jax.tree.map(lambda leaf: jnp.resize(leaf, shape + leaf.shape[len(chunks) :]), found)
 
 
 # --- critical amplitudes ----------------------------------------------------------------------------------------------
