@@ -254,9 +254,9 @@ def fit_wear_coefficient(
         check("exponent", exponent, POSITIVE)
         if relative and deviation is None:
             raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
-        cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
-        given = 1.0 if deviation is None else np.asarray(deviation, float)
-        held, worn = Measurements(load, cycles, volume, given).load, cycles > 0.0
+        held = Measurements(load, cycles, volume, 1.0 if deviation is None else deviation).load
+        cycles, volume, given = (np.asarray(x, float) for x in (cycles, volume, deviation))
+        worn = cycles > 0.0
         N, target = cycles[worn], volume[worn]
         if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
