@@ -18,7 +18,7 @@ from plgwear_jax._core.startup.programs import program
 from plgwear_jax.optimise.conditions import namespace
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at, without_zeros
-from plgwear_jax.steady.batch import of_each
+from plgwear_jax.steady.batch import vmap_contacts
 from plgwear_jax.wear.closed_ring import run
 from plgwear_jax.wear.ring_cells import march_resolution_of
 from plgwear_jax.wear.ring_curves import Shares, share_at
@@ -75,8 +75,8 @@ def _without_shares(question: Question) -> tuple[RunsAlongExponent, Array]:
 
 @program(level=1)
 def _shares_at_nodes(k: Array, phi: Array) -> Shares:
-    return of_each(
-        sequential_forward_mode(lambda k, phi: run(march_resolution_of(None), k, phi).shares), k, phi[:, None]
+    return vmap_contacts(
+        sequential_forward_mode(lambda k, phi: run(march_resolution_of(None), k, phi).shares), (k, phi[:, None])
     )
 
 

@@ -1,5 +1,6 @@
 """Functions of one contact, for arrays of contacts and arguments."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +11,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax._core.sequential import TOGETHER
-from plgwear_jax._core.startup.programs import parted
 from plgwear_jax.steady.arguments import own_axes
 
 
@@ -25,13 +25,27 @@ def as_numbers(given: Any) -> Any:
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
-def of_each(function: Callable[..., Any], *arguments: Any) -> Any:
-    """The function's tree of results for each element of the broadcast arguments, which are trees.
+def vmap_contacts(one: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """The function's tree of results for each element of the broadcast arguments, which are trees, by `jax.vmap`.
 
     The function takes the last axis of `tables` whole.
     """
-    own = zip(jax.tree.leaves(arguments), own_axes(arguments), strict=True)
-    return _one_by_one(function, arguments, [np.shape(x)[: np.ndim(x) - axes] for x, axes in own])
+    leaves, tree = jax.tree.flatten(arguments)
+    leaves = list(map(jnp.asarray, leaves))
+    shapes = [x.shape[: x.ndim - own] for x, own in zip(leaves, own_axes(arguments), strict=True)]
+    shape = jnp.broadcast_shapes(*shapes)
+    if shape == ():
+        return one(*arguments)
+    count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
+    ends = [x.shape[len(single) :] for x, single in zip(leaves, shapes, strict=True)]
+    flat = tree.unflatten(
+        jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
+        for x, last, move in zip(leaves, ends, moves, strict=True)
+    )
+    if not any(moves):
+        return jax.tree.map(lambda x: x.reshape(*shape, *x.shape), one(*flat))
+    found = jax.vmap(one, tree.unflatten([0 if move else None for move in moves]))(*flat)
+    return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
 def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, more: tuple[Any, ...] = ()) -> Any:
@@ -41,25 +55,26 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
     """
     dtype = jax.tree.leaves(trees)[0].dtype
     more = jax.tree.map(lambda x: jnp.asarray(x, dtype), more)
-    shapes = [shape] * len(jax.tree.leaves(trees)) + [x.shape for x in jax.tree.leaves(more)]
-    return _one_by_one(function, (*trees, *more), shapes)
-
-
-def _one_by_one(function: Callable[..., Any], arguments: tuple[Any, ...], shapes: list[tuple[int, ...]]) -> Any:
-    """The function of arguments whose leaves begin with axes of such shapes, which broadcast against each other."""
-    whole = np.broadcast_shapes(*shapes)
+    whole = np.broadcast_shapes(shape, *(x.shape for x in jax.tree.leaves(more)))
     if whole == ():
-        return function(*arguments)
-    first = [shape[0] if len(shape) == len(whole) else None for shape in shapes]
-    rest = [shape if length is None else shape[1:] for length, shape in zip(first, shapes, strict=True)]
-    leaves, tree = jax.tree.flatten(arguments)
-    leaves = [jnp.squeeze(x, 0) if length == 1 else x for length, x in zip(first, leaves, strict=True)]
-    moving, together = parted(tree.unflatten(leaves), [length not in (None, 1) for length in first])
+        return function(*trees, *more)
+    if math.prod(whole) == 1:
+        given = jax.tree.map(lambda x: x.reshape(x.shape[len(shape) :]), trees)
+        found = function(*given, *jax.tree.map(lambda x: x.reshape(()), more))
+        return jax.tree.map(lambda x: x.reshape(*whole, *x.shape), found)
+    if 0 in whole:
+        about = jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape[len(shape) :], x.dtype), trees)
+        found = jax.eval_shape(function, *about, *jax.tree.map(lambda x: jax.ShapeDtypeStruct((), x.dtype), more))
+        return jax.tree.map(lambda x: jnp.zeros((*whole, *x.shape), x.dtype), found)
+    count = math.prod(shape)
+    rows = jnp.broadcast_to(jnp.arange(count, dtype=jnp.uint32).reshape(shape), whole).ravel()
+    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[len(shape) :]), trees)  # also where x has no numbers
 
-    def one(moving: list[Array]) -> Any:
-        return _one_by_one(function, together(moving), rest)
+    def one(moving: tuple[Array, Any]) -> Any:
+        row, more = moving
+        return function(*jax.tree.map(lambda x: x[row], flat), *more)
 
-    if whole[0] == 1:
-        return jax.tree.map(lambda x: jnp.asarray(x)[None], one(moving))
     # On a processor one after the other, since a batch would take as many steps as its slowest element.
-    return jax.lax.map(one, moving, batch_size=None if jax.default_backend() == "cpu" else TOGETHER)
+    size = None if jax.default_backend() == "cpu" else TOGETHER
+    found = jax.lax.map(one, (rows, jax.tree.map(lambda x: jnp.broadcast_to(x, whole).ravel(), more)), batch_size=size)
+    return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)

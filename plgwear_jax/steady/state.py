@@ -19,7 +19,7 @@ from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import as_numbers, of_each
+from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
 from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
@@ -144,11 +144,11 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
 def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The program of `states_of`."""
     one = sequential_vmap(functools.partial(state_of, effort))
-    return of_each(one, contact, tangential_force)
+    return vmap_contacts(one, (contact, tangential_force))
 
 
 @program(static=1, level=1)
 def solved_results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
     """The results of these states alone, whose derivatives at known numbers are a smaller program."""
     one = sequential_vmap(lambda *given: state_of(effort, *given).results)
-    return of_each(one, contact, tangential_force)
+    return vmap_contacts(one, (contact, tangential_force))

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
 from plgwear_jax.material import PowerLawGraded, holl_ratio
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.steady.batch import as_numbers, in_turn, of_each
+from plgwear_jax.steady.batch import as_numbers, in_turn, vmap_contacts
 from plgwear_jax.stresses.field import Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus
@@ -56,7 +56,7 @@ def half_space_of(material: Any, radius: Array) -> tuple[Array, Array | None, Pi
     if isinstance(material, PowerLawGraded):
         k = jnp.broadcast_to(jnp.asarray(material.k), radius.shape)
     elif isinstance(material, AnyModulus):
-        table = of_each(in_radii, material, radius)
+        table = vmap_contacts(in_radii, (material, radius))
     return nu, k, table
 
 

@@ -18,7 +18,7 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, power_where, ratio_where, sine_quotient
 from plgwear_jax.special.exponents import exponents
-from plgwear_jax.steady.batch import in_turn, of_each
+from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
 from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
@@ -77,7 +77,7 @@ def run(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
 @program(static=1, level=1)
 def curves_of(resolution: MarchResolution, k: Array, phi: Array) -> RunCurves:
     """The runs of all pairs of k and phi."""
-    return of_each(sequential_forward_mode(functools.partial(run, resolution)), k, phi)
+    return vmap_contacts(sequential_forward_mode(functools.partial(run, resolution)), (k, phi))
 
 
 @program(static=1, level=1)

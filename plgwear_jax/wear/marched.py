@@ -24,7 +24,7 @@ from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import quotient, ratio_where
 from plgwear_jax.special.root import first_at
-from plgwear_jax.steady.batch import as_numbers, of_each
+from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import bodies_of, opens, theta_of
 from plgwear_jax.surfaces.cells import mean_over, nodes_of
@@ -84,7 +84,7 @@ class TestHistory(NamedTuple):
             cells = np.arange(moments.depth.shape[-1]).reshape(-1, *(1,) * moment.part.ndim)
             return jnp.max(moment.between(moments.depth, cells), 0)
         if name == "volume":
-            return moment.on(of_each(limited, Curve(self.cycles, moments.volume, moments.rate)))
+            return moment.on(vmap_contacts(limited, (Curve(self.cycles, moments.volume, moments.rate),)))
         return moment.between(getattr(moments, name))
 
     def field(self, name: str, r: Array, cycles: Array) -> Array:
@@ -270,7 +270,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     one = sequential_forward_mode(functools.partial(history_of, effort))
-    return of_each(one, contact, blocks, law)
+    return vmap_contacts(one, (contact, blocks, law))
 
 
 class MarchedRun(Run):

@@ -14,7 +14,7 @@ from plgwear_jax._core.domains import POSITIVE, nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import in_turn, of_each
+from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, state_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
@@ -56,7 +56,7 @@ def _runs(effort: Effort, resolution: MarchResolution, contact: Any, force: Arra
         state = state_of(effort, contact, force)
         return state, curves_from(resolution, *numeric_rings_of(resolution, state))
 
-    return of_each(sequential_forward_mode(run), contact, force)
+    return vmap_contacts(sequential_forward_mode(run), (contact, force))
 
 
 def _worn_runs(resolution: MarchResolution, states: State) -> _Runs:
