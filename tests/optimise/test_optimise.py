@@ -69,7 +69,7 @@ def with_polynomial():
         def objective(v):
             hilly, quintic = (
                 jnp.sin(40.0 * v["x"]) + v["x"],
-                sum(c * v["x"] ** (n + 1) for n, c in enumerate(coefficients)),
+                v["x"] * jnp.polyval(coefficients[::-1], v["x"]),
             )
             return jnp.stack([two_valleys(v), hilly, dip(v), quintic])[which]
 
@@ -106,13 +106,11 @@ def in_square():
     }
 
     def best(which):
-        def objective(v):
-            return jnp.stack([function(v) for function, _ in asked.values()])[which]
-
-        def limits(v):
-            return jnp.stack([jnp.stack([jnp.asarray(x) for x in excess(v)]) for _, excess in asked.values()])[which]
-
-        return minimise(objective, SQUARE, limits=limits)
+        return minimise(
+            lambda v: jnp.stack([function(v) for function, _ in asked.values()])[which],
+            SQUARE,
+            limits=lambda v: jnp.array([excess(v) for _, excess in asked.values()])[which],
+        )
 
     found = jax.jit(jax.vmap(best))(np.arange(len(asked)))
     return {name: entry(found, row) for row, name in enumerate(asked)}
@@ -150,10 +148,7 @@ def test_limits_are_kept_and_weighed_or_it_is_said(in_square):
 
 @compiled
 def test_a_descent_that_is_cut_short_says_so():
-    def hills(v):
-        return jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2
-
-    found = jax.jit(lambda: minimise(hills, {"x": Interval(-1.0, 1.0)}, max_steps=1))()
+    found = jax.jit(lambda: minimise(two_valleys, {"x": Interval(-1.0, 1.0)}, max_steps=1))()
     assert found.steps == 1
 
 
@@ -172,9 +167,8 @@ def test_proof_is_not_given_where_something_can_hide(between):
 def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coefficients):
     found = entry(with_polynomial(np.array(coefficients)), POLYNOMIAL)
     x = np.linspace(-1.0, 1.0, 4001)
-    lowest = np.min(np.polynomial.polynomial.polyval(x, [0.0, *coefficients]))
-    x = float(found.variables["x"])
-    bend = np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyder([0.0, *coefficients], 2))
+    polynomial = np.polynomial.Polynomial([0.0, *coefficients])
+    lowest, bend = np.min(polynomial(x)), polynomial.deriv(2)(float(found.variables["x"]))
     # Where it hardly bends, the value is known, but not the place; then the search says that it did not converge.
     assert found.converged or (abs(bend) < 1e-3 and not found.scan_found_nothing_better)
     if bool(found.scan_found_nothing_better):
@@ -243,11 +237,12 @@ def test_no_exponent_of_a_dense_scan_wears_less(many):
 
 
 def exact_optimum(phi, near):
-    def slope(k):
-        return oracle.derivatives("wear_volume", (k, phi), wrt=(0,)).gradient[0]
-
     with mp.workdps(40):
-        return mp.findroot(slope, (near - 1e-4, near + 1e-4), tol=1e-30)
+        return mp.findroot(
+            lambda k: oracle.derivatives("wear_volume", (k, phi), wrt=(0,)).gradient[0],
+            (near - 1e-4, near + 1e-4),
+            tol=1e-30,
+        )
 
 
 def test_interior_optima_are_the_roots_of_the_oracles_derivative(many):

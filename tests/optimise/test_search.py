@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from optima import optima
 
 from plgwear_jax import optimise
-from plgwear_jax.optimise.ask_and_tell import DONE, begin, conclude, plan_of, tell
+from plgwear_jax.optimise.ask_and_tell import DONE, INFINITE, begin, conclude, plan_of, tell
 
 # --- ask and tell -----------------------------------------------------------------------------------------------------
 
@@ -73,11 +73,18 @@ def test_values_that_are_not_finite_are_dealt_with():
         return -np.stack([values, slopes], axis=-1)
 
     plan = plan_of(1, 0)
-    state = begin(plan)
-    while state.phase != DONE:
-        state = tell(plan, state, told(state.points))
-    found = conclude(plan, state)
+    found = conclude(plan, ended(plan, told, begin(plan), functools.partial(tell, plan))[0])
     assert found.pair.u[0] == 1.0 and found.ended["converged"]
+
+
+def test_no_descent_begins_where_a_limit_is_infinite():
+    def told(u):
+        slope = np.ones_like(u)
+        limit = np.where(u < 0.0, INFINITE, u - 0.3)
+        return np.stack([np.hstack([-u, -slope]), np.hstack([limit, slope])], axis=1)
+
+    plan = plan_of(1, 1)
+    assert ended(plan, told, begin(plan), functools.partial(tell, plan))[0].valleys == 1
 
 
 # --- one by one and in one program ------------------------------------------------------------------------------------

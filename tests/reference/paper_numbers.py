@@ -78,11 +78,12 @@ def slope_at_zero(phi):
 
 def crossing(quantity, one, other, lower, upper):
     """The amplitude at which a quantity is the same for both exponents, by bisection and secants."""
-
-    def excess(phi):
-        return mp.log(quantity(one, phi, digits=DIGITS) / quantity(other, phi, digits=DIGITS))
-
-    return mp.findroot(excess, (mpf(lower), mpf(upper)), solver="anderson", tol=mpf(10) ** -DIGITS)
+    return mp.findroot(
+        lambda phi: mp.log(quantity(one, phi, digits=DIGITS) / quantity(other, phi, digits=DIGITS)),
+        (mpf(lower), mpf(upper)),
+        solver="anderson",
+        tol=mpf(10) ** -DIGITS,
+    )
 
 
 def holl(k):
@@ -322,10 +323,9 @@ def ring_ends_on_the_parabola(k, phi, nu):
 def wear_volume_is_the_integral(k, phi, nu):
     c, a = oracle.stick_radius.formula(k, phi), oracle.worn_radius.formula(k, phi)
 
-    def depth(part):  # of the area of the ring
-        return oracle.wear_depth.formula(mp.sqrt(c**2 + part * (a**2 - c**2)), k, phi)
-
-    return mp.pi * (a**2 - c**2) * mp.quad(depth, [0, 1]) / oracle.wear_volume.formula(k, phi)
+    area = a**2 - c**2
+    depths = mp.quad(lambda part: oracle.wear_depth.formula(mp.sqrt(c**2 + part * area), k, phi), [0, 1])
+    return mp.pi * area * depths / oracle.wear_volume.formula(k, phi)
 
 
 @equation("(29)–(31)", "h_N at k = 0, and 1, which makes Eq. (8) that of Boussinesq")

@@ -98,10 +98,12 @@ def layers(ends, modulus, indenter=STEEL, exponent=2.0):
     places, values = np.array(ends) * A, np.array(modulus) * 1e9
     half_space = DepthGraded(np.repeat(places, 2), np.repeat(values, 2)[1:-1], 0.2)
 
-    def own():
-        return graded_compliance(lambda z: values[np.searchsorted(places, z, "right")], 0.2, places[-1], list(places))
-
-    return Kind(half_space, indenter, exponent, own)
+    return Kind(
+        half_space,
+        indenter,
+        exponent,
+        lambda: graded_compliance(lambda z: values[np.searchsorted(places, z, "right")], 0.2, places[-1], [*places]),
+    )
 
 
 def table(depth, modulus):

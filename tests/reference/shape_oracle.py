@@ -59,11 +59,7 @@ class Oracle:
     def radius(self, force, start):
         """a with F(a) = 2 c_N times a number, by its logarithm, from the flat face on."""
         flat = self.pieces[0].begin if self.pieces else mpf(0)
-
-        def left(u):
-            return mp.log(self.pressed(flat + mp.exp(u)) / force)
-
-        return flat + mp.exp(_root(left, mp.log(start)))
+        return flat + mp.exp(_root(lambda u: mp.log(self.pressed(flat + mp.exp(u)) / force), mp.log(start)))
 
     def beside(self, r, c, d, power):
         """The integral of T^(s-1) (r^2-T)^(power-1) (d - g), by v = (r^2-T)^power."""

@@ -157,10 +157,15 @@ def tangential_ratio(k, nu):
     m, deep = 4.0 / (1.0 - abs(k)), 20.0
     slope, homogeneous = riccati(lambda z: z**k, nu, 1.0)
 
-    def along(x, state):
-        return m * x ** (m - 1.0) * slope(x**m, state)
-
     ends = deep ** (1.0 / m), 1e-12
-    found = solve_ivp(along, ends, homogeneous(deep**k), method="DOP853", rtol=1e-11, atol=1e-13, max_step=0.02)
+    found = solve_ivp(
+        lambda x, state: m * x ** (m - 1.0) * slope(x**m, state),
+        ends,
+        homogeneous(deep**k),
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-13,
+        max_step=0.02,
+    )
     in_plane, _, normal, anti = found.y[:, -1]
     return 0.5 * (in_plane + anti) / normal

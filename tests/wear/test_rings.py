@@ -195,11 +195,9 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     names = ["k", "phi", *at]
     rows = INSIDE + [GOOD | {key: value} for key in names for value in BAD[key]]
 
-    def read(k, phi, *at):
-        return getattr(Reduced(k, phi, 2), name)(*at)
-
     columns = [jnp.array([row[key] for row in rows]) for key in names]
-    value, slopes = jax.vmap(jax.value_and_grad(read, tuple(range(len(names)))))(*columns)
+    read = jax.value_and_grad(lambda k, phi, *at: getattr(Reduced(k, phi, 2), name)(*at), tuple(range(len(names))))
+    value, slopes = jax.vmap(read)(*columns)
     slopes, inside = np.stack(slopes, -1), len(INSIDE)
     assert np.all(np.isnan(value[inside:])) and np.all(np.isnan(slopes[inside:]))
     finite = np.isfinite(value[:inside])
