@@ -255,14 +255,15 @@ def fit_wear_coefficient(
         if relative and deviation is None:
             raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
         held = Measurements(load, cycles, volume, 1.0 if deviation is None else deviation).load
-        cycles, volume, given = (np.asarray(x, float) for x in (cycles, volume, deviation))
+        cycles, volume = (np.asarray(x, float) for x in (cycles, volume))
         worn = cycles > 0.0
         N, target = cycles[worn], volume[worn]
         if not np.any(target > 0.0):
             raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
         if relative and not np.all(target > 0.0):
             raise ValueError(f"volume = 0 after {N[target <= 0.0][0]:g} cycles: has no relative deviation")
-        deviations = (target.max() if deviation is None else given) * (volume if relative else np.ones_like(volume))
+        deviations = np.asarray(target.max() if deviation is None else deviation, float)
+        deviations = deviations * (volume if relative else np.ones_like(volume))
 
         def run_with(coefficient: Any) -> Run:
             return contact.over_cycles(held, law_of(coefficient, exponent))
