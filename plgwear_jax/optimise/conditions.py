@@ -60,10 +60,13 @@ def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditio
     side = xp.trunc(xp.clip(u - inclination(rows, multipliers), -1.0, 1.0))  # 0 between the bounds
     active, limits = multipliers + rows[..., 1:, 0] > 0.0, rows[..., 1:, 1:]
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
-    small = np.finfo(u.dtype).eps ** 0.75 * np.eye(multipliers.shape[-1], dtype=u.dtype)
-    corner = -small * xp.ones_like(multipliers)[..., None]
-    matrix = xp.block([[hessian, xp.swapaxes(limits, -1, -2)], [limits, corner]])
+    # The small number keeps it regular where a variable changes nothing, and where a bound and a limit, or two limits,
+    # hold the same variable.
+    by_variables, by_limits = (
+        np.finfo(u.dtype).eps ** 0.75 * np.eye(x.shape[-1], dtype=u.dtype) for x in (u, multipliers)
+    )
+    corner = -by_limits * xp.ones_like(multipliers)[..., None]
+    matrix = xp.block([[hessian + by_variables, xp.swapaxes(limits, -1, -2)], [limits, corner]])
     counts = xp.concatenate([side == 0.0, active], axis=-1)
     matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
     return Conditions(side, active, residual_of(rows, u, multipliers, side, active), matrix)
