@@ -51,7 +51,6 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (2), with the factor a that is missing
         there.
     """
-    del digits
     s, q = exponents(k)
     return punch_stress(r, jnp.ones_like(s), s, q, smooth=jnp.zeros_like(s), singular=s)
 

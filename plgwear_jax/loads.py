@@ -89,16 +89,13 @@ class Load:
 
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges: JAX rebuilds records without asking `__post_init__`."""
-        del friction, normal_force, shares
         self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
 
     def check_at_rest(self, at_rest: Any) -> None:
         """Refuse concrete values of gross slip; `at_rest` is the `Steady` in this rig under no force."""
-        del at_rest
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` in this rig under no force."""
-        del at_rest
         raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
 
     def control(self, limit: Any) -> Control:
@@ -166,7 +163,6 @@ class Force(Load):
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""
-        del at_rest
         return self.tangential_force
 
     def control(self, limit: Any) -> Control:
@@ -218,7 +214,6 @@ class Displacement(Load):
 
     def control(self, limit: Any) -> Control:
         """The displacement of the contact and of the rig together is constant."""
-        del limit
         amplitude = field_nan_outside(self, "displacement_amplitude")
         return Control(1.0, self.rig_compliance, amplitude)
 
@@ -288,7 +283,6 @@ class Blocks(Load):
 
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges, and say in which block they are."""
-        del shares
         for number, block in enumerate(self.of, 1):
             try:
                 block.__post_init__()

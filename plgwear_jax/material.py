@@ -178,7 +178,6 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: in the text before Eq. (2).
     """
-    del digits
     return 1.0 / (2.0 + jnp.asarray(k))
 
 

@@ -66,7 +66,6 @@ def plgwear(
         ),
     ] = False,
 ) -> None:
-    del version
     cache.leave_off(no_cache)
 
 

@@ -74,7 +74,6 @@ def relative_residual(y: Array, load: Array, at: Rise | Arc) -> Array:
 
 @_solve.defjvp
 def _solve_jvp(root: Root, digits: int | None, root_digits: int | None, primals, tangents):
-    del root_digits
     y = place_of(root, *primals, digits, None)
     # The differential of rise(y) = load: rise_y dy + rise_s ds + rise_q dq = dload.
     _, dload = jax.jvp(root.load, primals, tangents)

@@ -1,12 +1,11 @@
 """The stick radius, Eqs. (16) and (23), and the depth of the punch that is equivalent to the worn indenter."""
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.special.elementary import exponentials, log_complement, quotient, reciprocal
+from plgwear_jax.special.elementary import exponentials, log_complement, moves_by, quotient, reciprocal
 
 
 def slip(s: Array, phi: Array) -> Array:
@@ -23,7 +22,11 @@ def sinking(s: Array, phi: Array, digits: int | None) -> Array:
     return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
-@jax.custom_jvp
+def _stick_change(c, k, phi, dk, dphi):
+    return -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
+
+
+@moves_by(_stick_change)
 def stick(k: Array, phi: Array) -> Array:
     """c = (1-phi)^(1/(k+3)), to an ulp or two."""
     # Near the stick-slip boundary results depend on r - c, so c is needed to an ulp or two, however small. Hence the
@@ -41,13 +44,6 @@ def stick(k: Array, phi: Array) -> Array:
     correction = (remainder + log_lo) / (3.0 + k)
     radius = jnp.exp(quotient)
     return radius + radius * correction
-
-
-@stick.defjvp
-def _stick_jvp(primals, tangents):
-    (k, phi), (dk, dphi) = primals, tangents
-    c = stick(k, phi)
-    return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
 
 
 def stick_power(s: Array, phi: Array, exponent: float, digits: int | None) -> Array:
@@ -79,5 +75,4 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (16), (23). For k = 0: Cattaneo (1938);
         Mindlin, Journal of Applied Mechanics 16 (1949) 259.
     """
-    del digits
     return stick(jnp.asarray(k), jnp.asarray(phi))

@@ -14,7 +14,6 @@ from plgwear_jax.special.exponents import exponents, log_beside_edge, punch_stre
 
 def _initial_pressure_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
     """dp_0/dr = -2 r s (1+s) (1 - r^2)^-q for r < 1, whose own slopes do not cancel towards k = 1."""
-    del digits
     s, q = exponents(k)
     under = r < 1.0
     rate = -2.0 * r * s * (1.0 + s) * jnp.exp(-q * log_beside_edge(jnp.where(under, r, 0.0), jnp.ones_like(s)))
@@ -44,14 +43,12 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (13).
     """
-    del digits
     s, q = exponents(k)
     return punch_stress(r, jnp.ones_like(s), s, q, smooth=1.0 + s, singular=jnp.zeros_like(s))
 
 
 def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
     """dp_inf/dphi = s phi (q + s z) z^(-q-1)/(c^2 (1+s) (1-phi)) for r < c, z = 1 - (r/c)^2."""
-    del digits
     s, q = exponents(k)
     c = stick(k, phi)
     under = r < c
@@ -84,7 +81,6 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (17).
     """
-    del digits
     k, phi = jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
     # F_1(c)/F_N = c^(k+3) = 1 - phi, Eq. (12).
@@ -115,7 +111,6 @@ def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (19).
     """
-    del digits
     k, phi = jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
     return punch_stress(r, stick(k, phi), s, q, smooth=jnp.zeros_like(phi), singular=s * phi)

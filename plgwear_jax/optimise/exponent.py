@@ -30,7 +30,7 @@ from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of
 from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
 from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, rows_at
-from plgwear_jax.special.elementary import clamp_keep_slope, value_with_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, value_with_slope, with_digits
 from plgwear_jax.special.root import first_at
 
 
@@ -129,7 +129,7 @@ def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalEx
     return jax.device_put(joined)  # unlike `jnp.asarray` it compiles nothing
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> Array:
     """The wear volume at several exponents and its slope, (lanes, 1, 2)."""
     return rows_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)

@@ -297,7 +297,6 @@ def rows_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> A
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def implicit(function: Callable[[Array, Any], Array], found: Any, params: Any) -> Any:
     """(u, multipliers, rows) of minima as functions of the parameters, by the implicit function theorem."""
-    del function, params
     return found
 
 

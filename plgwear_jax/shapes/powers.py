@@ -26,7 +26,6 @@ class Power(AbelTransform):
 
     def rate(self, T: Array, above: Array) -> Array:
         """See `AbelTransform`."""
-        del above
         power = self.power
         return self.first * (jnp.ones_like(T) if power is None else power * jnp.exp((power - 1.0) * jnp.log(T)))
 

@@ -41,7 +41,6 @@ class AbelTransform:
 
     def rate(self, T: Array, above: Array) -> Array:
         """The slope of G by T, which may be singular above a kink: with T come its differences from those of kinks."""
-        del above
         return value_with_slope(self.at, T)[1]
 
 

@@ -12,14 +12,12 @@ differentiation keeps their digits. For larger y the same forms give 1 - Q as a 
 s and q = 1 - s, since the subtraction would lose digits of the smaller one. omega stands for sin(pi s)/(pi s q).
 """
 
-import functools
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import exponentials, growth, log, quotient, reciprocal, sine_excess
+from plgwear_jax.special.elementary import exponentials, growth, log, quotient, reciprocal, sine_excess, with_digits
 from plgwear_jax.special.lerch import fold_at, lerch_tail
 
 
@@ -71,7 +69,7 @@ def _folded_terms(y: Fold, s: Array, q: Array, digits: int | None) -> _FoldedTer
 # --- the tail and the moment of a displacement ----------------------------------------------------------------------
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
     """(Q, 1 - Q, sin(pi s)/pi y^-s T_1(1/y)) at y, the last two for the surface displacement outside a contact.
 
@@ -115,7 +113,7 @@ class Arc(NamedTuple):
     density: Array  # omega y^q = sin(pi s)/pi y^q/(s q)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     """The arc from 0 to y > 0."""
     folded = fold(y, digits)

@@ -13,12 +13,19 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.sequential import sequential_vmap
+from plgwear_jax.special.elementary import moves_by
 
 _ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
 _FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this
 
 
-@jax.custom_jvp
+def _factor_change(factor: Array, _: Array, change: Array) -> Array:
+    whole = jnp.tril(change) + jnp.tril(change, -1).T
+    inner = jnp.tril(forward(factor, forward(factor, whole).T))
+    return factor @ (inner - 0.5 * jnp.diag(jnp.diagonal(inner)))
+
+
+@moves_by(_factor_change)
 def cholesky(matrix: Array) -> Array:
     """The lower Cholesky factor of a symmetric matrix, whose upper half is not read; NaN unless positive definite."""
     return _factor(matrix)
@@ -36,14 +43,6 @@ def _plain_factor(matrix: Array) -> Array:
 
 
 _factor = sequential_vmap(_plain_factor)
-
-
-@cholesky.defjvp
-def _cholesky_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
-    factor = cholesky(primals[0])
-    whole = jnp.tril(tangents[0]) + jnp.tril(tangents[0], -1).T
-    inner = jnp.tril(forward(factor, forward(factor, whole).T))
-    return factor, factor @ (inner - 0.5 * jnp.diag(jnp.diagonal(inner)))
 
 
 def _solved_by_factor(transposed: bool, factor: Array, right: Array) -> Array:
@@ -105,16 +104,11 @@ def solve_symmetric(matrix: Array, right: Array) -> Array:
     )
 
 
-@jax.custom_jvp
+@moves_by(lambda inverse, *_: jnp.zeros_like(inverse))
 def _inverse_factor(matrix: Array) -> Array:
     """L^-1, as a constant: products with it, unlike substitutions, need no loop in a batch."""
     # In a loop JAX forgets the rule after the first derivative in reverse.
     return _inverse_of(jax.lax.stop_gradient(matrix))
-
-
-@_inverse_factor.defjvp
-def _inverse_factor_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
-    return _inverse_factor(*primals), jnp.zeros_like(tangents[0])
 
 
 def _inverse(factor: Array) -> Array:

@@ -24,7 +24,16 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import TINY, exponentials, growth, log, quotient, reciprocal, working_digits
+from plgwear_jax.special.elementary import (
+    TINY,
+    exponentials,
+    growth,
+    log,
+    quotient,
+    reciprocal,
+    with_digits,
+    working_digits,
+)
 from plgwear_jax.special.gamma import edge_pair
 
 # t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
@@ -121,7 +130,7 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     return (lead * norm - kappa * rest) * reciprocal(norm * poles)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def disc_displacement(r: Array, s: Array, q: Array, digits: int | None) -> Array:
     """Displacement w(r)/w(0) of a uniformly loaded disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
 

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -12,6 +12,8 @@ from jax import Array, lax
 from jax.typing import DTypeLike
 
 from plgwear_jax._core.xla import kept_in_register
+
+with_digits = functools.partial(jax.jit, static_argnames="digits")
 
 
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
@@ -107,30 +109,37 @@ def reciprocal(x: Array) -> Array:
     return quotient(np.ones((), x.dtype), x)
 
 
-@jax.custom_jvp
+def moves_by(change: Callable[..., Any], *static: int) -> Callable[[Callable[..., Any]], Any]:
+    """Give a function a rule for derivatives: how it moves, from its value, its arguments and how these move."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        ruled = jax.custom_jvp(function, nondiff_argnums=static)
+
+        def rule(*given: Any) -> tuple[Any, Any]:
+            *words, primals, tangents = given
+            value = ruled(*primals, *words)
+            return value, change(value, *primals, *tangents)
+
+        ruled.defjvp(rule)
+        return ruled
+
+    return decorate
+
+
+def _of_ratio(value: Array, _: Any, b: Array, da: Any, db: Array) -> Array:
+    return _over(da - value * db, b)
+
+
+@moves_by(_of_ratio)
 def quotient(a: Any, b: Array) -> Array:
     """a/b for a >= 0, b > 0."""
     return kept_in_register(a / b)
 
 
-@quotient.defjvp
-def _quotient_jvp(primals, tangents):
-    (a, b), (da, db) = primals, tangents
-    value = quotient(a, b)
-    return value, _over(da - value * db, b)
-
-
-@jax.custom_jvp
+@moves_by(_of_ratio)
 def _over(a: Array, b: Array) -> Array:
     """a/b for b > 0, with derivatives by repeated division by b, since powers of b would underflow."""
     return a * reciprocal(b)
-
-
-@_over.defjvp
-def _over_jvp(primals, tangents):
-    (a, b), (da, db) = primals, tangents
-    value = _over(a, b)
-    return value, _over(da - value * db, b)
 
 
 # --- logarithms and exponentials ------------------------------------------------------------------------------------
@@ -171,36 +180,24 @@ def _log_of_parts(e: Array, excess: Array, digits: int | None) -> Array:
     return (tail + rest * e) + 2.0 * z + head * e
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
+@moves_by(lambda _, x, dx: _over(dx, x), 1)
 def log(x: Array, digits: int | None = None) -> Array:
     """The natural logarithm of normal numbers x > 0."""
     e, m = _exponent_and_mantissa(x)
     return _log_of_parts(e, m - 1.0, digits)
 
 
-@log.defjvp
-def _log_jvp(digits: int | None, primals, tangents):
-    (x,), (dx,) = primals, tangents
-    return log(x, digits), _over(dx, x)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
+@moves_by(lambda _, phi, dphi: _over(-dphi, 1.0 - phi), 1)
 def log_complement(phi: Array, digits: int | None = None) -> Array:
     """log(1 - phi) for phi < 1, to full relative accuracy for small phi of either sign."""
     e, m = _exponent_and_mantissa(1.0 - phi)
     return _log_of_parts(e, jnp.where(abs(e) < 0.5, -phi, m - 1.0), digits)
 
 
-@log_complement.defjvp
-def _log_complement_jvp(digits: int | None, primals, tangents):
-    (phi,), (dphi,) = primals, tangents
-    return log_complement(phi, digits), _over(-dphi, 1.0 - phi)
-
-
 _EXPONENTIAL = tuple((0.5 * math.log(2.0)) ** n / math.factorial(n + 2) for n in range(16))
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
+@moves_by(lambda value, _, dx: (value[0] * dx, value[0] * dx), 1)
 def exponentials(x: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(exp(x), exp(x) - 1), both to full relative accuracy, as long as exp(x) is a normal number."""
     head, rest = _LOG_2_HEAD[x.dtype], _LOG_2_REST[x.dtype]
@@ -217,33 +214,23 @@ def exponentials(x: Array, digits: int | None = None) -> tuple[Array, Array]:
     return power + scaled, scaled + (power - 1.0)
 
 
-@exponentials.defjvp
-def _exponentials_jvp(digits: int | None, primals, tangents):
-    (x,), (dx,) = primals, tangents
-    value = exponentials(x, digits)
-    return value, (value[0] * dx, value[0] * dx)
-
-
 TINY = 1e-30
 _GROWTH_SLOPE = tuple(1.0 / (math.factorial(n) * (n + 2)) for n in range(19))  # of the integral of u exp(u x), u < 1
 
 
-@jax.custom_jvp
-def growth(less_one: Array, over: Array, p: Array, log_x: Array) -> Array:
-    """(1 - x^p)/p for x < 1, which is -log(x) at p = 0, from x^p - 1 and 1/abs(p)."""
-    return jnp.where(jnp.abs(p) < TINY, -log_x, jnp.abs(less_one) * over)
-
-
-@growth.defjvp
-def _growth_jvp(primals, tangents):
-    less_one, over, p, log_x = primals
-    *_, dp, dlog_x = tangents
-    value, exponent = growth(*primals), p * log_x
+def _growth_change(value, less_one, over, p, log_x, _, __, dp, dlog_x):
+    exponent = p * log_x
     small = jnp.abs(exponent) < 1.0
     # -d/dp is log(x)^2 times the integral of u x^(p u) over u from 0 to 1.
     fall = log_x * log_x * polynomial(_GROWTH_SLOPE, jnp.where(small, exponent, 0.0))
     fall = jnp.where(small, fall, jnp.abs(log_x * (1.0 + less_one) + value) * over)
-    return value, -fall * dp - (1.0 + less_one) * dlog_x
+    return -fall * dp - (1.0 + less_one) * dlog_x
+
+
+@moves_by(_growth_change)
+def growth(less_one: Array, over: Array, p: Array, log_x: Array) -> Array:
+    """(1 - x^p)/p for x < 1, which is -log(x) at p = 0, from x^p - 1 and 1/abs(p)."""
+    return jnp.where(jnp.abs(p) < TINY, -log_x, jnp.abs(less_one) * over)
 
 
 # --- sines ----------------------------------------------------------------------------------------------------------
@@ -258,7 +245,7 @@ _SINC = tuple((-1) ** j * math.pi ** (2 * j) / math.factorial(2 * j + 1) for j i
 _SINC_QUOTIENT = _tails(_SINC)[:19]
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def sinc_quotient(square: Array, digits: int | None) -> Array:
     """sin(pi x)/(pi x (1 - x^2)) as a function of x^2 = square in [0, 1]."""
     return polynomial(_SINC_QUOTIENT, square, digits)

@@ -3,13 +3,10 @@
 All use 1/Gamma, which has no poles, so a polynomial is enough. `tools/gamma_tables.py` computes the coefficients.
 """
 
-import functools
-
-import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import leading, polynomial
+from plgwear_jax.special.elementary import leading, polynomial, with_digits
 
 
 def _numbers_in(text: str) -> tuple[float, ...]:
@@ -46,13 +43,13 @@ _EDGE_ODD = _numbers_in("""
 """)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def reciprocal_gamma(z: Array, digits: int | None) -> Array:
     """1/Gamma(1+z) for z in [-1/2, 2]."""
     return polynomial(RECIPROCAL_GAMMA, (z - 0.75) / 1.25, digits)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None) -> tuple[Array, Array]:
     """(even, odd) with 1/Gamma(1 + z +- d) = even +- d odd, where d^2 = square.
 
@@ -78,7 +75,7 @@ def edge_pair(square: Array, ends: Array, digits: int | None) -> tuple[Array, Ar
     return polynomial(_EDGE_EVEN, x, digits), ends * polynomial(_EDGE_ODD, x, digits), poles
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def catalan_deficit(q: Array, s: Array, digits: int | None) -> Array:
     """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1), to all digits also near its zeros."""
     numerator = polynomial(_VOLUME_NUMERATOR, q - s, digits)

@@ -8,17 +8,15 @@ for x >= 0 and a >= 0. All its terms are positive, so neither the fraction nor i
 reduces the error by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1), for any a.
 """
 
-import functools
 import math
 from collections.abc import Sequence
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
-from plgwear_jax.special.elementary import working_digits
+from plgwear_jax.special.elementary import with_digits, working_digits
 
 
 def fold_at(dtype: DTypeLike) -> float:
@@ -30,7 +28,7 @@ def fold_at(dtype: DTypeLike) -> float:
     return 2.0 if jnp.finfo(dtype).bits == 32 else 1.5
 
 
-@functools.partial(jax.jit, static_argnames="digits")
+@with_digits
 def lerch_tail(x: Array, a: Array, digits: int | None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive and neither large nor small."""
     fold = fold_at(x.dtype)

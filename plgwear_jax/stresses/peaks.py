@@ -134,7 +134,6 @@ def _value_at_jvp(primals, tangents):
 @jax.custom_jvp
 def _drifted(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
     """By how much the peak is elsewhere than the place that was found: not at all, but for its derivatives."""
-    del pressed, wanted
     return jnp.zeros_like(place)
 
 

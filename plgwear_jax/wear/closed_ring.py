@@ -103,7 +103,6 @@ class ClosedRing(NamedTuple):
 
     def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at y in the ring."""
-        del r
         (s, q), c = exponents(self.k), self.c / self.a_0
         y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, self.phi))
         at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))

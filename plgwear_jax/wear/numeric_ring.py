@@ -92,7 +92,6 @@ class NumericRing(NamedTuple):
 
     def gap_and_depth(self, y: Array, r: Array) -> tuple[Array, Array]:
         """(The gap beside the unworn contact of the stick radius, the final depth), both in m, at radii in the ring."""
-        del y
         return over_radii_of("unworn_gap_at", self.states, r), over_radii_of("worn_depth_at", self.states, r)
 
     def pressures(self, r: Array) -> Iterator[Array]:
