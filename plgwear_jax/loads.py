@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import numpy as np
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
     AMPLITUDE,
@@ -22,7 +21,7 @@ from plgwear_jax._core.domains import (
     real_dtype,
 )
 from plgwear_jax._core.record import field_nan_outside, record
-from plgwear_jax._core.startup.programs import traced
+from plgwear_jax._core.startup.programs import holds_tracers, traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
@@ -152,7 +151,7 @@ class Force(Load):
         """Refuse concrete values outside their ranges, among them amplitudes of gross slip."""
         super().check(friction, normal_force, shares)
         values = tuple(map(as_array, (self.tangential_force, friction, normal_force)))
-        if any(isinstance(value, Tracer) for value in values):
+        if holds_tracers(values):
             return
         dtype = real_dtype("tangential_force", values)
         force, mu, normal = (np.asarray(value, dtype) for value in values)  # NumPy compiles nothing

@@ -4,11 +4,8 @@ import functools
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
-import jax
-from jax.core import Tracer
-
 from plgwear_jax._core.doubts import one_question
-from plgwear_jax._core.startup.programs import traced
+from plgwear_jax._core.startup.programs import holds_tracers, traced
 
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
@@ -36,7 +33,7 @@ def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable
 
 def refuse_traced(name: str, given: Any, instead: str) -> None:
     """Refuse traced values among those given to what is for numbers alone, and say what does work."""
-    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
+    if holds_tracers(given):
         raise _for_numbers_alone(name, instead)
 
 

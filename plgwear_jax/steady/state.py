@@ -8,12 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, RefusedError, one_or_nan
 from plgwear_jax._core.record import field_nan_outside, record
 from plgwear_jax._core.sequential import sequential_vmap
-from plgwear_jax._core.startup.programs import program, traced, value_of, with_slopes
+from plgwear_jax._core.startup.programs import holds_tracers, program, traced, value_of, with_slopes
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
@@ -68,7 +67,7 @@ def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Stat
 def refuse_tension(state: State, worn: bool) -> None:
     """Refuse a known contact that would have to pull: worn to the end, or before any wear. Of a batch it stays NaN."""
     least = [value_of(x) for x in state.least]
-    if state.shape or isinstance(least[0], Tracer):
+    if state.shape or holds_tracers(least):
         return
     share, r, pulled = np.stack(least)[:, int(worn)]
     when, more = ("in the steady state", ", and Eq. (28) does not hold") if worn else ("before any wear", "")

@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
     POSITIVE,
@@ -20,7 +19,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
-from plgwear_jax._core.startup.programs import program, traced, with_slopes
+from plgwear_jax._core.startup.programs import holds_tracers, program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import quotient, ratio_where
 from plgwear_jax.special.root import first_at
@@ -331,7 +330,7 @@ class MarchedRun(Run):
         found = super()._solve()
         volume = found.moments.volume
         # Of several runs those that are followed to their ends stay numbers beside others that are NaN.
-        if not isinstance(volume, Tracer) and volume.size and np.isnan(volume).any(-1).all():
+        if not holds_tracers(volume) and volume.size and np.isnan(volume).any(-1).all():
             first = np.isnan(volume).argmax(-1)
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"

@@ -8,11 +8,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import POSITIVE, nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
-from plgwear_jax._core.startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
+from plgwear_jax._core.startup.programs import NumbersWithSlopes, holds_tracers, program, traced, value_of, with_slopes
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
@@ -69,7 +68,7 @@ def _not_zero(contact: Any, force: Array) -> Array:
 
 
 def _runs_of(effort: Effort, resolution: MarchResolution, contact: Any, force: Any) -> _Runs:
-    if isinstance(force, Tracer) or np.any(np.asarray(value_of(force)) == 0.0):
+    if holds_tracers(force) or np.any(np.asarray(value_of(force)) == 0.0):
         force = _not_zero(contact, force)
     given = contact, force
     if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.doubts import SOON
+from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.special.elementary import clamp_keep_slope, crest, value_with_slope
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
@@ -209,7 +209,7 @@ class RingRun(Run):
     def _solve(self) -> RunSolution:
         found = super()._solve()
         volume, phi = found.curves.volume.value, found.phi
-        if not any(isinstance(x, Tracer) for x in (volume, phi)) and np.isnan(volume).any():
+        if not holds_tracers((volume, phi)) and np.isnan(volume).any():
             if np.max(phi) > 0.99:
                 told = "is so close to gross slip that the wear over cycles cannot be followed"
                 raise RefusedError(f"F_x/(mu F_N) = {np.max(phi)!s} {told}; its steady state can be computed")

@@ -186,9 +186,14 @@ def in_full(function: Callable[..., Any]) -> Callable[..., Any]:
     return found
 
 
+def holds_tracers(tree: Any) -> bool:
+    """Whether some numbers of a tree are traced."""
+    return any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(tree))
+
+
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
-    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
+    return holds_tracers((arguments, jax.device_put(_NUMBER)))
 
 
 def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list[Any]], Any]]:
@@ -328,7 +333,7 @@ def _committed(leaf):
 def follows(given: Any) -> bool:
     """Whether these are few numbers which are known, and by which something is differentiated."""
     leaves = jax.tree.leaves(given)
-    wanted = on("derivatives") and any(isinstance(leaf, Tracer) for leaf in leaves)
+    wanted = on("derivatives") and holds_tracers(leaves)
     return wanted and sum(map(np.size, leaves)) <= _FEW and not traced(())
 
 
