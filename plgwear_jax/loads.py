@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.record import field_nan_outside, record
+from plgwear_jax._core.record import RecordFamily, field_nan_outside, record
 from plgwear_jax._core.startup.programs import holds_tracers, traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
@@ -46,8 +46,7 @@ class Stage(NamedTuple):
     friction: Any = None
 
 
-@dataclass_transform(frozen_default=True)
-class Load:
+class Load(RecordFamily):
     """What moves a contact: `FrettingContact.steady` and `over_cycles` take an instance of any subclass.
 
     A subclass says which force it needs before any wear and what it keeps constant over the cycles. Without a decorator
@@ -80,11 +79,7 @@ class Load:
 
     holds_force: ClassVar[bool] = False
     lasts: ClassVar[bool] = True
-    rig_stiffness: Any = None
-
-    def __init_subclass__(cls, **options: Any) -> None:
-        super().__init_subclass__(**options)
-        record(cls)
+    rig_stiffness = None
 
     def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
         """Refuse concrete values outside their ranges: JAX rebuilds records without asking `__post_init__`."""

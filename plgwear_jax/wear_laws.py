@@ -1,19 +1,17 @@
 """Wear laws: the depth worn in a cycle."""
 
-import dataclasses
-from typing import Any, ClassVar, dataclass_transform
+from typing import Any, ClassVar
 
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Numbers
-from plgwear_jax._core.record import field_nan_outside, number_or, record, static
+from plgwear_jax._core.record import RecordFamily, field_nan_outside
 from plgwear_jax.special.elementary import power_where
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
-class WearLaw:
+class WearLaw(RecordFamily):
     """A wear law: `FrettingContact.over_cycles(load, law)` takes an instance of any subclass.
 
     A subclass gives the depth worn in a cycle. Without a decorator it becomes a frozen dataclass and a pytree of its
@@ -43,10 +41,6 @@ class WearLaw:
     """
 
     linear: ClassVar[bool] = False
-
-    def __init_subclass__(cls, **options: Any) -> None:
-        super().__init_subclass__(**options)
-        record(cls)
 
     def rate(self, pressure: Array, slip: Array) -> Array:
         """Depth in m worn in a cycle, elementwise and by functions of `jax.numpy`.

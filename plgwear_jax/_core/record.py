@@ -76,6 +76,15 @@ def record(cls: type[T]) -> type[T]:
     return cls
 
 
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
+class RecordFamily:
+    """A class of which all subclasses are records, without a decorator."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        record(cls)
+
+
 def check_columns(of: Any) -> None:
     """Refuse a record whose two `tables` have not as many points, at least two."""
     one, other = (np.shape(getattr(of, name)) for name in of.tables)

@@ -9,7 +9,7 @@ Radii where f' jumps are ends of the quadrature's pieces.
 """
 
 import dataclasses
-from typing import Any, ClassVar, NamedTuple, cast, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import Domain
-from plgwear_jax._core.record import field_nan_outside, number_or, record, static
+from plgwear_jax._core.record import RecordFamily, field_nan_outside, record
 from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
@@ -44,8 +44,7 @@ class AbelTransform:
         return value_with_slope(self.at, T)[1]
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
-class Shape:
+class Shape(RecordFamily):
     """The shape of an indenter: `FrettingContact(..., shape=...)` takes an instance of any subclass.
 
     A subclass gives the height of its indenter. All that a contact needs besides is computed by quadrature. Without a
@@ -78,10 +77,6 @@ class Shape:
     tables: ClassVar[tuple[str, ...]] = ()
     ranges: ClassVar[dict[str, Domain]] = {}
     steepens: ClassVar[bool] = False  # whether r f'(r) nowhere falls, so that nothing pulls on a power law
-
-    def __init_subclass__(cls, **options: Any) -> None:
-        super().__init_subclass__(**options)
-        record(cls)
 
     def guarded(self) -> "Shape":
         """The shape, with NaN for traced fields outside their range."""
