@@ -9,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, POISSON_RATIO, POSITIVE, ArrayLike, check, nan_outside
+from plgwear_jax._core.domains import NUMBER, POISSON_RATIO, POSITIVE, ArrayLike, check, concrete_only, nan_outside
 from plgwear_jax._core.doubts import FELT
-from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded

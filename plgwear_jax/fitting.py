@@ -12,10 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NOT_NEGATIVE, NUMBER, POSITIVE, ArrayLike, check
+from plgwear_jax._core.domains import NOT_NEGATIVE, NUMBER, POSITIVE, ArrayLike, check, concrete_only, record, static
 from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
-from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.record import record, static
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 from plgwear_jax.loads import Block, Load, load_of
 from plgwear_jax.steady.arguments import refuse_array

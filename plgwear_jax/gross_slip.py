@@ -10,10 +10,9 @@ from jax import Array
 
 from plgwear_jax._core.domains import EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.special.arcsine import arcsine_tail
+from plgwear_jax.special.arcsine import arcsine_tail, fold_outside
 from plgwear_jax.special.disc import disc_displacement
-from plgwear_jax.special.elementary import sine_excess, sine_quotient
-from plgwear_jax.special.exponents import exponents, fold_outside, punch_stress
+from plgwear_jax.special.elementary import exponents, punch_stress, sine_excess, sine_quotient
 from plgwear_jax.special.gamma import catalan_deficit
 
 __all__ = [

@@ -13,14 +13,16 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     Numbers,
+    RecordFamily,
     RefusedError,
     as_array,
     check,
+    field_nan_outside,
     nan_outside,
     one_or_nan,
     real_dtype,
+    record,
 )
-from plgwear_jax._core.record import RecordFamily, field_nan_outside, record
 from plgwear_jax._core.startup.programs import holds_tracers, traced
 
 __all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]

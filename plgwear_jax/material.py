@@ -15,12 +15,13 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Numbers,
     check,
+    field_nan_outside,
     nan_outside,
+    number_or,
+    record,
 )
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import field_nan_outside, number_or, record
-from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
-from plgwear_jax.special.exponents import exponents
+from plgwear_jax.special.elementary import exponents, sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 
 __all__ = ["PowerLawGraded", "h_N", "holl_ratio", "tangential_ratio"]

@@ -18,8 +18,7 @@ from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, NUMBER,
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.fretting.surface import arc_between
-from plgwear_jax.special.elementary import exponentials, log, log_complement
-from plgwear_jax.special.exponents import exponents
+from plgwear_jax.special.elementary import exponentials, exponents, log, log_complement
 
 __all__ = [
     "amplitude",

@@ -4,8 +4,7 @@ from typing import Any, ClassVar
 
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, Numbers
-from plgwear_jax._core.record import RecordFamily, field_nan_outside
+from plgwear_jax._core.domains import POSITIVE, Numbers, RecordFamily, field_nan_outside
 from plgwear_jax.special.elementary import power_where
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]

@@ -5,8 +5,7 @@ The types of the bodies decide alone. What solves a contact is imported by the f
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
-from plgwear_jax._core.record import record
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, record
 from plgwear_jax.loads import load_of
 from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.shapes import shape_of

@@ -7,9 +7,8 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import gross_slip
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, field_nan_outside, record
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import field_nan_outside, record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.steady.solution import Solution
 

@@ -8,9 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, RefusedError, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, RefusedError, check, concrete_only
 from plgwear_jax._core.doubts import doubt, of_onset
-from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact.fretting_contact import check_fretting_contact, is_closed
 from plgwear_jax.loads import Force

@@ -16,13 +16,13 @@ from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
     clamp_keep_slope,
     exponentials,
+    exponents,
     log_complement,
     quotient,
     reciprocal,
     value_with_slope,
     working_digits,
 )
-from plgwear_jax.special.exponents import exponents
 
 # With G(y) = s L(y), the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
 # place of the largest wear depth is a root of the same kind. Both take one or two Halley steps from a fitted start.

@@ -6,8 +6,15 @@ from jax import Array
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.stick import slip, stick, stick_power
-from plgwear_jax.special.elementary import exponentials, log, quotient, reciprocal
-from plgwear_jax.special.exponents import exponents, log_beside_edge, punch_stress
+from plgwear_jax.special.elementary import (
+    exponentials,
+    exponents,
+    log,
+    log_beside_edge,
+    punch_stress,
+    quotient,
+    reciprocal,
+)
 
 # --- stresses -------------------------------------------------------------------------------------------------------
 

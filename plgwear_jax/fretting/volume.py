@@ -10,8 +10,7 @@ from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting.ring import EDGE, place_in_ring, relative_residual, stationary, stationary_and_by_k
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
-from plgwear_jax.special.elementary import reciprocal
-from plgwear_jax.special.exponents import exponents
+from plgwear_jax.special.elementary import exponents, reciprocal
 
 
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:

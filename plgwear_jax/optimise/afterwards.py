@@ -9,10 +9,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.catalogue import read
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, concrete_only, record
 from plgwear_jax._core.leaves import paths_of, with_leaf
-from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states

@@ -10,8 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, check, check_real, nan_outside, one_or_nan
-from plgwear_jax._core.record import record
+from plgwear_jax._core.domains import NUMBER, check, check_real, nan_outside, one_or_nan, record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP

@@ -13,9 +13,7 @@ from jax import Array
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
-from plgwear_jax._core.domains import ArrayLike
-from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.record import record, static
+from plgwear_jax._core.domains import ArrayLike, concrete_only, record, static
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded

@@ -23,8 +23,8 @@ from plgwear_jax._core.domains import (
     check_bounds,
     check_digits,
     one_or_nan,
+    record,
 )
-from plgwear_jax._core.record import record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.ask_and_tell import plan_of

@@ -10,9 +10,7 @@ import numpy as np
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
-from plgwear_jax._core.domains import POSITIVE, Numbers, check
-from plgwear_jax._core.numbers import concrete_only, refuse_traced
-from plgwear_jax._core.record import record
+from plgwear_jax._core.domains import POSITIVE, Numbers, check, concrete_only, record, refuse_traced
 from plgwear_jax._core.rules import refuse_question
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 from plgwear_jax.optimise.best import certainty, headline, of_question, placed_between, printed

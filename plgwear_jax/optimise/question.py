@@ -16,11 +16,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
 from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of, leaf
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, check, record, refuse_traced, static
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
-from plgwear_jax._core.numbers import refuse_traced
-from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import (
     BY_THEN,
     OBJECTIVE,

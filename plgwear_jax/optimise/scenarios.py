@@ -9,9 +9,8 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import NUMBER, ArrayLike, Domain, as_array, check
+from plgwear_jax._core.domains import NUMBER, ArrayLike, Domain, as_array, check, record
 from plgwear_jax._core.leaves import paths_of
-from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE, Load
 from plgwear_jax.optimise.conditions import namespace

@@ -8,9 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.catalogue import entry, placed
-from plgwear_jax._core.domains import whole
-from plgwear_jax._core.numbers import concrete_only
-from plgwear_jax._core.record import record, static
+from plgwear_jax._core.domains import concrete_only, record, static, whole
 from plgwear_jax._core.rules import LARGER
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import AsinhLocator, LogLocator, NullFormatter, ScalarFormatter
 
 from plgwear_jax._core.catalogue import entry
+from plgwear_jax._core.domains import concrete_only
 from plgwear_jax._core.doubts import SMOOTH
-from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.units import readable, written
 
 Style = dict[str, Any]  # keywords of matplotlib

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from plgwear_jax._core.record import field_nan_outside
+from plgwear_jax._core.domains import field_nan_outside
 from plgwear_jax.shapes.powers import Cone, Parabola, PowerShape
 from plgwear_jax.shapes.shape import Outline, Shape
 from plgwear_jax.shapes.splines import Profile, RoundedFlat, TruncatedSphere

@@ -16,8 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import Domain
-from plgwear_jax._core.record import RecordFamily, field_nan_outside, record
+from plgwear_jax._core.domains import Domain, RecordFamily, field_nan_outside, record
 from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import jacobi_table, ratios
 from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces

@@ -17,8 +17,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import NUMBER, Numbers, one_or_nan
-from plgwear_jax._core.record import check_columns, record
+from plgwear_jax._core.domains import NUMBER, Numbers, check_columns, one_or_nan, record
 from plgwear_jax.shapes.shape import AbelTransform, Shape, kink_positions_at, with_first
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
 

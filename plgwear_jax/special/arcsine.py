@@ -12,12 +12,22 @@ differentiation keeps their digits. For larger y the same forms give 1 - Q as a 
 s and q = 1 - s, since the subtraction would lose digits of the smaller one. omega stands for sin(pi s)/(pi s q).
 """
 
+import math
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import exponentials, growth, log, quotient, reciprocal, sine_excess, with_digits
+from plgwear_jax.special.elementary import (
+    exponentials,
+    growth,
+    log,
+    log_complement,
+    quotient,
+    reciprocal,
+    sine_excess,
+    with_digits,
+)
 from plgwear_jax.special.lerch import fold_at, lerch_tail
 
 
@@ -36,6 +46,24 @@ def fold(y: Array, digits: int | None = None) -> Fold:
     # From y itself: near y = 1 the rounding error of 1/y would be as large as its logarithm.
     log_y = log(y, digits)
     return Fold(x, jnp.where(inner, log_y, -log_y), inner)
+
+
+def fold_outside(r: Array, c: Array) -> Fold:
+    """Fold y = (r/c)^2 - 1 of a radius r > c, computed from r - c, which keeps its digits at the edge and far away.
+
+    For r <= c, under the punch, callers ignore the result; it is finite, since it is computed at a radius outside.
+    """
+    inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
+    near = jnp.where(inner & (r > c), r, 1.25 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    # For larger r from c/r and log(r), since products of derivatives must not overflow at a radius of 1e300.
+    far = jnp.where(inner, 2.0 * c, r)
+    inverse = c / far
+    beyond = inverse * inverse
+    log_beyond = 2.0 * (jnp.log(c) - jnp.log(far)) - log_complement(beyond)
+    x = jnp.where(inner, y, beyond / (1.0 - beyond))
+    log_x = jnp.where(inner, jnp.log(y), log_beyond)
+    return Fold(x, log_x, inner)
 
 
 def over_abscissa(value: Array, y: Fold) -> Array:

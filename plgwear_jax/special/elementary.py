@@ -16,6 +16,12 @@ from plgwear_jax._core.xla import kept_in_register
 with_digits = functools.partial(jax.jit, static_argnames="digits")
 
 
+def exponents(k: Any) -> tuple[Array, Array]:
+    """(s, q) = ((1+k)/2, (1-k)/2), each to full relative accuracy also where it is small."""
+    k = jnp.asarray(k)
+    return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
+
+
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
     """The number of digits to which a sum is computed: one more than asked for, at most all that the dtype holds."""
     most = int(jnp.finfo(dtype).precision) + 2
@@ -264,3 +270,22 @@ def sine_excess(s: Array, q: Array, digits: int | None) -> Array:
 def sine_quotient(s: Array, q: Array, digits: int | None = None) -> Array:
     """sin(pi s)/(pi s q) for q = 1 - s in [0, 1]: between 1, at both ends, and 4/pi."""
     return 1.0 + s * q * sine_excess(s, q, digits)
+
+
+# --- stresses beside an edge ----------------------------------------------------------------------------------------
+
+
+def log_beside_edge(r: Array, c: Array) -> Array:
+    """log(1 - (r/c)^2) for r < c."""
+    # Near the centre the slopes of 1 - r/c and 1 + r/c cancel, and 1 - (r/c)^2 rounds away what is less than 1.
+    central = r < 0.5 * c
+    near = log_complement(jnp.where(central, r / c, 0.0) ** 2)
+    return jnp.where(central, near, jnp.log(jnp.where(central, 1.0, ((c - r) / c) * ((c + r) / c))))
+
+
+def punch_stress(r: Any, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:
+    """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
+    under = r < c
+    log_z = log_beside_edge(jnp.where(under, r, 0.0), c)
+    stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
+    return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))

@@ -15,10 +15,18 @@ from jax import Array
 
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.catalogue import FRETTING
-from plgwear_jax._core.domains import EXPONENT, NUMBER, ArrayLike, Domain, check, nan_outside, one_or_nan
+from plgwear_jax._core.domains import (
+    EXPONENT,
+    NUMBER,
+    ArrayLike,
+    Domain,
+    check,
+    field_nan_outside,
+    nan_outside,
+    one_or_nan,
+)
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax._core.startup.programs import follows, program, with_slopes
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import Force

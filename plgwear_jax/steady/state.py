@@ -9,8 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import ArrayLike, RefusedError, one_or_nan
-from plgwear_jax._core.record import field_nan_outside, record
+from plgwear_jax._core.domains import ArrayLike, RefusedError, field_nan_outside, one_or_nan, record
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import holds_tracers, program, traced, value_of, with_slopes
 from plgwear_jax._core.xla import materialised

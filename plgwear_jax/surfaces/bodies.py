@@ -16,11 +16,13 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     Numbers,
+    check_columns,
+    field_nan_outside,
     nan_outside,
     one_or_nan,
+    record,
 )
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.record import check_columns, field_nan_outside, record
 from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax._core.record import field_nan_outside, record, static
+from plgwear_jax._core.domains import field_nan_outside, record, static
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.record import record, static
+from plgwear_jax._core.domains import record, static
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.shape import AbelTransform, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of, value_with_slope

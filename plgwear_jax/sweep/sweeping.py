@@ -14,10 +14,9 @@ import numpy as np
 import xarray as xr
 
 from plgwear_jax._core.catalogue import AMPLITUDES, leaf
-from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits, whole
+from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits, concrete_only, whole
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
-from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import PathGiven, near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force, load_of

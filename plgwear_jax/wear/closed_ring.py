@@ -16,8 +16,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import log_complement, power_where, ratio_where, sine_quotient
-from plgwear_jax.special.exponents import exponents
+from plgwear_jax.special.elementary import exponents, log_complement, power_where, ratio_where, sine_quotient
 from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of

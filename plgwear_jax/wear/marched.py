@@ -13,11 +13,11 @@ from plgwear_jax._core.domains import (
     ArrayLike,
     Domain,
     RefusedError,
+    field_nan_outside,
     nan_outside,
     one_or_nan,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
-from plgwear_jax._core.record import field_nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import holds_tracers, program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline

@@ -26,8 +26,8 @@ from plgwear_jax import (
     sweep,
 )
 from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, Law, derivative, entry, laws_of, leaf, read
+from plgwear_jax._core.domains import record
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
-from plgwear_jax._core.record import record
 from plgwear_jax._core.units import PREFIXED
 
 CLOSED, PUNCH = KINDS["closed forms"], GrossSlipContact(LAW, radius=2e-3, depth=1e-6)
