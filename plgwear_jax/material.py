@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
 from jax import Array
@@ -183,13 +183,20 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 
 
 class HalfSpace:
-    """What half-spaces have whose modulus depends on the depth."""
+    """What half-spaces have."""
+
+    nu: Any
 
     def _check(self, **given: ArrayLike) -> None:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
         self.__post_init__()  # pyright: ignore[reportAttributeAccessIssue]
         for name, value in given.items():
             check(name, value, NOT_NEGATIVE)
+
+    def tangential_ratio(self) -> Array:
+        """Tangential over normal compliance, dimensionless, (2-nu)/(2(1-nu)) as that of a homogeneous half-space."""
+        nu = field_nan_outside(self, "nu")
+        return (1.0 - 0.5 * nu) / (1.0 - nu)
 
 
 @record

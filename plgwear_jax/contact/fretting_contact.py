@@ -92,7 +92,7 @@ class FrettingContact:
             return
         from plgwear_jax.surfaces import Elastic
 
-        if not isinstance(self.material, HalfSpace | Elastic):
+        if not isinstance(self.material, HalfSpace):
             kinds = "a PowerLawGraded, a DepthGraded, a Layered or an Elastic"
             raise TypeError(f"material takes {kinds}, not {self.material!r}")
         if not isinstance(self.indenter, Elastic | None):

@@ -27,14 +27,8 @@ from plgwear_jax.material import HalfSpace, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
 
 
-def mindlin_ratio(nu: ArrayLike) -> Array:
-    """(2-nu)/(2(1-nu)), the tangential compliance of a homogeneous half-space over its normal one."""
-    nu = nan_outside("nu", nu, POISSON_RATIO)
-    return (1.0 - 0.5 * nu) / (1.0 - nu)
-
-
 @record
-class Elastic:
+class Elastic(HalfSpace):
     """A homogeneous body: an indenter, `FrettingContact(..., indenter=Elastic(210e9, 0.3))`, or the half-space.
 
     Attributes:
@@ -66,10 +60,6 @@ class Elastic:
         nu = field_nan_outside(self, "nu")
         return field_nan_outside(self, "E") / ((1.0 - nu) * (1.0 + nu))
 
-    def tangential_ratio(self) -> Array:
-        """Tangential over normal compliance, dimensionless."""
-        return mindlin_ratio(self.nu)
-
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = nan_outside("z", z, NOT_NEGATIVE)
@@ -81,7 +71,6 @@ class AnyModulus(HalfSpace):
 
     tables: ClassVar[tuple[str, str]]  # the arrays, whose last axis is along the depth
     ranges: ClassVar[Mapping[str, Domain]]
-    nu: Numbers
 
     def arrays(self) -> list[Array]:
         """The two arrays, NaN where a traced number is outside its range."""
@@ -91,10 +80,6 @@ class AnyModulus(HalfSpace):
     def by_depth(one: Array, other: Array) -> Piecewise:
         """E(z) in Pa from the two arrays, of one half-space each."""
         raise NotImplementedError
-
-    def tangential_ratio(self) -> Array:
-        """Tangential over normal compliance, dimensionless, taken as that of a homogeneous half-space."""
-        return mindlin_ratio(self.nu)
 
     @compiled
     def modulus_at(self, z: ArrayLike) -> Array:
