@@ -9,8 +9,8 @@ import re
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from plgwear_jax._core import ranges
-from plgwear_jax._core.units import text_cells, written
+from . import ranges
+from .units import text_cells, written
 
 
 @dataclasses.dataclass(frozen=True)

@@ -16,8 +16,8 @@ import numpy as np
 from jax import Array, typing
 from jax.core import Tracer
 
-from plgwear_jax._core.doubts import one_question
-from plgwear_jax._core.ranges import (  # noqa: F401 - those who check ask here for what is allowed
+from .doubts import one_question
+from .ranges import (  # noqa: F401 - those who check ask here for what is allowed
     AMPLITUDE,
     EXPONENT,
     FINITE,
@@ -28,8 +28,8 @@ from plgwear_jax._core.ranges import (  # noqa: F401 - those who check ask here 
     SHARE,
     Domain,
 )
-from plgwear_jax._core.startup.programs import holds_tracers, traced
-from plgwear_jax._core.words import GivenError
+from .startup.programs import holds_tracers, traced
+from .words import GivenError
 
 ArrayLike = typing.ArrayLike | Sequence[typing.ArrayLike] | Sequence[Sequence[typing.ArrayLike]]
 """Arguments: what JAX takes for an array, and lists and tuples of that."""

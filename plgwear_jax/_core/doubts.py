@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jax.core import Tracer
 
-from plgwear_jax._core.units import written
+from .units import written
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides

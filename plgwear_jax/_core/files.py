@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plgwear_jax._core.words import GivenError, PathGiven
+from .words import GivenError, PathGiven
 
 if TYPE_CHECKING:
     import numpy as np

@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
-from plgwear_jax._core.domains import (
+from .domains import (
     Domain,
     as_argument,
     as_array,
@@ -23,8 +23,8 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.startup.programs import Program, follows, moved_along, with_slopes
-from plgwear_jax._core.xla import materialised, one_kernel, separate_kernels
+from .startup.programs import Program, follows, moved_along, with_slopes
+from .xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
 Kernel = Callable[..., Array]  # takes arrays of one floating dtype, and perhaps digits, and checks nothing

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from plgwear_jax._core.catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind, quantity
-from plgwear_jax._core.words import GivenError, near_or_all, one_line
+from .catalogue import PEAKS, QUANTITIES, TRANSIENT, Kind, quantity
+from .words import GivenError, near_or_all, one_line
 
 OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
 # Besides these any other number of a contact, such as "shape.exponent" or "material.thickness[0]".

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._core.startup.programs import along_each, moved_along, parted, steps_of
-from plgwear_jax._core.xla import materialised
+from .startup.programs import along_each, moved_along, parted, steps_of
+from .xla import materialised
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
 

@@ -12,8 +12,9 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, new, solve, sweep, wear
-from plgwear_jax.cli.terminal import refusing
+
+from . import cache, coating, design, figures, new, solve, sweep, wear
+from .terminal import refusing
 
 __all__ = ["app", "main"]
 

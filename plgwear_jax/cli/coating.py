@@ -10,8 +10,9 @@ import typer
 from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
-from plgwear_jax.cli.report import Column, Report, each_with_unit, fields
-from plgwear_jax.cli.terminal import (
+
+from .report import Column, Report, each_with_unit, fields
+from .terminal import (
     AsJson,
     Picture,
     computing,

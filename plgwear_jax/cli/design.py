@@ -7,8 +7,9 @@ import typer
 
 from plgwear_jax._core.catalogue import entry, placed
 from plgwear_jax._core.rules import LARGER
-from plgwear_jax.cli.report import Column, Report, counted, each_with_unit, fields
-from plgwear_jax.cli.terminal import (
+
+from .report import Column, Report, counted, each_with_unit, fields
+from .terminal import (
     AsJson,
     Picture,
     SceneFile,
@@ -51,7 +52,7 @@ def design(
     with computing(f"looking for the {'gradient' if space.free else 'coating'} that wears least"):
         found: Any = given.free_design() if space.free else given.design()
     with working("comparing it with the reference"):
-        from plgwear_jax.cli.design_report import tell_design, tell_freely
+        from .design_report import tell_design, tell_freely
 
         told = tell_freely(report, given, found) if space.free else tell_design(report, given, found, sensitivities)
         doubts, radius, *picture_of = told
@@ -101,7 +102,7 @@ def front(
     with computing("looking for the best y for each x"):
         import numpy as np
 
-        from plgwear_jax.cli.design_report import amplitudes_told
+        from .design_report import amplitudes_told
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
     report.draw("front_picture", found)

@@ -10,11 +10,12 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.report import Column, Report, about, by_quantity, by_rows, counted, each_with_unit, fields
 from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
 from plgwear_jax.scene.designing import forces_in_scenarios
+
+from .report import Column, Report, about, by_quantity, by_rows, counted, each_with_unit, fields
 
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 

@@ -7,7 +7,8 @@ import typer
 
 from plgwear_jax._core import files
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import computing, option, refuse, working
+
+from .terminal import computing, option, refuse, working
 
 # the keys of `plots.figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")

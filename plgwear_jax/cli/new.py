@@ -9,7 +9,8 @@ import typer
 
 from plgwear_jax._core import files
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import refuse
+
+from .terminal import refuse
 
 FRETTING = """\
 [material]                  # the coating of today, for comparison

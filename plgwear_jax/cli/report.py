@@ -18,7 +18,8 @@ from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import plots, warn, working
+
+from .terminal import plots, warn, working
 
 if TYPE_CHECKING:
     import numpy as np

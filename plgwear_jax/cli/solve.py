@@ -9,8 +9,9 @@ import typer
 
 from plgwear_jax._core.catalogue import entry, measured
 from plgwear_jax._core.ranges import POSITIVE
-from plgwear_jax.cli.report import Column, Report, by_rows, each_with_unit, fields, rounded
-from plgwear_jax.cli.terminal import (
+
+from .report import Column, Report, by_rows, each_with_unit, fields, rounded
+from .terminal import (
     AsJson,
     Digits,
     Picture,

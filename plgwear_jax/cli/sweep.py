@@ -12,7 +12,8 @@ import typer
 from plgwear_jax._core.catalogue import AMPLITUDES, AXES
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import (
+
+from .terminal import (
     Digits,
     Picture,
     computing,

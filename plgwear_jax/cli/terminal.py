@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from plgwear_jax._core.words import GivenError, one_line
-from plgwear_jax.cli import cache
+
+from . import cache
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.catalogue import entry, measured
-from plgwear_jax.cli.report import Column, Report, about, counted, fields, rounded, shared
-from plgwear_jax.cli.terminal import (
+
+from .report import Column, Report, about, counted, fields, rounded, shared
+from .terminal import (
     AsJson,
     Digits,
     Picture,

@@ -4,8 +4,8 @@ Both are pytrees: `jax.grad` of a quantity with respect to the contact gives a c
 on) are derivatives. Fields may be arrays that broadcast against each other and against the load.
 """
 
-from plgwear_jax.contact.fretting_contact import FrettingContact, is_closed
-from plgwear_jax.contact.gross_slip_contact import GrossSlipContact, SteadyPunch
-from plgwear_jax.contact.regimes import CRITERIA, SlipRegimes, slip_regimes
+from .fretting_contact import FrettingContact, is_closed
+from .gross_slip_contact import GrossSlipContact, SteadyPunch
+from .regimes import CRITERIA, SlipRegimes, slip_regimes
 
 __all__ = ["CRITERIA", "FrettingContact", "GrossSlipContact", "SlipRegimes", "SteadyPunch", "is_closed", "slip_regimes"]

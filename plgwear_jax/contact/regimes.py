@@ -11,8 +11,9 @@ from jax import Array
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, RefusedError, check, concrete_only
 from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.contact.fretting_contact import check_fretting_contact, is_closed
 from plgwear_jax.loads import Force
+
+from .fretting_contact import check_fretting_contact, is_closed
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
 """By which laboratories tell partial from gross slip; right for a homogeneous body under a parabola alone."""

@@ -8,18 +8,18 @@ Notation: s = (1+k)/2, q = (1-k)/2, y = (r/c)^2 - 1, sigma = sin(pi s)/pi, Q(y; 
 m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c goes deeper than its own parabola.
 """
 
-from plgwear_jax.fretting.deepest import deepest_wear
-from plgwear_jax.fretting.ring import worn_radius
-from plgwear_jax.fretting.stick import stick_radius
-from plgwear_jax.fretting.stresses import (
+from .deepest import deepest_wear
+from .ring import worn_radius
+from .stick import stick_radius
+from .stresses import (
     edge_intensity,
     edge_pressure,
     initial_pressure,
     steady_pressure,
     steady_traction,
 )
-from plgwear_jax.fretting.surface import initial_displacement, penetration, profile, steady_displacement, wear_depth
-from plgwear_jax.fretting.volume import wear_volume
+from .surface import initial_displacement, penetration, profile, steady_displacement, wear_depth
+from .volume import wear_volume
 
 __all__ = [
     "deepest_wear",

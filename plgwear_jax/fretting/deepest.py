@@ -8,10 +8,11 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.fretting.ring import Rise, Root, place_in_ring, relative_residual, stationary, stationary_and_by_k
-from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import exponentials, exponents, log_complement, quotient, reciprocal
+
+from .ring import Rise, Root, place_in_ring, relative_residual, stationary, stationary_and_by_k
+from .stick import slip, stick_power
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
 # y, since y^q S_0 and y^s (1+y) rise. So the deepest place is the only root of H = m. The code uses q H, finite for

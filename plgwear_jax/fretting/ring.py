@@ -11,7 +11,6 @@ from jax import Array
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._core.xla import separate_kernels
-from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
     clamp_keep_slope,
@@ -23,6 +22,8 @@ from plgwear_jax.special.elementary import (
     value_with_slope,
     working_digits,
 )
+
+from .stick import slip, stick_power
 
 # With G(y) = s L(y), the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
 # place of the largest wear depth is a root of the same kind. Both take one or two Halley steps from a fitted start.

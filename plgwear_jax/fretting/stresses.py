@@ -5,7 +5,6 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.fretting.stick import slip, stick, stick_power
 from plgwear_jax.special.elementary import (
     exponentials,
     exponents,
@@ -15,6 +14,8 @@ from plgwear_jax.special.elementary import (
     quotient,
     reciprocal,
 )
+
+from .stick import slip, stick, stick_power
 
 # --- stresses -------------------------------------------------------------------------------------------------------
 

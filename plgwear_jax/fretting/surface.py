@@ -7,9 +7,10 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_tail, fold_outside, over_abscissa
 from plgwear_jax.special.elementary import exponents, sine_quotient
+
+from .stick import sinking, slip, stick, stick_power
 
 
 def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:

@@ -7,10 +7,11 @@ from jax import Array
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
-from plgwear_jax.fretting.ring import EDGE, place_in_ring, relative_residual, stationary, stationary_and_by_k
-from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import exponents, reciprocal
+
+from .ring import EDGE, place_in_ring, relative_residual, stationary, stationary_and_by_k
+from .stick import sinking, slip, stick_power
 
 
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:

@@ -1,6 +1,6 @@
 """Gradients that wear least, with what may vary, the constraint, the limits and the load."""
 
-from plgwear_jax.optimise.afterwards import (
+from .afterwards import (
     InSteadyState,
     ObjectiveCurve,
     Sensitivities,
@@ -10,14 +10,14 @@ from plgwear_jax.optimise.afterwards import (
     sensitivities,
     under_other_load,
 )
-from plgwear_jax.optimise.batches import Designs, designs
-from plgwear_jax.optimise.best import Comparison, Design, LimitState, compared, design
-from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
-from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
-from plgwear_jax.optimise.question import Keywords, Limit, Question, WearHorizon
-from plgwear_jax.optimise.scenarios import Scenarios, WeightedLoad, tail_weights
-from plgwear_jax.optimise.search import Interval, Minimum, minimise
-from plgwear_jax.optimise.tradeoffs import Conflict, Front, conflict, front
+from .batches import Designs, designs
+from .best import Comparison, Design, LimitState, compared, design
+from .exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
+from .free import FreeDesign, LocalMinimum, ModulusProfile, free_design
+from .question import Keywords, Limit, Question, WearHorizon
+from .scenarios import Scenarios, WeightedLoad, tail_weights
+from .search import Interval, Minimum, minimise
+from .tradeoffs import Conflict, Front, conflict, front
 
 __all__ = [
     "Comparison",

@@ -13,10 +13,11 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, concrete_only,
 from plgwear_jax._core.leaves import paths_of, with_leaf
 from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.best import Design, LimitState, answered, limit_states
-from plgwear_jax.optimise.conditions import conditions, residual_of, solved_by_elimination
-from plgwear_jax.optimise.evaluation import Known, evaluate, plan_for
-from plgwear_jax.optimise.question import Question, keeps, moved
+
+from .best import Design, LimitState, answered, limit_states
+from .conditions import conditions, residual_of, solved_by_elimination
+from .evaluation import Known, evaluate, plan_for
+from .question import Question, keeps, moved
 
 
 @record

@@ -15,13 +15,14 @@ from jax import Array
 from plgwear_jax import fretting
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.optimise.conditions import namespace
-from plgwear_jax.optimise.question import Question
-from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes, solved_at, without_zeros
 from plgwear_jax.steady.batch import vmap_contacts
 from plgwear_jax.wear.closed_ring import run
 from plgwear_jax.wear.ring_cells import march_resolution_of
 from plgwear_jax.wear.ring_curves import Shares, share_at
+
+from .conditions import namespace
+from .question import Question
+from .scenarios import nodes_between, shares_of_nodes, solved_at, without_zeros
 
 NODES = 33  # exponents: between them the wear is off by some 1e-6, by up to 6e-5 where abs(k) > 0.95
 _ROOM = 0.1  # share of the way to abs(k) = 1 by which they reach beyond, for the differences of `sensitivities`

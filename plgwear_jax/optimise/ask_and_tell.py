@@ -26,7 +26,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.optimise.conditions import (
+
+from .conditions import (
     conditions,
     inclination,
     namespace,

@@ -14,15 +14,17 @@ from plgwear_jax._core.domains import NUMBER, check, check_real, nan_outside, on
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.best import answered
-from plgwear_jax.optimise.evaluation import (
+from plgwear_jax.steady.arguments import own_axes
+
+from .best import answered
+from .evaluation import (
     Candidate,
     plan_for,
     shared_of,
     space,
 )
-from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.question import (
+from .exponent import BATCH, in_chunks
+from .question import (
     Bounds,
     Keywords,
     LoadGiven,
@@ -31,9 +33,8 @@ from plgwear_jax.optimise.question import (
     solved_in_turn,
     solved_one_by_one,
 )
-from plgwear_jax.optimise.scenarios import WeightedLoad, falling, spread, weighted_load
-from plgwear_jax.optimise.search import minimise
-from plgwear_jax.steady.arguments import own_axes
+from .scenarios import WeightedLoad, falling, spread, weighted_load
+from .search import minimise
 
 
 @record

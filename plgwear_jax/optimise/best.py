@@ -17,7 +17,8 @@ from plgwear_jax._core.domains import ArrayLike, concrete_only, record, static
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.evaluation import (
+
+from .evaluation import (
     Evaluation,
     Evaluator,
     Known,
@@ -29,7 +30,7 @@ from plgwear_jax.optimise.evaluation import (
     tells_states,
     valued,
 )
-from plgwear_jax.optimise.question import (
+from .question import (
     Bounds,
     Keywords,
     LoadGiven,
@@ -39,7 +40,7 @@ from plgwear_jax.optimise.question import (
     question_of,
     with_variables,
 )
-from plgwear_jax.optimise.search import Minimum
+from .search import Minimum
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 

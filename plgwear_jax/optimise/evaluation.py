@@ -22,8 +22,9 @@ from plgwear_jax._core.rules import BY_THEN, WrongKeyError, is_after_cycles, is_
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.ask_and_tell import INFINITE, SearchPlan, plan_of
-from plgwear_jax.optimise.question import (
+
+from .ask_and_tell import INFINITE, SearchPlan, plan_of
+from .question import (
     Limit,
     Question,
     keeps,
@@ -34,8 +35,8 @@ from plgwear_jax.optimise.question import (
     variable_of,
     with_variables,
 )
-from plgwear_jax.optimise.scenarios import ScenarioBatch, solved_at, tail_weights
-from plgwear_jax.optimise.search import Interval, Minimum, by_name, found_by, rows_of
+from .scenarios import ScenarioBatch, solved_at, tail_weights
+from .search import Interval, Minimum, by_name, found_by, rows_of
 
 
 class Shared(NamedTuple):
@@ -203,7 +204,7 @@ def shared_of(question: Question) -> Shared:
     radius = _held_radius(question)
     runs = None
     if read_from_runs(question):
-        from plgwear_jax.optimise.along_exponent import runs_of  # only lives need it
+        from .along_exponent import runs_of  # only lives need it
 
         runs = runs_of(question)
     shared = Shared(radius, runs)
@@ -301,7 +302,7 @@ class Evaluator:
         question, known, runs = self.question, self.known, None
         if self.key not in known:
             if read_from_runs(question):
-                from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
+                from .along_exponent import ends_of, runs_of  # only lives need it
 
                 key = _bytes_of((question.phi, ends_of(question), question.contact.material.nu))
                 known[key] = runs = known.get(key) or runs_of(question)

@@ -27,11 +27,12 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.ask_and_tell import plan_of
-from plgwear_jax.optimise.scenarios import nodes_between, shares_of_nodes
-from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, rows_at
 from plgwear_jax.special.elementary import clamp_keep_slope, value_with_slope, with_digits
 from plgwear_jax.special.root import first_at
+
+from .ask_and_tell import plan_of
+from .scenarios import nodes_between, shares_of_nodes
+from .search import Interval, Minimum, found_by, minimise, rows_at
 
 
 @record
@@ -142,10 +143,11 @@ def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Ar
     given: tuple[Array, ...] = (jnp.broadcast_to(phi, shape),)
     wear: Callable[..., Array] = functools.partial(fretting.wear_volume, digits=digits)
     if of_life:
-        from plgwear_jax.optimise.along_exponent import NODES, with_room  # seldom needed, and take time
         from plgwear_jax.wear.closed_ring import curves_of
         from plgwear_jax.wear.ring_cells import march_resolution_of
         from plgwear_jax.wear.ring_curves import share_at
+
+        from .along_exponent import NODES, with_room  # seldom needed, and take time
 
         life, nu = of_life
         valid = valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu)

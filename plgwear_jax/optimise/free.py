@@ -13,9 +13,10 @@ from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import POSITIVE, Numbers, check, concrete_only, record, refuse_traced
 from plgwear_jax._core.rules import refuse_question
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
-from plgwear_jax.optimise.best import certainty, headline, of_question, placed_between, printed
-from plgwear_jax.optimise.evaluation import Candidate, Evaluator
-from plgwear_jax.optimise.question import (
+
+from .best import certainty, headline, of_question, placed_between, printed
+from .evaluation import Candidate, Evaluator
+from .question import (
     Keywords,
     Limit,
     LoadGiven,
@@ -23,7 +24,7 @@ from plgwear_jax.optimise.question import (
     is_held,
     question_of,
 )
-from plgwear_jax.optimise.search import by_name
+from .search import by_name
 
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many
 # starts, since there are several minima: an optimum mostly lies on bounds, and what there is to choose is the order

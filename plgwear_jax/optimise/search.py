@@ -16,8 +16,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import NUMBER, check, check_real, one_or_nan, record, static, whole
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.optimise.ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
-from plgwear_jax.optimise.conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
+
+from .ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
+from .conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
 
 Variables = dict[str, Array]
 

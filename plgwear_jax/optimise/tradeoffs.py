@@ -12,9 +12,10 @@ from plgwear_jax._core.domains import concrete_only, record, static, whole
 from plgwear_jax._core.rules import LARGER
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.best import ACTIVE, Design
-from plgwear_jax.optimise.evaluation import Known, evaluate, reference_variables, search
-from plgwear_jax.optimise.question import (
+
+from .best import ACTIVE, Design
+from .evaluation import Known, evaluate, reference_variables, search
+from .question import (
     Bounds,
     Keywords,
     Limit,
@@ -27,7 +28,7 @@ from plgwear_jax.optimise.question import (
     objective_of,
     question_of,
 )
-from plgwear_jax.optimise.search import Minimum
+from .search import Minimum
 
 
 @record

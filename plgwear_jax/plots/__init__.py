@@ -13,9 +13,10 @@ from plgwear_jax._core import files
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import PathGiven
-from plgwear_jax.plots.contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
-from plgwear_jax.plots.designs import coating_picture, design_picture, free_picture, front_picture
-from plgwear_jax.plots.style import COLOURS, STYLE, use_style
+
+from .contacts import blocks_picture, fit_picture, regimes_picture, stress_picture, wear_picture
+from .designs import coating_picture, design_picture, free_picture, front_picture
+from .style import COLOURS, STYLE, use_style
 
 __all__ = [
     "COLOURS",

@@ -11,7 +11,10 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.doubts import layers
 from plgwear_jax.contact import CRITERIA, SlipRegimes
 from plgwear_jax.fitting import Fit
-from plgwear_jax.plots.style import (
+from plgwear_jax.steady.closed import Steady
+from plgwear_jax.wear.run import Run
+
+from .style import (
     BEST,
     BLUE,
     DASHED,
@@ -33,8 +36,6 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
-from plgwear_jax.steady.closed import Steady
-from plgwear_jax.wear.run import Run
 
 # --- before any wear --------------------------------------------------------------------------------------------------
 

@@ -14,7 +14,8 @@ from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate, space
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.optimise.search import scanned
-from plgwear_jax.plots.style import (
+
+from .style import (
     BEST,
     BLUE,
     DOT,

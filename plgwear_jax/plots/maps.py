@@ -30,7 +30,10 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter
 
 from plgwear_jax._core.units import PREFIXED, written
 from plgwear_jax._core.words import GivenError, near_or_all, one_line
-from plgwear_jax.plots.style import (
+from plgwear_jax.sweep.names import variable_name
+from plgwear_jax.tables import number_in
+
+from .style import (
     BLUE,
     DASH_DOT,
     DASHED,
@@ -42,8 +45,6 @@ from plgwear_jax.plots.style import (
     picture,
     show_units,
 )
-from plgwear_jax.sweep.names import variable_name
-from plgwear_jax.tables import number_in
 
 __all__ = ["MapError", "map_picture"]
 

@@ -28,8 +28,9 @@ from plgwear_jax._core.rules import (
 )
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import PathGiven, one_line, read_text, shown
-from plgwear_jax.scene.keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
-from plgwear_jax.scene.sections import (
+
+from .keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
+from .sections import (
     LOADS,
     Body,
     DesignSpace,
@@ -226,7 +227,7 @@ class Scene:
         Raises:
             SceneError: There is no [design], nothing wears, or a number is too extreme.
         """
-        from plgwear_jax.scene import designing
+        from . import designing
 
         return designing.answer("design", **self.arguments())
 
@@ -236,7 +237,7 @@ class Scene:
         Raises:
             SceneError: See `design`.
         """
-        from plgwear_jax.scene import designing
+        from . import designing
 
         return designing.arguments_of(self, *edge_distance(self.asked()))
 
@@ -264,7 +265,7 @@ class Scene:
         Raises:
             SceneError: See `design`; or there is no such quantity, or no place of it.
         """
-        from plgwear_jax.scene import designing
+        from . import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
         asked, kind = self.traded("x", x, distance), self.contact.kind
@@ -297,7 +298,8 @@ class Scene:
             text = "asks for a power law; a free gradient takes modulus at three depths or more"
             raise SceneError(f"[design] vary: {text}")
         from plgwear_jax.optimise import ModulusProfile
-        from plgwear_jax.scene import designing
+
+        from . import designing
 
         at, between, *steepness = space.vary["modulus"].values()
         lower, upper = zip(*between, strict=True)
@@ -346,7 +348,8 @@ class Scene:
 
         from plgwear_jax.contact import is_closed
         from plgwear_jax.loads import Force
-        from plgwear_jax.scene import solving
+
+        from . import solving
 
         contact = solving.homogeneous(self.build_contact())
         # The quantities with what gives them: a contact that slips as a whole has few.

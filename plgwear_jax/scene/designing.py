@@ -8,13 +8,15 @@ from plgwear_jax import optimise
 from plgwear_jax._core.ranges import POSITIVE
 from plgwear_jax._core.rules import WrongKeyError, exponents_within
 from plgwear_jax.optimise.question import with_variables
-from plgwear_jax.scene import solving
-from plgwear_jax.scene.keys import OtherFileError, SceneError
 from plgwear_jax.wear_laws import law_of
 
+from . import solving
+from .keys import OtherFileError, SceneError
+
 if TYPE_CHECKING:
-    from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Table
+
+    from . import Scene
 
 
 def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, Any]:

@@ -22,7 +22,8 @@ from plgwear_jax._core.rules import (
 )
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.scene.keys import MATERIALS, SECTIONS, KeyValues, OtherFileError, Reading, SceneError
+
+from .keys import MATERIALS, SECTIONS, KeyValues, OtherFileError, Reading, SceneError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -209,7 +210,7 @@ class LoadSection(SimpleNamespace):
         """What the displacements of `given` do to the unworn contact: a `DisplacementEffect`."""
         import jax
 
-        from plgwear_jax.scene import solving
+        from . import solving
 
         pressed = solving.homogeneous(self.contact.record(material=self.material.record(), **self.pressed))
         return jax.device_get(solving.displacement_effect(pressed, self.given, self.rig_stiffness))

@@ -9,9 +9,10 @@ import jax
 import jax.numpy as jnp
 
 from plgwear_jax._core.domains import field_nan_outside
-from plgwear_jax.shapes.powers import Cone, Parabola, PowerShape
-from plgwear_jax.shapes.shape import Outline, Shape
-from plgwear_jax.shapes.splines import Profile, RoundedFlat, TruncatedSphere
+
+from .powers import Cone, Parabola, PowerShape
+from .shape import Outline, Shape
+from .splines import Profile, RoundedFlat, TruncatedSphere
 
 __all__ = ["Cone", "Parabola", "PowerShape", "Profile", "RoundedFlat", "Shape", "TruncatedSphere"]
 

@@ -8,7 +8,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, Domain, Numbers, record
-from plgwear_jax.shapes.shape import AbelTransform, Shape
+
+from .shape import AbelTransform, Shape
 
 EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
 

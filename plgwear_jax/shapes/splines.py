@@ -18,8 +18,9 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import NUMBER, Numbers, check_columns, one_or_nan, record
-from plgwear_jax.shapes.shape import AbelTransform, Shape, kink_positions_at, with_first
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
+
+from .shape import AbelTransform, Shape, kink_positions_at, with_first
 
 _ORDERS = np.arange(3)
 _TERMS = 56  # of a series in (1-x)/2 <= 1/2

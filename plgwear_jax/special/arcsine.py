@@ -18,7 +18,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import (
+from .elementary import (
     exponentials,
     growth,
     log,
@@ -28,7 +28,7 @@ from plgwear_jax.special.elementary import (
     sine_excess,
     with_digits,
 )
-from plgwear_jax.special.lerch import fold_at, lerch_tail
+from .lerch import fold_at, lerch_tail
 
 
 class Fold(NamedTuple):

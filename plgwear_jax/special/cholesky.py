@@ -13,7 +13,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.sequential import sequential_vmap
-from plgwear_jax.special.elementary import moves_by
+
+from .elementary import moves_by
 
 _ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
 _FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this

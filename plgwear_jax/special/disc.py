@@ -24,7 +24,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import (
+from .elementary import (
     TINY,
     exponentials,
     growth,
@@ -34,7 +34,7 @@ from plgwear_jax.special.elementary import (
     with_digits,
     working_digits,
 )
-from plgwear_jax.special.gamma import edge_pair
+from .gamma import edge_pair
 
 # t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
 _MEET = Fraction(1, 2)

@@ -6,7 +6,7 @@ All use 1/Gamma, which has no poles, so a polynomial is enough. `tools/gamma_tab
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import leading, polynomial, with_digits
+from .elementary import leading, polynomial, with_digits
 
 
 def _numbers_in(text: str) -> tuple[float, ...]:

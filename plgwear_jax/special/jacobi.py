@@ -8,7 +8,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.special.gamma import RECIPROCAL_GAMMA
+
+from .gamma import RECIPROCAL_GAMMA
 
 
 def gamma(x: Array) -> Array:

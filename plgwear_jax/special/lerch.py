@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
-from plgwear_jax.special.elementary import with_digits, working_digits
+from .elementary import with_digits, working_digits
 
 
 def fold_at(dtype: DTypeLike) -> float:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.elementary import clamped, ratio_where
+from .elementary import clamped, ratio_where
 
 _FEW_POINTS = 32  # that are compared faster one by one than by halving
 

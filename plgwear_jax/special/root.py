@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import clamp_keep_slope, clamped, ratio_where, value_with_slope
+from .elementary import clamp_keep_slope, clamped, ratio_where, value_with_slope
 
 _MOST = 120  # evaluations; six or seven are enough, but where the function jumps
 _SECANTS = 30  # of them, after which intervals are halved

@@ -1,5 +1,5 @@
 """The steady state of a contact: the paper's closed forms, or a numerical solution."""
 
-from plgwear_jax.steady.closed import Steady
+from .closed import Steady
 
 __all__ = ["Steady"]

@@ -11,7 +11,8 @@ from jax import Array
 
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax._core.sequential import TOGETHER
-from plgwear_jax.steady.arguments import own_axes
+
+from .arguments import own_axes
 
 
 def dtype_of(given: Any) -> Any:

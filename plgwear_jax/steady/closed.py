@@ -32,9 +32,10 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.loads import Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import as_numbers, dtype_of
-from plgwear_jax.steady.solution import Solution
+
+from .arguments import amplitude_of
+from .batch import as_numbers, dtype_of
+from .solution import Solution
 
 if TYPE_CHECKING:
     from plgwear_jax.stresses.field import Pressed, Stress
@@ -395,7 +396,7 @@ class Steady(Solution):
 
         A grid is fast as x of shape (n,) and z of shape (m, 1).
         """
-        from plgwear_jax.steady.stressed import stresses_of  # imported by the first contact that needs it
+        from .stressed import stresses_of  # imported by the first contact that needs it
 
         if worn:
             self._check_worn()
@@ -437,14 +438,14 @@ class Steady(Solution):
         """
         low, high = self._argument("least", least), self._argument("most", most)
         check("most - least", high - low, _THICKNESS)
-        from plgwear_jax.steady.stressed import peak_stress_of
+        from .stressed import peak_stress_of
 
         inside = 16.0 * jnp.finfo(dtype_of(self.contact)).eps
         high = high * (1.0 - inside) * one_or_nan(high > low)
         return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
 
     def _peak(self, name: str) -> "Peak":
-        from plgwear_jax.steady.stressed import peak_stress_of
+        from .stressed import peak_stress_of
 
         return self._once(f"peak {name}", lambda: peak_stress_of(self, name))  # for its value and its place
 
@@ -462,8 +463,9 @@ class Steady(Solution):
     @property
     def _pressed(self) -> "Pressed":
         """What the stresses follow from."""
-        from plgwear_jax.steady.stressed import half_space_of
         from plgwear_jax.stresses.field import Pressed, samples
+
+        from .stressed import half_space_of
 
         contact = self.contact
         units = self._k, self.amplitude, self._mean_pressure, self.contact_radius

@@ -20,10 +20,6 @@ from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.steady.batch import as_numbers, in_turn
-from plgwear_jax.steady.closed import Steady
-from plgwear_jax.steady.state import Results, State, refuse_tension, solved_results, solved_states, states_of
-from plgwear_jax.steady.stressed import half_space_of
 from plgwear_jax.stresses.field import Pressed, samples
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import (
@@ -37,6 +33,11 @@ from plgwear_jax.surfaces.punch import (
     punch_under,
 )
 from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest, sunk_beside
+
+from .batch import as_numbers, in_turn
+from .closed import Steady
+from .state import Results, State, refuse_tension, solved_results, solved_states, states_of
+from .stressed import half_space_of
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 

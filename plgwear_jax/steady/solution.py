@@ -12,7 +12,8 @@ from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax.loads import PARTIAL_SLIP, Load
 from plgwear_jax.shapes import shape_of
-from plgwear_jax.steady.arguments import ARGUMENTS
+
+from .arguments import ARGUMENTS
 
 
 class Solution:

@@ -16,13 +16,14 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
-from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
 from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
 from plgwear_jax.surfaces.ring import Worn, worn
 from plgwear_jax.surfaces.tension import Least, least_pressures
+
+from .arguments import amplitude_of
+from .batch import as_numbers, vmap_contacts
 
 
 class Results(NamedTuple):

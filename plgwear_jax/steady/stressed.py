@@ -13,10 +13,11 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
 from plgwear_jax.material import PowerLawGraded, holl_ratio
 from plgwear_jax.special.pchip import Piecewise
-from plgwear_jax.steady.batch import as_numbers, in_turn, vmap_contacts
 from plgwear_jax.stresses.field import Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
 from plgwear_jax.surfaces.bodies import AnyModulus
+
+from .batch import as_numbers, in_turn, vmap_contacts
 
 
 def stresses_of(steady: Any, x: Array, z: Array, worn: bool) -> Stress:

@@ -10,8 +10,9 @@ from jax import Array
 
 from plgwear_jax._core.domains import record, static
 from plgwear_jax.special.pchip import Piecewise, horner
-from plgwear_jax.stresses.images import Grid, Tractions, grid, on_path, path, strips, transforms
 from plgwear_jax.surfaces.half_space import depths_for, responses
+
+from .images import Grid, Tractions, grid, on_path, path, strips, transforms
 
 
 class Stress(NamedTuple):

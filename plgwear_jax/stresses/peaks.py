@@ -8,7 +8,8 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax.special.elementary import top_of
-from plgwear_jax.stresses.field import Pressed, Stress, body_of, field, of_each_traction
+
+from .field import Pressed, Stress, body_of, field, of_each_traction
 
 
 class Peak(NamedTuple):

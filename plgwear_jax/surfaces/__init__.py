@@ -4,6 +4,6 @@ Compliances of two bodies add. The contact of fixed radius is solved by Galerkin
 transforms are Bessel functions, and what is beside it by Abel's transform: `docs/explanation/numerics.md` derives both.
 """
 
-from plgwear_jax.surfaces.bodies import DepthGraded, Elastic, Layered, in_series
+from .bodies import DepthGraded, Elastic, Layered, in_series
 
 __all__ = ["DepthGraded", "Elastic", "Layered", "in_series"]

@@ -28,10 +28,11 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import clamped, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.quadrature import bent
-from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
-from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.foundation import Foundation, foundation, wavenumbers
-from plgwear_jax.surfaces.half_space import excess_compliance
+
+from .bodies import AnyModulus, Elastic
+from .effort import Effort
+from .foundation import Foundation, foundation, wavenumbers
+from .half_space import excess_compliance
 
 
 def _of_sign(k: Array) -> tuple[Array, Array]:

@@ -23,10 +23,11 @@ from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope, clamped, value_with_slope
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.pchip import horner
-from plgwear_jax.surfaces.cells import NODES, Images, RingCells, images_of, products_of
-from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower, PowerLaw
-from plgwear_jax.surfaces.punch import pressure_inside
-from plgwear_jax.surfaces.ring import Worn, between, sine_of
+
+from .cells import NODES, Images, RingCells, images_of, products_of
+from .compliance import Bodies, Graded, OnePower, PowerLaw
+from .punch import pressure_inside
+from .ring import Worn, between, sine_of
 
 
 def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.surfaces.effort import Effort
+from .effort import Effort
 
 # Wavenumbers in units of one over the radius, below which the compliance is constant and above which it is that of the
 # surface: a narrow ring feels layers of 1e-7 radii.

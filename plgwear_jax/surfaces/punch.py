@@ -17,7 +17,8 @@ from plgwear_jax.special.elementary import value_with_slope
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Bodies, OnePower, OnTheLaw
+
+from .compliance import Bodies, OnePower, OnTheLaw
 
 
 class Punch(NamedTuple):

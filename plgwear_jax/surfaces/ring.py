@@ -22,8 +22,9 @@ from plgwear_jax.shapes.shape import AbelTransform, inwards
 from plgwear_jax.special.elementary import clamped, crest, top_of, value_with_slope
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Bodies, Graded, OnePower
-from plgwear_jax.surfaces.punch import Punch, grown, on_the_law, punch_under, resolved
+
+from .compliance import Bodies, Graded, OnePower
+from .punch import Punch, grown, on_the_law, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
 _FURTHER = 3  # nodes

@@ -13,8 +13,9 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.special.elementary import ratio_where
-from plgwear_jax.surfaces.punch import own_pressures, pressure_inside
-from plgwear_jax.surfaces.ring import Worn
+
+from .punch import own_pressures, pressure_inside
+from .ring import Worn
 
 # Pressures are promised to 1e-2 of the mean. What is less negative than twice that changes no result beyond its digits,
 # and may be an error of the pressures alone.

@@ -12,9 +12,9 @@ with needs("sweeps", "sweep"):
     import xarray  # noqa: F401
     import zarr  # noqa: F401
 
-from plgwear_jax.sweep.axes import AxisError
-from plgwear_jax.sweep.names import QuantityError
-from plgwear_jax.sweep.store import SweepError, UnfinishedWarning, open_sweep
-from plgwear_jax.sweep.sweeping import Progress, sweep
+from .axes import AxisError
+from .names import QuantityError
+from .store import SweepError, UnfinishedWarning, open_sweep
+from .sweeping import Progress, sweep
 
 __all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]

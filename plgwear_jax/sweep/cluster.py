@@ -13,8 +13,9 @@ from distributed.comm.core import CommClosedError
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.plan import SweepPlan
-from plgwear_jax.sweep.store import SweepError, SweepStore
+
+from .plan import SweepPlan
+from .store import SweepError, SweepStore
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
 _PATIENCE = "10s"  # for the scheduler to answer

@@ -26,7 +26,8 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from plgwear_jax._core.catalogue import BODIES
 from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.names import (
+
+from .names import (
     SweepPoints,
     SweepQuantity,
     SweepTarget,

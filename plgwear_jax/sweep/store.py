@@ -20,9 +20,10 @@ from zarr.errors import ZarrUserWarning
 from plgwear_jax._core.catalogue import leaf
 from plgwear_jax._core.words import GivenError, PathGiven, cut, one_line, shown
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.axes import spacing_of
-from plgwear_jax.sweep.names import axis_unit, variable_name
-from plgwear_jax.sweep.plan import LOAD, SweepPlan
+
+from .axes import spacing_of
+from .names import axis_unit, variable_name
+from .plan import LOAD, SweepPlan
 
 _MANIFEST = "plgwear_sweep"
 UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"

@@ -22,15 +22,16 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force, load_of
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.optimise.question import LoadGiven
-from plgwear_jax.sweep.axes import AxisError, check_axis
-from plgwear_jax.sweep.names import (
+
+from .axes import AxisError, check_axis
+from .names import (
     SLIPS,
     AxisNames,
     QuantityError,
     axis_unit,
 )
-from plgwear_jax.sweep.plan import LOAD, SweepPlan
-from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, open_sweep
+from .plan import LOAD, SweepPlan
+from .store import SweepError, SweepStore, labelled, open_sweep
 
 Progress = Callable[[int, int], None]
 
@@ -184,7 +185,7 @@ def sweep(
     with store.held() as missing:
         steps = (store.write(*found) for found in plan.computed(missing))
         if scheduler is not None:
-            from plgwear_jax.sweep import cluster
+            from . import cluster
 
             steps = cluster.run_on_cluster(plan, store, missing, scheduler)
         _followed(plan, steps, missing, progress)

@@ -1,5 +1,5 @@
 """The wear of a contact over cycles, under any load."""
 
-from plgwear_jax.wear.run import Run
+from .run import Run
 
 __all__ = ["Run"]

@@ -20,9 +20,10 @@ from plgwear_jax.special.elementary import exponents, log_complement, power_wher
 from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
-from plgwear_jax.wear.ring_run import RingRun, RunSolution
+
+from .ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
+from .ring_curves import RunCurves, curves_by_parts, curves_from
+from .ring_run import RingRun, RunSolution
 
 # --- without units: radii in a_0, heights in a_0^2/R, pressures in F_N/(pi a_0^2), time as n of the theory ------------
 

@@ -31,10 +31,11 @@ from plgwear_jax.surfaces.compliance import Bodies
 from plgwear_jax.surfaces.cycles import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
-from plgwear_jax.wear.contact_march import Disc, Moments, StageNumbers, Steps, march, until
-from plgwear_jax.wear.curves import ROUNDINGS, Curve, Moment, cells_around, limited, moment_at
-from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
+
+from .contact_march import Disc, Moments, StageNumbers, Steps, march, until
+from .curves import ROUNDINGS, Curve, Moment, cells_around, limited, moment_at
+from .run import Run
 
 # Nearer to gross slip the scar of a test without an end outgrows the cells, which are larger than the stick area.
 FOLLOWED = Domain(

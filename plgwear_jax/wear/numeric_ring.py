@@ -19,10 +19,11 @@ from plgwear_jax.steady.state import State, refuse_tension, solved_states, state
 from plgwear_jax.surfaces.cells import RingCells
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.wear.curves import moment_at
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
-from plgwear_jax.wear.ring_curves import RunCurves, curves_by_parts, curves_from
-from plgwear_jax.wear.ring_run import RingRun, RunSolution
+
+from .curves import moment_at
+from .ring_cells import MarchResolution, Scales, edges_of, march_resolution_of
+from .ring_curves import RunCurves, curves_by_parts, curves_from
+from .ring_run import RingRun, RunSolution
 
 
 def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCells, Scales]:

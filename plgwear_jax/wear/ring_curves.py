@@ -12,9 +12,10 @@ from plgwear_jax._core.startup.programs import program
 from plgwear_jax.special.elementary import clamped, ratio_where
 from plgwear_jax.steady.batch import in_turn
 from plgwear_jax.surfaces.cells import RingCells
-from plgwear_jax.wear.curves import Curve, limited, moment_at
-from plgwear_jax.wear.ring_cells import MarchResolution, Scales, weights
-from plgwear_jax.wear.ring_march import March, marches_of
+
+from .curves import Curve, limited, moment_at
+from .ring_cells import MarchResolution, Scales, weights
+from .ring_march import March, marches_of
 
 
 class Shares(NamedTuple):

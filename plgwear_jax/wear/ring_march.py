@@ -14,7 +14,8 @@ from jax import Array
 
 from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.surfaces.cells import RingCells
-from plgwear_jax.wear.ring_cells import MarchResolution
+
+from .ring_cells import MarchResolution
 
 
 class _Step(NamedTuple):

@@ -14,9 +14,10 @@ from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.special.elementary import clamp_keep_slope, crest, value_with_slope
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
-from plgwear_jax.wear.curves import Moment, cells_around, moment_at
-from plgwear_jax.wear.ring_curves import RunCurves, share_at
-from plgwear_jax.wear.run import Run
+
+from .curves import Moment, cells_around, moment_at
+from .ring_curves import RunCurves, share_at
+from .run import Run
 
 
 class RunSolution(NamedTuple):

@@ -25,10 +25,10 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
 
-from plgwear_jax._core import files
-from plgwear_jax._core.startup import on
-from plgwear_jax._core.startup.operations import UnknownError
-from plgwear_jax._core.startup.stepwise import SteppedProgram, stepwise
+from .. import files
+from . import on
+from .operations import UnknownError
+from .stepwise import SteppedProgram, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:

@@ -11,7 +11,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from plgwear_jax._core.startup.operations import FUNCTIONS, UnknownError, parameters_of
+from .operations import FUNCTIONS, UnknownError, parameters_of
 
 # In the time of so many steps XLA compiles about half an operation.
 PATIENCE = 200

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from plgwear_jax.plots.figures.drawings import FIGURES
-from plgwear_jax.plots.figures.paper import NUMBERS, Claim, PaperFigure, TextNumber, numbers, verdict
-from plgwear_jax.plots.style import page, picture
+from ..style import page, picture
+from .drawings import FIGURES
+from .paper import NUMBERS, Claim, PaperFigure, TextNumber, numbers, verdict
 
 __all__ = ["FIGURES", "NUMBERS", "Claim", "PaperFigure", "TextNumber", "contact_sheet", "numbers", "report", "verdict"]
 

@@ -11,19 +11,8 @@ from matplotlib.rcsetup import cycler
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax._core.units import text_cells
-from plgwear_jax.plots.figures.paper import (
-    ALMOST,
-    EXPONENTS,
-    Claim,
-    PaperFigure,
-    balance_of,
-    modulus_factor,
-    numbers,
-    rising,
-    root,
-    stiffness_of,
-)
-from plgwear_jax.plots.style import (
+
+from ..style import (
     BEST,
     BLUE,
     DASH_DOT,
@@ -35,6 +24,18 @@ from plgwear_jax.plots.style import (
     Style,
     legend_above,
     letters,
+)
+from .paper import (
+    ALMOST,
+    EXPONENTS,
+    Claim,
+    PaperFigure,
+    balance_of,
+    modulus_factor,
+    numbers,
+    rising,
+    root,
+    stiffness_of,
 )
 
 AMPLITUDES = np.array([0.3, 0.6, 0.9])  # the paper shows three and does not say which

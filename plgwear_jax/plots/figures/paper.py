@@ -12,7 +12,8 @@ from scipy import optimize
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core.units import text_cells
 from plgwear_jax.contact import GrossSlipContact
-from plgwear_jax.plots.style import page, picture
+
+from ..style import page, picture
 
 EXPONENTS = np.array([-0.5, 0.0, 0.5])
 ALMOST = 1.0 - 1e-9
