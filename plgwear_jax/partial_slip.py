@@ -18,7 +18,7 @@ from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, NUMBER,
 from plgwear_jax._core.formula import formula
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.fretting.surface import arc_between
-from plgwear_jax.special.elementary import exponentials, exponents, log, log_complement
+from plgwear_jax.special.elementary import exponentials, exponents, in_dtype, log, log_complement
 
 __all__ = [
     "amplitude",
@@ -179,7 +179,7 @@ _FAR = 0.75
 
 def _integral(rule: _Rule, function: Callable[[Array], Array], like: Array) -> Array:
     """The integral over v from 0 to 1 of a function, whose last axis is that of v."""
-    v, weight = (jnp.asarray(x, like.dtype) for x in rule)
+    v, weight = in_dtype(like.dtype, *rule)
     return jnp.sum(weight * function(v), -1)
 
 

@@ -27,7 +27,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.special.elementary import clamp_keep_slope, value_with_slope, with_digits
+from plgwear_jax.special.elementary import clamp_keep_slope, in_dtype, value_with_slope, with_digits
 from plgwear_jax.special.root import first_at
 
 from .ask_and_tell import plan_of
@@ -109,7 +109,7 @@ def optimal_exponent(
         check_all(("life", "nu"), of_life, (POSITIVE, POISSON_RATIO))
     dtype = check_bounds(bounds, EXPONENT, phi, *of_life)
     digits = check_digits(digits, dtype)
-    values = [jnp.asarray(value, dtype) for value in (phi, *bounds, *of_life)]
+    values = in_dtype(dtype, phi, *bounds, *of_life)
     many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     return _many_optimal_exponents(digits, *values) if many or values[3:] else _few_optimal_exponents(values, digits)
 
@@ -290,7 +290,7 @@ def _critical(lower: Array, upper: Array) -> Array:
     # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
     # difference of the two volumes loses no digits between near bounds.
     first, last = jnp.stack([lower, upper, lower]), jnp.stack([lower, upper, upper])
-    nodes, weights = (jnp.asarray(values, lower.dtype) for values in (_NODES, _WEIGHTS))
+    nodes, weights = in_dtype(lower.dtype, _NODES, _WEIGHTS)
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
     begins, widths, signs = jnp.asarray(_BRACKETS, k.dtype).reshape(3, 3, *lower.ndim * (1,))
 

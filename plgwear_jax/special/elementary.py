@@ -22,6 +22,11 @@ def exponents(k: Any) -> tuple[Array, Array]:
     return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
 
 
+def in_dtype(dtype: DTypeLike, *values: Any) -> list[Array]:
+    """The values as arrays of a dtype."""
+    return [jnp.asarray(value, dtype) for value in values]
+
+
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
     """The number of digits to which a sum is computed: one more than asked for, at most all that the dtype holds."""
     most = int(jnp.finfo(dtype).precision) + 2

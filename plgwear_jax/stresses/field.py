@@ -9,6 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import record, static
+from plgwear_jax.special.elementary import in_dtype
 from plgwear_jax.special.pchip import Piecewise, horner
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
@@ -115,7 +116,7 @@ class Pressed:
         c, fine, graded = self.stick, self.fineness, self.k is not None
         alone = self.own.shape[-1] < fine.radii  # there are three samples for each radius
         size = _ALONE if alone else fine[:2]
-        b, inside, fit = (jnp.asarray(each, c.dtype) for each in strips(*size))
+        b, inside, fit = in_dtype(c.dtype, *strips(*size))
         both, normal = jnp.stack([jnp.ones_like(self.friction), self.friction]), jnp.asarray([1.0, 0.0], c.dtype)
 
         def added(own: Array, stuck: Array, flat: Array) -> Array:
@@ -277,7 +278,7 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: 
 def _parts(nu: Array) -> Array:
     """How the integrals of J_i with each response of each traction add to xx, yy, zz and xz, shape (4, 8, 4, 2)."""
     by_each = _PATTERNS[..., None] * _RESPONSES[:, None, :2]
-    (fixed, along), ratio = (jnp.asarray(each, nu.dtype) for each in by_each), nu / (1.0 - nu)
+    (fixed, along), ratio = in_dtype(nu.dtype, *by_each), nu / (1.0 - nu)
     across = along[np.array([1, 0, 2, 3])]
     # sigma_ss = ratio sigma_zz + 2/(1-nu) times the displacement, sigma_tt = ratio (sigma_zz + 2 times it).
     return fixed + 2.0 / (1.0 - nu) * along + ratio * (2.0 * across + jnp.roll(along + across, 1, axis=1))

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.special.elementary import power_where
+from plgwear_jax.special.elementary import in_dtype, power_where
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
@@ -56,7 +56,7 @@ def mean_over(at_nodes: Array) -> Array:
 
 def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -> Images:
     """The Abel transforms, with the exponents s and q = 1 - s, of cells with the edges T/C - 1 and T/C - 1 - unworn."""
-    node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
+    node, part = in_dtype(s.dtype, _NODE, _WEIGHT)
     outer_c, outer_1 = from_c[1:], from_1[1:]
     near = unworn * (outer_c + outer_1) < 0.0  # to c, so that less of their differences is rounded away there
     size = jnp.where(near, outer_c - from_c[:-1], outer_1 - from_1[:-1])

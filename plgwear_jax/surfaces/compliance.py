@@ -25,7 +25,7 @@ from plgwear_jax._core.domains import field_nan_outside, record, static
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import clamped, quotient
+from plgwear_jax.special.elementary import clamped, in_dtype, quotient
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.quadrature import bent
 
@@ -206,7 +206,7 @@ def _inside(effort: Effort, k: Array, s: Array) -> _Inside:
     # All at once, since XLA compiles the polynomial each time.
     of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
     factors = ratios(1.0 / of_rise, other, rise, effort.modes)
-    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in bent(4 * effort.nodes))
+    inside, outside, weight = in_dtype(s.dtype, *bent(4 * effort.nodes))
     table = jacobi_table(effort.modes, s, other, outside - inside)
     # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
     log_in, log_out = jnp.log(inside), jnp.log(outside)
@@ -274,7 +274,7 @@ class Graded(_Touching):
         """(M, its slope by log(c))."""
         shares = self._shares(c)
         both = jnp.stack([shares, 4.0 * shares * (1.0 - shares)]) @ self.coefficients
-        parts, matrix = (jnp.asarray(x, c.dtype) for x in (self.foundation.parts.T, self.foundation.matrix))
+        parts, matrix = in_dtype(c.dtype, self.foundation.parts.T, self.foundation.matrix)
         excess, slope = jnp.unstack(jnp.tensordot(both @ parts, matrix, (1, 2)))
         return self.strength * (self._of_surface + excess), self.strength * slope
 

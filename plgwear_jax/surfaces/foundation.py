@@ -10,9 +10,10 @@ all its integrals over the pressures of the contact are Bessel functions. In x =
 import functools
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
+
+from plgwear_jax.special.elementary import in_dtype
 
 from .effort import Effort
 
@@ -37,7 +38,7 @@ class Terms(NamedTuple):
 
     def of(self, values: Array) -> Array:
         """The coefficients, of values at these wavenumbers."""
-        inverse, own = (jnp.asarray(matrix, values.dtype) for matrix in (self.inverse, self.values))
+        inverse, own = in_dtype(values.dtype, self.inverse, self.values)
         found = inverse @ values
         # The inverse is large, so that in float32 the sum is only right once what is left over has been added.
         return found + inverse @ (values - own @ found)

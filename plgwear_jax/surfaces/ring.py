@@ -19,7 +19,7 @@ from jax import Array
 from plgwear_jax._core.domains import record, static
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.shape import AbelTransform, inwards
-from plgwear_jax.special.elementary import clamped, crest, top_of, value_with_slope
+from plgwear_jax.special.elementary import clamped, crest, in_dtype, top_of, value_with_slope
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 
@@ -227,7 +227,7 @@ def deepest(deficit: DepthDeficit, end: Array) -> Array:
         y = jnp.expm1(places * places * (3.0 - 2.0 * places) * jnp.log1p(end))
         return jax.vmap(deficit.depth)(y)
 
-    places, near = (jnp.asarray(at, end.dtype) for at in (_PLACES, _CLOSER))
+    places, near = in_dtype(end.dtype, _PLACES, _CLOSER)
     # Once more, nearer to the top, and there by a parabola: it has the second derivatives of a top that moves.
     around = top_of(places, depths_at(places)) + near
     top = top_of(around, depths_at(around))

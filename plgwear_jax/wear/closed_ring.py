@@ -16,7 +16,7 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import exponents, log_complement, power_where, ratio_where, sine_quotient
+from plgwear_jax.special.elementary import exponents, in_dtype, log_complement, power_where, ratio_where, sine_quotient
 from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.surfaces.cells import RingCells, images_of, products_of
@@ -144,7 +144,7 @@ def _ring_of(digits: int | None, contact: Any, load: Any) -> ClosedRing:
     mean, radii = steady._mean_pressure, (steady.contact_radius, steady.stick_radius)
     given = steady._tangential_ratio, contact.friction, steady.tangential_force
     found = steady._k, steady.amplitude, *radii, steady._height, mean, *given
-    return ClosedRing(*jnp.broadcast_arrays(*(jnp.asarray(x, mean.dtype) for x in found)))
+    return ClosedRing(*jnp.broadcast_arrays(*in_dtype(mean.dtype, *found)))
 
 
 @program()

@@ -21,7 +21,7 @@ from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import holds_tracers, program, traced, with_slopes
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import quotient, ratio_where
+from plgwear_jax.special.elementary import in_dtype, quotient, ratio_where
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.steady.closed import Steady
@@ -132,7 +132,7 @@ def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     or slips, or the contact grows far, their size grows with the radius instead.
     """
     b = grid.end
-    inside, ring, towards = (jnp.asarray(x, b.dtype) for x in _cell_shares(count))
+    inside, ring, towards = in_dtype(b.dtype, *_cell_shares(count))
     pressed = grid.pressed / b
     stick = jnp.minimum(grid.stick / b, (1.0 - 1e-6) * pressed)
     area = stick**2 + (pressed - stick) * (pressed + stick) * ring

@@ -3,13 +3,12 @@
 import functools
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import whole
 from plgwear_jax._core.xla import materialised
-from plgwear_jax.special.elementary import clamped
+from plgwear_jax.special.elementary import clamped, in_dtype
 
 
 class MarchResolution(NamedTuple):
@@ -85,7 +84,7 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
     near = grown * (10.0 * resolution.length * resolution.inner**2 / resolution.outer**2) / unworn
     # Materialised, or each element of the arrays below would compute it again.
     near = materialised(clamped(0.3, near, 1.0))
-    place, growth = (jnp.asarray(x, grown.dtype) for x in _places_of_edges(resolution))
+    place, growth = in_dtype(grown.dtype, *_places_of_edges(resolution))
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth
     return from_c, grown * growth - unworn * end / (begin + end)

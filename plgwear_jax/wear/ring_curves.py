@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.startup.programs import program
-from plgwear_jax.special.elementary import clamped, ratio_where
+from plgwear_jax.special.elementary import clamped, in_dtype, ratio_where
 from plgwear_jax.steady.batch import in_turn
 from plgwear_jax.surfaces.cells import RingCells
 
@@ -108,7 +108,7 @@ def _depths_and_pressures(ring: RingCells, march: March, resolution: MarchResolu
     finest = sums[:, -1]
     counts = finest > 1e-9 * jnp.max(finest, (1, 2), keepdims=True)  # elsewhere rounding decides
     ratio = clamped(0.5, ratio_where(counts, limit, finest, 1.0), 1.5)
-    _, to_steps, to_cells, _ = (jnp.asarray(x, dtype) for x in _matrices(resolution))
+    _, to_steps, to_cells, _ = in_dtype(dtype, *_matrices(resolution))
     last = slice(-resolution.steps, None)
     both = jnp.stack([ring.gap[-1] * jnp.expm1(march.worn[last]), march.pressure[last]])
     return both * (to_steps @ ratio @ to_cells)
@@ -129,7 +129,7 @@ def curves_from(resolution: MarchResolution, ring: RingCells, scales: Scales) ->
     ring = jax.tree.map(lambda x: x[-1], ring)
     begin = resolution.inner * multiple
     edge = ring.edges[begin : begin + resolution.steps + 1]
-    spread, _, _, slope = (jnp.asarray(matrix, edge.dtype) for matrix in _matrices(resolution))
+    spread, _, _, slope = in_dtype(edge.dtype, *_matrices(resolution))
     # The edge of the contact has an error of first order in the cell size, time and volume of second order.
     each = jnp.stack([march.time, march.time, march.volume], -1)
     orders = np.stack([weights(resolution, order) for order in (2, 1, 2)], -1)
