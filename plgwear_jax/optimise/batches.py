@@ -29,6 +29,7 @@ from .question import (
     Keywords,
     LoadGiven,
     Question,
+    hardest,
     parts_of,
     solved_in_turn,
     solved_one_by_one,
@@ -113,16 +114,16 @@ def designs(
         pairs = (force[..., None], jnp.ones(1)) if weighted.weight is None else (force, jnp.asarray(weighted.weight))
         question = dataclasses.replace(question, load=weighted.with_amplitudes(*jnp.broadcast_arrays(*pairs)))
     weighted = question.load
-    if solved_one_by_one(question) and not traced((question, level)):
-        return _designs_in_turn(question, level)
     if question.by_force:
         check_real("load", weighted.amplitudes)
-        phi = nan_outside("tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
+        phi = nan_outside(*hardest(question), PARTIAL_SLIP)
         # NaN where traced numbers are outside their ranges
         weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weighted.weight)
     elif weighted.weight is None:
         weighted = WeightedLoad(weighted.load, jnp.ones(1))
-    return _designs_in_a_batch(dataclasses.replace(question, load=weighted), level)
+    question = dataclasses.replace(question, load=weighted)
+    in_turn = solved_one_by_one(question) and not traced((question, level))
+    return (_designs_in_turn if in_turn else _designs_in_a_batch)(question, level)
 
 
 def _batch_of(question: Question, xp: Any) -> tuple[tuple[int, ...], list[Any], Callable[..., Question]]:

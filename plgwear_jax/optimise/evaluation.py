@@ -18,7 +18,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.catalogue import PEAKS, SEARCHED, read, read_from
 from plgwear_jax._core.domains import RefusedError
-from plgwear_jax._core.rules import BY_THEN, WrongKeyError, is_after_cycles, is_linear
+from plgwear_jax._core.rules import WrongKeyError, is_after_cycles, is_linear
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
@@ -116,9 +116,8 @@ class Candidate:
 
     def amounts(self) -> Array:
         """What is minimised at each amplitude of the load, in SI units; its mean is not taken."""
-        name, load = self.question.objective, self.question.load
-        name = name if self.question.horizon is None else BY_THEN.get(name, name)
-        found = self._read(name, self.question.places, False)
+        load = self.question.load
+        found = self._read(self.question.counted, self.question.places, False)
         if load is None or load.amplitudes is None:
             return jnp.atleast_1d(found)
         amplitudes, between = self._amplitudes

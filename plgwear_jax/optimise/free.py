@@ -271,6 +271,8 @@ def free_design(
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: a free gradient takes none")
     nu, hold = contact.material.nu, is_held(keywords.pop("hold", None))
+    if not isinstance(modulus, ModulusProfile):
+        raise TypeError(f"modulus takes a ModulusProfile, not {modulus!r}")
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
     from plgwear_jax.surfaces import DepthGraded

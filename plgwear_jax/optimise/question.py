@@ -208,6 +208,11 @@ class Question:
         return force / namespace(limit).asarray(limit)[..., None]
 
     @property
+    def counted(self) -> str:
+        """The quantity that is minimised, that after the cycles if there are any."""
+        return self.objective if self.horizon is None else BY_THEN.get(self.objective, self.objective)
+
+    @property
     def by_force(self) -> bool:
         """The amplitude of the force is constant."""
         return self.load is not None and self.load.load.holds_force
@@ -228,8 +233,7 @@ _SAME_RUNS = {"k", "E0", "z0", "radius"}  # with which F_x/(mu F_N) and theta(k)
 
 def read_from_runs(question: Question) -> bool:
     """Whether runs at a few exponents tell the wear of all designs: see `along_exponent`."""
-    contact, objective = question.contact, question.objective
-    names = {BY_THEN.get(objective, objective), *(one.quantity for one in question.limits)}
+    contact, names = question.contact, {question.counted, *(one.quantity for one in question.limits)}
     return (
         question.horizon is not None
         and question.smooth
@@ -304,12 +308,23 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        # Between the bounds of the friction and the normal force the whole contact may slip.
-        varied, most = [name for name in ("friction", "normal_force") if name in question.bounds], question.phi[..., 0]
-        for name in varied:
-            most = most * variable_of(contact, name) / question.bounds[name][0]
-        check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", most, PARTIAL_SLIP)
+        called, most = hardest(question)
+        check(called, most[..., 0], PARTIAL_SLIP)
     return question
+
+
+def hardest(question: Question) -> tuple[str, Any]:
+    """The amplitudes F_x/(mu F_N) where what varies makes them largest, in words and shape (n,), or of a batch.
+
+    Between the bounds of the friction and the normal force the whole contact may slip.
+    """
+    called, phi, at = "tangential_force/(friction * normal_force)", question.phi, " at the lowest "
+    for name in ("friction", "normal_force"):
+        if name in question.bounds:
+            called, at = f"{called}{at}{name}", " and "
+            own = variable_of(question.contact, name)
+            phi = phi * namespace(own).asarray(own)[..., None] / question.bounds[name][0]
+    return called, phi
 
 
 def checked_kind_of(contact: Any) -> Kind:

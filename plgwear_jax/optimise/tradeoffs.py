@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax._core.catalogue import entry, placed
 from plgwear_jax._core.domains import concrete_only, record, static, whole
-from plgwear_jax._core.rules import LARGER
+from plgwear_jax._core.rules import LARGER, WrongKeyError
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
@@ -171,6 +171,9 @@ def front(
     keywords["limits"] = {**(limits or {}), name: {"above" if "x" in larger else "below": 1.0, **places}}
     keywords["minimise"] = keywords.get("minimise") if y is None else y
     question = question_of(contact, load, vary, **keywords)
+    of_several = question.load is not None and question.load.weight.size > 1  # of which y is a mean
+    if (name, places) == (question.counted, question.places) and not of_several:
+        raise WrongKeyError("x", f"the {placed(name, places)} is also y; a trade-off takes two quantities")
     row = 1 + [one.quantity for one in question.limits].index(name)
     others = {i: 0.0 for i in range(1, 1 + len(question.limits)) if i != row}
     x_side, y_side = (-1.0 if one in larger else 1.0 for one in "xy")
