@@ -225,12 +225,12 @@ def _subject(
         found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read}
     elif load is None:
         return found
-    elif forces:
+    elif forces or load.table:
         if followed and load.of_displacement:
-            refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
-    elif load.weights is not None:
-        found["loads"] = {str(load.table): (load.force, load.weights)}
-    elif (held := load.displacement is not None or (blocks and followed)) or "displacement" not in axes:
+            refuse(f"{scene_file}: [load]: a displacement holds no force over cycles; give one, and sweep it")
+        if not forces:
+            found["loads"] = {str(load.table): (load.amplitudes, load.weights)}
+    elif (held := followed if blocks else load.of_displacement) or "displacement" not in axes:
         found["load"] = load.acting(held)
     rig = load and load.rig_stiffness
     if rig and "load" not in found:

@@ -138,9 +138,9 @@ class Scene:
 
     @property
     def wears_otherwise(self) -> bool:
-        """Whether a design is for a life under another load than force amplitudes: blocks, or a displacement."""
+        """Whether a design is for a life under another load than force amplitudes: blocks, or displacements."""
         load = self.load
-        return load is not None and self.life is not None and (load.cycles is not None or load.displacement is not None)
+        return load is not None and self.life is not None and (load.cycles is not None or load.of_displacement)
 
     def tested(self) -> LoadSection:
         """The section [load] of a scene that wears over cycles: one amplitude, or a history with cycles.
@@ -187,7 +187,10 @@ class Scene:
         Raises:
             SceneError: There is no such quantity of this contact, or its place is missing or wrong.
         """
-        given = given if distance is None else f"{given}@{distance!r}"
+        if distance is not None:
+            if "@" in given:
+                raise SceneError(f"{key} = {shown(given)}: has its place already; leave out the distance")
+            given = f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
         law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed
@@ -202,7 +205,7 @@ class Scene:
         try:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
-            raise SceneError(str(error).replace(f"{key}.", f"{key} {name}@")) from None
+            raise SceneError(f"{error.key.replace('.', f' {name}@')}: {error.text}") from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
         for place, value in places.items():
             if not domain.contains(value):

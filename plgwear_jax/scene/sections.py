@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 from plgwear_jax._core.catalogue import Law, laws_of, leaf
 from plgwear_jax._core.rules import (
     BY_THEN,
+    LASTING,
     OF_POWER_LAW,
     ON_K_ALONE,
     PLACES,
@@ -198,12 +199,17 @@ class LoadSection(SimpleNamespace):
         ]
 
     def acting(self, lasts: bool) -> Any:
-        """What a computation takes: over cycles a displacement, which is kept, or blocks; else forces, with the rig."""
-        if lasts and (self.cycles is not None or self.displacement is not None):
-            return self.record()
-        from plgwear_jax.loads import Force
+        """What a computation takes: over cycles displacements, which are kept, or blocks; else forces, with the rig.
 
-        return Force(self.force, self.rig_stiffness)
+        Of a history it is the largest, unless it has cycles.
+        """
+        if lasts and self.cycles is not None:
+            return self.record()
+        from plgwear_jax import loads
+
+        held = lasts and self.of_displacement
+        kind, some = (loads.Displacement, self._counting(self.given)) if held else (loads.Force, self.amplitudes)
+        return kind(float(some.max()) if self.table is None else some, self.rig_stiffness)
 
     @cached_property
     def moved(self) -> Any:
@@ -248,13 +254,17 @@ class LoadSection(SimpleNamespace):
 
         A SceneError says where the contact slips as a whole.
         """
+        if self.slides is not None:
+            raise self.slides
+        return self._counting(self.moved.force if self.of_displacement else self.given)
+
+    def _counting(self, amplitudes: Any) -> "np.ndarray":
+        """Those amplitudes that count: all of a history, or those of a table with weight > 0."""
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
             raise SceneError(f"[load] history: {text}; plgwear wear takes it, and plgwear design with [wear]")
-        if self.slides is not None:
-            raise self.slides
-        forces, weight = self.moved.force if self.of_displacement else self.given, self.columns.get("weight")
-        return forces if weight is None else forces[weight > 0.0]
+        weight = self.columns.get("weight")
+        return amplitudes if weight is None else amplitudes[weight > 0.0]
 
     @property
     def weights(self) -> "np.ndarray | None":
@@ -279,11 +289,6 @@ class LoadSection(SimpleNamespace):
         import jax.numpy as jnp
 
         return self.contact.friction * self.contact.normal_force * (1.0 - 4.0 * float(jnp.finfo(float).eps))
-
-    @property
-    def force(self) -> "float | np.ndarray":
-        """What enters a computation, in N: one amplitude, the largest of a history, or the amplitudes of a table."""
-        return self.largest if self.table is None else self.amplitudes
 
     @property
     def remark(self) -> str | None:
@@ -546,6 +551,8 @@ def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
     for name in output.quantities:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
+            if name in LASTING and contact.kind == "fretting":
+                text = f'"{name}" counts after the cycles under [wear], of one load or a table'
             raise WrongKeyError("quantities", text)
         if "distance" in laws[name].arguments and edge_distance(reading.design, output)[1] is None:
             text = f'"{name}" needs a distance from the stick-slip boundary'

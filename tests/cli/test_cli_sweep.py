@@ -55,7 +55,7 @@ def test_a_scene_gives_the_contact_and_the_load():
     given = scene.load(SCENE)
     volume = sweep.open_sweep("map.zarr").wear_volume
     assert volume.attrs["units"] == "m^3" and volume.dims == ("z0",)
-    expected = given.build_contact().steady(given.load.force).wear_volume
+    expected = given.build_contact().steady(given.load.amplitudes).wear_volume
     assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
 
 
@@ -162,7 +162,7 @@ def test_a_held_displacement_has_no_axis_of_forces():
     Path("scene.toml").write_text(WORN + HELD)
     for quantity in ("transient.wear_rate", "design.k"):
         line = refused(f"sweep --scene scene.toml --phi=0.1:0.2:2 -q {quantity} --out m.zarr")
-        assert line == "scene.toml: [load] displacement: holds no force; sweep displacement, not phi"
+        assert line == "scene.toml: [load]: a displacement holds no force over cycles; give one, and sweep it"
 
 
 def test_single_precision_digits_and_bounds_are_passed_on(stand_in):

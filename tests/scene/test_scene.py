@@ -205,17 +205,17 @@ def test_load_has_the_amplitudes_of_the_file():
 
     one = load("tangential_force = 0.32")
     assert one.amplitudes.tolist() == [0.32] and one.weights is None
-    assert one.force == one.largest == 0.32 and one.remark is None
+    assert one.largest == 0.32 and one.remark is None
     history = load('history = "cycles.csv"', cycles=CYCLES)
     assert history.amplitudes.tolist() == [0.1, 0.4, 0.4, 0.2] and history.weights is None
-    assert history.force == history.largest == 0.4 and isinstance(history.force, float)
+    assert history.acting(False).amplitude == history.largest == 0.4
     assert history.remark == "history cycles.csv: 4 amplitudes; the largest, 0.4 N (row 4), decides the worn state"
     single = load('history = "a\\nb.csv"', **{"a\nb": "tangential_force\n0.125\n"})
     assert single.remark == "history a\\nb.csv: 1 amplitude; the largest, 0.125 N (row 2), decides the worn state"
     heavy = LOADS.replace("5\n", "1e308\n").replace("1\n", "1e308\n")
     for content, weights in ((LOADS, [0.25, 0.125, 0.625]), (heavy, [1e-308, 0.5, 0.5])):
         table = load('table = "loads.csv"', loads=content)
-        assert table.amplitudes.tolist() == table.force.tolist() == [0.1, 0.4, 0.2]
+        assert table.amplitudes.tolist() == [0.1, 0.4, 0.2]
         assert_allclose(table.weights, weights, rtol=1e-15)
         assert table.largest == 0.4 and table.remark is None and table.tangential_force is None  # 0.6 has no weight
 
