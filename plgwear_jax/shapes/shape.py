@@ -82,7 +82,7 @@ class Shape(RecordFamily):
         return dataclasses.replace(cast(Any, self), **{name: field_nan_outside(self, name) for name in self.ranges})
 
     def height(self, r: Array, radius: Array) -> Array:
-        """f(r) in m at radii in m, elementwise and by functions of `jax.numpy`, f(0) = 0.
+        """f(r) in m at radii in m, elementwise and by functions of `jax.numpy`; f(0) is subtracted.
 
         Args:
             r: Radii in m, r >= 0.
@@ -152,8 +152,8 @@ class Outline(NamedTuple):
     radius: Array
 
     def height(self, r: Array) -> Array:
-        """f(r) in m."""
-        return self.shape.height(r, self.radius)
+        """f(r) - f(0) in m: an own shape may be measured from elsewhere than its apex."""
+        return self.shape.height(r, self.radius) - self.shape.height(jnp.zeros_like(self.radius), self.radius)
 
     def slope(self, r: Array) -> Array:
         """f'(r)."""

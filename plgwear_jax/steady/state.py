@@ -60,7 +60,12 @@ def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Stat
     if not traced(given):
         refuse_tension(found, worn=False)
         if reach is not None and np.any(np.isnan(found.results.worn_radius) & (found.least.pulled[..., 1] == 0.0)):
-            raise RefusedError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
+            unworn = np.any(np.isnan(found.results.contact_radius))
+            raise RefusedError(
+                f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the "
+                f"{'contact radius before any wear' if unworn else 'worn radius'} "
+                f"at normal_force = {np.max(contact.normal_force):g}"
+            )
     return found
 
 

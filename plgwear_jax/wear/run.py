@@ -12,7 +12,7 @@ from plgwear_jax._core.domains import NOT_NEGATIVE, ArrayLike, nan_outside, whol
 from plgwear_jax._core.doubts import doubt, of_contact, of_wear, one_question
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.loads import Load
-from plgwear_jax.shapes import shape_of
+from plgwear_jax.shapes import outline_of
 from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.solution import Solution
@@ -196,9 +196,7 @@ class Run(Solution, abc.ABC):
 
     def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Shape of the worn indenter in m above its apex."""
-        return self.depth(r, cycles) + shape_of(self.contact).height(
-            nan_outside("r", r, NOT_NEGATIVE), self.contact.radius
-        )
+        return self.depth(r, cycles) + outline_of(self.contact).height(nan_outside("r", r, NOT_NEGATIVE))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Pressure in Pa, nowhere negative."""
