@@ -347,7 +347,13 @@ def leaf(path: str) -> AxisKind:
     block = re.fullmatch(r"load\[(\d+)\]\.(?:load\.)?(\w+)", path)
     if block:
         own = AXES.get(_IN_BLOCKS.get(block[2], block[2]), AxisKind(path, "", "1", path))
-        return dataclasses.replace(own, description=f"{own.description}, of block {int(block[1]) + 1}")
+        number = int(block[1]) + 1
+        return dataclasses.replace(
+            own,
+            words=f"{own.words} of block {number}",
+            symbol=own.symbol and f"{own.symbol}^{{({number})}}",
+            description=f"{own.description}, of block {number}",
+        )
     place = re.fullmatch(r"([^\[]*)\[(\d+)\]", path)
     stem = place[1] if place else path
     unknown = AxisKind(f"{stem} #" if place else stem, "", "1", stem, listed=place is not None)

@@ -72,7 +72,7 @@ def check_real(name: str, value: ArrayLike) -> None:
             dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
         except ValueError:
             raise ValueError(f"{name} takes numbers, in rows of one length, not {value!r}") from None
-        if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
+        if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer)):
             raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
 
 

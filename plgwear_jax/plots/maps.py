@@ -235,7 +235,8 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     values, spacing = values.astype(float), row.attrs.get("spacing", "linear")
     bounded = spacing == "logit" and values[0] < 0.0  # k, between -1 and 1
     atanh = FuncScale(axis, (lambda x: np.arctanh(np.clip(x, -_ALMOST, _ALMOST)), np.tanh))
-    axes.set(**{f"{side}lim": values[[0, -1]], f"{side}scale": atanh if bounded else spacing})
+    ends = values[[0, -1]] if np.ptp(values) else None
+    axes.set(**{f"{side}lim": ends, f"{side}scale": atanh if bounded else spacing})
     _show(axis, row)
     if spacing == "logit":
         lowest = -1.0 if bounded else 0.0

@@ -285,7 +285,7 @@ def resolve(name: str, subject: SweepTarget) -> SweepQuantity:
         )
     if stem not in known:
         by = near_or_all(stem, known)
-        if contact is None and (head == "transient" or stem in FRETTING):
+        if contact is None and (head in ("transient", "design") or stem in FRETTING):
             by = "; it is that of a contact, as an input file gives it (--scene)"
         elif head in known and tail and not near(stem, known):
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in _slopes_of(known[head], subject))}"
