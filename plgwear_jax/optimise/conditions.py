@@ -48,7 +48,7 @@ def residual_of(rows: Any, u: Any, multipliers: Any, side: Any, active: Any) -> 
     """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
     xp = namespace(rows, u)
     of_variables = xp.where(side == 0.0, inclination(rows, multipliers), u - side)
-    return xp.concatenate([of_variables, xp.where(active, rows[..., 1:, 0], multipliers)], axis=-1)
+    return xp.concatenate([of_variables, xp.where(active, rows[..., 1:, 0], multipliers)], -1)
 
 
 def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
@@ -60,14 +60,15 @@ def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditio
     side = xp.trunc(xp.clip(u - inclination(rows, multipliers), -1.0, 1.0))  # 0 between the bounds
     active, limits = multipliers + rows[..., 1:, 0] > 0.0, rows[..., 1:, 1:]
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    # The small number keeps it regular where a variable changes nothing, and where a bound and a limit, or two limits,
-    # hold the same variable.
+    # The small numbers keep it regular where a variable changes nothing, and where a bound and a limit, or two limits,
+    # hold the same variable. Between near bounds all curvatures are small: the first is small beside the largest.
     by_variables, by_limits = (
         np.finfo(u.dtype).eps ** 0.75 * np.eye(x.shape[-1], dtype=u.dtype) for x in (u, multipliers)
     )
+    by_variables = by_variables * (xp.abs(hessian).max((-2, -1), keepdims=True) + by_variables)
     corner = -by_limits * xp.ones_like(multipliers)[..., None]
     matrix = xp.block([[hessian + by_variables, xp.swapaxes(limits, -1, -2)], [limits, corner]])
-    counts = xp.concatenate([side == 0.0, active], axis=-1)
+    counts = xp.concatenate([side == 0.0, active], -1)
     matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
     return Conditions(side, active, residual_of(rows, u, multipliers, side, active), matrix)
 

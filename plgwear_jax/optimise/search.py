@@ -267,7 +267,7 @@ def found_by(
     """
     box, state = _box_of(space, np, plan.dtype), begin(plan)
     first, last = _ends(*box)
-    by_u = np.append(np.ones(1, plan.dtype), 0.5 * (last - first))
+    by_u = np.insert(0.5 * (last - first), 0, 1.0)
     while state.phase != DONE:
         at = by_name(space, _decoded(state.points, *box).T)
         state = tell(plan, state, by_u * np.asarray(evaluate(at)))
@@ -285,8 +285,9 @@ def rows_of(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    joined = jax.tree.map(lambda value, by: jnp.concatenate([value[..., None], by], axis=-1), values, slopes)
-    return jax.tree.map(materialised, joined), more
+    return jax.tree.map(
+        lambda value, by: materialised(jnp.concatenate([value[..., None], by], -1)), values, slopes
+    ), more
 
 
 def rows_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> Array:
@@ -312,6 +313,6 @@ def _implicit_jvp(function, primals, tangents):
 
     _, by_params = jax.jvp(left, (params,), tangents[1:])
     step = -solved_by_elimination(here.matrix, by_params)
-    du, dmultipliers = step[:, : u.shape[-1]], step[:, u.shape[-1] :]
+    du, dmultipliers = jnp.split(step, u.shape[-1:], -1)
     _, along = jax.jvp(functools.partial(rows_at, function), (u, params), (du, tangents[1]))
     return minima, (du, dmultipliers, along)
