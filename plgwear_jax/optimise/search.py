@@ -307,12 +307,12 @@ def _implicit_jvp(function, primals, tangents):
     u, multipliers, rows = minima
     curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
     here = conditions(rows, curvatures, u, multipliers)
+    _, by_params = jax.jvp(functools.partial(rows_at, function, u), (params,), tangents[1:])
 
-    def left(params: Any) -> Array:
-        return residual_of(rows_at(function, u, params), u, multipliers, here.side, here.active)
+    def left(rows: Array) -> Array:
+        return residual_of(rows, u, multipliers, here.side, here.active)
 
-    _, by_params = jax.jvp(left, (params,), tangents[1:])
-    step = -solved_by_elimination(here.matrix, by_params)
+    step = -solved_by_elimination(here.matrix, jax.jvp(left, (rows,), (by_params,))[1])
     du, dmultipliers = jnp.split(step, u.shape[-1:], -1)
-    _, along = jax.jvp(functools.partial(rows_at, function), (u, params), (du, tangents[1]))
-    return minima, (du, dmultipliers, along)
+    by_u = jnp.concatenate([rows[..., None, 1:], curvatures], -2)
+    return minima, (du, dmultipliers, by_params + (by_u * du[:, None, None]).sum(-1))
