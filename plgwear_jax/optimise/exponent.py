@@ -25,7 +25,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     record,
 )
-from plgwear_jax._core.startup.programs import traced
+from plgwear_jax._core.startup.programs import follows, program, traced, with_slopes
 from plgwear_jax.material import tangential_ratio
 from plgwear_jax.special.elementary import clamp_keep_slope, in_dtype, value_with_slope, with_digits
 from plgwear_jax.special.root import first_at
@@ -111,7 +111,10 @@ def optimal_exponent(
     digits = check_digits(digits, dtype)
     values = in_dtype(dtype, phi, *bounds, *of_life)
     many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    return _many_optimal_exponents(digits, *values) if many or values[3:] else _few_optimal_exponents(values, digits)
+    if not many and not of_life:
+        return _few_optimal_exponents(values, digits)
+    find = with_slopes(_many_optimal_exponents) if follows(values) else _many_optimal_exponents.part
+    return find(digits, *values)
 
 
 _FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
@@ -136,7 +139,7 @@ def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> Arr
     return rows_at(lambda k, phi: fretting.wear_volume(k, phi, digits=digits), variables["k"][:, None], phi)
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Array) -> OptimalExponent:
     shape = jnp.broadcast_shapes(phi.shape, *(one.shape for one in bounds_and_life))
     (lower, upper, *of_life), valid = bounds_and_life, AMPLITUDE.contains(phi)

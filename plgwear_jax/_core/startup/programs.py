@@ -358,7 +358,8 @@ def _along_steps(found, steps):
 @jax.jit
 def _products(slopes, steps):
     along = jnp.concatenate([jnp.ravel(step) for step in steps])
-    return [jnp.tensordot(along, each, 1) for each in slopes]
+    # Whether something converged has no derivative.
+    return [x[0] if x.dtype == jax.dtypes.float0 else jnp.tensordot(along, x, 1) for x in slopes]
 
 
 # --- what is kept -----------------------------------------------------------------------------------------------------
