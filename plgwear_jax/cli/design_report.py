@@ -237,7 +237,8 @@ def amplitudes_told(given: Scene, objective: str) -> str | None:
     if load.table is None:
         kept = f"; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"
         return load.remark if load.displacement is None else f"{load.remark}{kept}"
-    acting, unit = load.acting(given.life is not None).amplitude, "m" if given.wears_otherwise else "N"
+    acting = load.acting(given.life is not None).amplitude
+    unit = entry("displacement" if given.wears_otherwise else "tangential_force").unit
     count, part = acting.size, _part(space.level) if space.level < 1.0 else "value at the largest"
     told = f"the {name} is its {part}, all else is for the largest, {acting.max():g} {unit}"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"
