@@ -110,8 +110,8 @@ def optimal_exponent(
     dtype = check_bounds(bounds, EXPONENT, phi, *of_life)
     digits = check_digits(digits, dtype)
     values = in_dtype(dtype, phi, *bounds, *of_life)
-    many = traced(values) or not 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    if not many and not of_life:
+    few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
+    if few and not (of_life or traced(values)):
         return _few_optimal_exponents(values, digits)
     find = with_slopes(_many_optimal_exponents) if follows(values) else _many_optimal_exponents.part
     return find(digits, *values)

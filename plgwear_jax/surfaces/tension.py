@@ -49,7 +49,7 @@ def least_pressures(found: Worn, phi: Array) -> Least:
 
 @functools.partial(least_pressures.defjvp, symbolic_zeros=True)
 def _without_slopes_of_least(primals: Any, tangents: Any) -> tuple[Least, Least]:
-    # nothing is differentiated by what only refuses
+    # Nothing is differentiated by what only refuses.
     least = least_pressures(*primals)
     return least, jax.tree.map(jnp.zeros_like, least)
 
