@@ -85,13 +85,15 @@ def _in_scenarios(given: "Scene", scatter: "Table") -> Any:
 def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     """The force amplitude in N that a displacement needs before any wear in each scenario; NaN in gross slip.
 
-    None without scenarios, and under other loads than one displacement.
+    None without scenarios, and under forces.
     """
     scatter, load = given.asked().scatter, given.load
-    if scatter is None or load is None or load.displacement is None:
+    if scatter is None or load is None or load.pressed or not load.of_displacement:
         return None
+    if load.table and given.life is None:
+        raise SceneError("[load] table: displacements need other forces in each scenario; give forces, or [wear] cycles")
     contacts = _in_scenarios(given, scatter)
-    found = solving.displacement_effect(contacts, np.asarray(load.displacement), load.rig_stiffness)
+    found = solving.displacement_effect(contacts, load.counting(load.given).max(), load.rig_stiffness)
     return np.broadcast_to(np.asarray(found.force), scatter.row.shape)
 
 

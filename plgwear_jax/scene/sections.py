@@ -208,7 +208,7 @@ class LoadSection(SimpleNamespace):
         from plgwear_jax import loads
 
         held = lasts and self.of_displacement
-        kind, some = (loads.Displacement, self._counting(self.given)) if held else (loads.Force, self.amplitudes)
+        kind, some = (loads.Displacement, self.counting(self.given)) if held else (loads.Force, self.amplitudes)
         return kind(float(some.max()) if self.table is None else some, self.rig_stiffness)
 
     @cached_property
@@ -256,9 +256,9 @@ class LoadSection(SimpleNamespace):
         """
         if self.slides is not None:
             raise self.slides
-        return self._counting(self.moved.force if self.of_displacement else self.given)
+        return self.counting(self.moved.force if self.of_displacement else self.given)
 
-    def _counting(self, amplitudes: Any) -> "np.ndarray":
+    def counting(self, amplitudes: Any) -> "np.ndarray":
         """Those amplitudes that count: all of a history, or those of a table with weight > 0."""
         if self.pressed:
             text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
