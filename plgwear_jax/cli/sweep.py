@@ -252,7 +252,7 @@ def plot(
 
     Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
     """
-    picture = picture or Path(f"{store.stem}.png")
+    picture = picture or Path(f"{store.resolve().stem}.png")  # also of "."
     cuts = dict(_name_and_text("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
     check_target(picture, PICTURES)
     with computing("drawing the map", one_question=False):
