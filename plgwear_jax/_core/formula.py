@@ -123,11 +123,11 @@ def _program(run: Kernel, named: Callable[..., Any]) -> Kernel:
             # By XLA from the first value on: at an edge such as c a rounding of the radius is a step of the depth.
             return program.part(static, *given)
         dtype = real_dtype(run.__name__, tuple(jax.tree.leaves(given)))
-
-        def strong(x: Any) -> Array | np.ndarray:  # the type of a gradient by a Python number stays weak
-            return jnp.asarray(x, x.dtype) if isinstance(x, Array) else np.asarray(x, dtype)
-
-        return sloped(static, *jax.tree.map(strong, given))
+        # The type of a gradient by a Python number stays weak.
+        strong = jax.tree.map(
+            lambda x: jnp.asarray(x, x.dtype) if isinstance(x, Array) else np.asarray(x, dtype), given
+        )
+        return sloped(static, *strong)
 
     return call
 
@@ -162,16 +162,14 @@ def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], pairs: Mapping
             return one_kernel(value, slope)
 
         def rule(primals, tangents):
-            def both(*values: Array) -> tuple[Array, Array]:
-                return ruled(*values), derivative(i)(*values)
-
-            return ruled_pair(*primals), moved_along(both, primals, tangents)[1]
+            moved = moved_along(lambda *values: (ruled(*values), derivative(i)(*values)), primals, tangents)[1]
+            return ruled_pair(*primals), moved
 
         ruled_pair.defjvp(rule, symbolic_zeros=True)
         return ruled_pair
 
     def rule(primals, tangents):
-        values = tuple(jnp.asarray(primal) for primal in primals)
+        values = tuple(map(jnp.asarray, primals))
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
         first = next((i for i in pairs if i in wanted), None)
         if first is None:
@@ -195,11 +193,8 @@ def _by_forward_mode(function: Kernel, slopes: Mapping[int, Any], pairs: Mapping
 
 def _value_and_slope(function: Kernel, i: int, *values: Array) -> tuple[Array, Array]:
     """The value of a function and its derivative with respect to one argument."""
-
-    def along(value: Array) -> Array:
-        return function(*values[:i], value, *values[i + 1 :])
-
-    return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
+    own = values[i]
+    return jax.jvp(lambda value: function(*values[:i], value, *values[i + 1 :]), (own,), (jnp.ones_like(own),))
 
 
 def _partial(function: Kernel, i: int) -> Kernel:

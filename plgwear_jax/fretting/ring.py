@@ -149,11 +149,7 @@ def stationary_and_by_k(
 ) -> tuple[Array, Array]:
     """(The same, its derivative by k), at a constant y."""
     worn, k, phi, y = place_in_ring(root, k, phi, digits, copy=1)
-
-    def at(k: Array) -> Array:
-        return function(y, *exponents(k), phi, digits, second=True)
-
-    value, slope = value_with_slope(at, k)
+    value, slope = value_with_slope(lambda k: function(y, *exponents(k), phi, digits, second=True), k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 

@@ -370,12 +370,18 @@ def begin(plan: SearchPlan) -> SearchState:
 
 def tell(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     """The state after the rows at `state.points` are known, (lanes, 1 + m, 1 + n)."""
-    xp = namespace(rows)
+    xp, old, values = namespace(rows), state.kept, rows[..., 0]
+    keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
+    # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
+    height = xp.where(keeps & ((state.phase == SCAN) | (plan.limits > 0)), values[:, 0], np.inf)
+    at = height.argmin()
+    new = old._replace(u=state.points[at], rows=rows[at])
+    kept = jax.tree.map(lambda this, that: xp.where(height[at] < old.values[0], this, that), new, old)
     # After the scan there is no such pass, and nothing changes.
     now = (np.arange(plan.passes) == state.passes)[:, None, None, None]
     scanned = xp.where(now, rows[..., : state.scanned.shape[-1]], state.scanned)
     # The scan is kept out of the branches, which would copy it.
-    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=_kept(plan, state, rows))
+    rest = state._replace(passes=state.passes + np.int32(1), scanned=None, kept=kept)
     rows = (rows / state.scale[:, None]).reshape(plan.trials, plan.starts, *rows.shape[1:])
     steps: tuple[Callable[[SearchState], SearchState], ...] = (
         lambda rest: rest._replace(points=xp.asarray(plan.mesh())[rest.passes]),
@@ -387,17 +393,6 @@ def tell(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     with np.errstate(all="ignore"):  # values that are not finite are handled below
         rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
     return rest._replace(scanned=scanned)
-
-
-def _kept(plan: SearchPlan, state: SearchState, rows: Any) -> Point:
-    """The lowest point that keeps the limits, with those at which the search has asked last."""
-    xp, old, values = namespace(rows), state.kept, rows[..., 0]
-    keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
-    # Without limits it is that of the scan: around a minimum all points lie as low, up to rounding.
-    height = xp.where(keeps & ((state.phase == SCAN) | (plan.limits > 0)), values[:, 0], np.inf)
-    at = height.argmin()
-    new = old._replace(u=state.points[at], rows=rows[at])
-    return jax.tree.map(lambda this, that: xp.where(height[at] < old.values[0], this, that), new, old)
 
 
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------

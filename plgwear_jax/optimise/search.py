@@ -308,11 +308,8 @@ def _implicit_jvp(function, primals, tangents):
     curvatures = jax.vmap(jax.jacfwd(jax.jacfwd(lambda u: function(u, params))))(u)
     here = conditions(rows, curvatures, u, multipliers)
     _, by_params = jax.jvp(functools.partial(rows_at, function, u), (params,), tangents[1:])
-
-    def left(rows: Array) -> Array:
-        return residual_of(rows, u, multipliers, here.side, here.active)
-
-    step = -solved_by_elimination(here.matrix, jax.jvp(left, (rows,), (by_params,))[1])
+    _, left = jax.jvp(lambda rows: residual_of(rows, u, multipliers, here.side, here.active), (rows,), (by_params,))
+    step = -solved_by_elimination(here.matrix, left)
     du, dmultipliers = jnp.split(step, u.shape[-1:], -1)
     by_u = jnp.concatenate([rows[..., None, 1:], curvatures], -2)
     return minima, (du, dmultipliers, by_params + (by_u * du[:, None, None]).sum(-1))

@@ -150,11 +150,10 @@ def _cut(variable: xr.DataArray, at: Mapping[str, float | str]) -> tuple[xr.Data
                 told[-1] += f" (nearest to {_value(row, float(wanted))})"
     # The vertical axis, or that with a curve for each value, then the horizontal one.
     order = *_ACROSS, *variable.dims
-
-    def rank(dim: Any) -> tuple[bool, bool, int]:
-        return variable[dim].size > _FEW, _is_number(variable[dim]), -order.index(dim)
-
-    return variable.transpose(*sorted(variable.dims, key=rank)), told
+    ranked = sorted(
+        variable.dims, key=lambda dim: (variable[dim].size > _FEW, _is_number(variable[dim]), -order.index(dim))
+    )
+    return variable.transpose(*ranked), told
 
 
 def _nearest(row: xr.DataArray, wanted: float | str) -> int:

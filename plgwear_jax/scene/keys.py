@@ -182,12 +182,11 @@ def _validator() -> Any:
         if any(low >= high for low, high in itertools.pairwise(numbers)):
             yield ValidationError("not increasing")
 
-    def is_number(_: Any, value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
-
     types = Draft202012Validator.TYPE_CHECKER.redefine_many(
         {
-            "number": is_number,
+            "number": lambda _, value: (
+                isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+            ),
             "integer": lambda _, value: type(value) is int,
         }
     )

@@ -70,13 +70,6 @@ def pchip(x: Array, y: Array) -> Piecewise:
     ends = _end(h, beyond, chord, jnp.stack([right[1:], left[:-1]]))
     inner = jnp.stack([before[:-1], after[1:]]) > 0.0
     begin, end = jnp.unstack(jnp.where(inner, jnp.stack([mean[:-1], mean[1:]]), ends))
-    return hermite(x, y, begin, end)
-
-
-def hermite(x: Array, y: Array, begin: Array, end: Array) -> Piecewise:
-    """The cubics between values y at x, both of shape (n,), with slopes at both ends of each interval."""
-    h = jnp.diff(x)
     over = _ratio(1.0, h)
-    chord = jnp.diff(y) * over
     bend, third = (3.0 * chord - 2.0 * begin - end) * over, (begin + end - 2.0 * chord) * over * over
     return Piecewise(x, jnp.stack([y, *(jnp.append(slope, 0.0) for slope in (begin, bend, third))]))

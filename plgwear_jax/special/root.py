@@ -50,10 +50,12 @@ def root_of(
         found = jax.lax.while_loop(lambda state: ~state[-1] & (state[-2] < _MOST), body, begin)
         return jnp.where(found[-1] & jnp.isfinite(found[4]), found[0], jnp.nan)
 
-    def tangent(linear: Callable[[Array], Array], value: Array) -> Array:
-        return value / linear(jnp.ones_like(value))
-
-    return jax.lax.custom_root(function, jax.lax.stop_gradient(start), solve, tangent)
+    return jax.lax.custom_root(
+        function,
+        jax.lax.stop_gradient(start),
+        solve,
+        lambda linear, value: value / linear(jnp.ones_like(value)),
+    )
 
 
 def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, end: Array) -> Array:

@@ -29,11 +29,9 @@ def _read(read: Callable[[Any, Any], Any], steady: Any, more: Any) -> Any:
     """What a program reads of a pressed contact, with its derivatives at known numbers as a program of its own."""
     if not follows((steady.contact, steady.load, more)):
         return read(_pressed_of(steady), more)
-
-    def solve(given: Any) -> Pressed:
-        return _pressed_program(steady._solved(given))
-
-    return read_with_slopes(solve, read, steady._given(), more, vars(steady))
+    return read_with_slopes(
+        lambda given: _pressed_program(steady._solved(given)), read, steady._given(), more, vars(steady)
+    )
 
 
 @program(level=1)

@@ -13,7 +13,7 @@ from plgwear_jax.special.elementary import in_dtype
 from plgwear_jax.special.pchip import Piecewise, horner
 from plgwear_jax.surfaces.half_space import depths_for, responses
 
-from .images import Grid, Tractions, grid, on_path, path, strips, transforms
+from .images import Grid, Tractions, grid, path, strips, transforms
 
 
 class Stress(NamedTuple):
@@ -133,8 +133,9 @@ class Pressed:
             law = jnp.exp(power[:, None] * jnp.log(inside))
             share = (pressures[:, at] / law[:, at])[:, None]
             pressures -= share * law
-            own, stuck, more = share * on_path(fine.step, power)
-            beside = jnp.asarray(path(fine.step)[0], own.dtype), added(own, c * c * stuck, c * c * more)
+            t, square, of_path = in_dtype((1j * power).dtype, *path(fine.step))
+            own, stuck, more = share * (jnp.exp(power[:, None] * jnp.log(square)) * of_path)
+            beside = t, added(own, c * c * stuck, c * c * more)
         if not (alone and graded):
             powers = jnp.full_like(b, 1.0 / c**3).at[-size[1] :].set(1.0 / c)
             own, stuck, more = pressures @ fit.T

@@ -88,12 +88,6 @@ def path(step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return t, 2j * np.sin(angle) * t, 1j * t * weight
 
 
-def on_path(step: float, power: Array) -> Array:
-    """(1 - t^2)^power times the weights at the places of `path`, for powers of shape (n,)."""
-    _, square, weight = (jnp.asarray(each, (1j * power).dtype) for each in path(step))
-    return jnp.exp(power[:, None] * jnp.log(square)) * weight
-
-
 def _waves(b: Array, zeta: Array, x: Array) -> tuple[Array, Array, Array, Array, Array]:
     """(G_i = e^i/D for i < 4, its two slopes by Z, Re e^i, T_i), shapes (4, places, n).
 

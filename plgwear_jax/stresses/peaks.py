@@ -97,13 +97,6 @@ def peak_at(pressed: Pressed, wanted: Wanted, x: Array, z: Array) -> Peak:
     It is there in units of a_0 as the slopes of the place go, but for depths that are ends, and beside an edge, where
     there may be a kink: it moves with that.
     """
-    place = _with_ends(pressed, wanted, jnp.stack([x, z]))
-    return in_si(pressed, wanted, Peak(_value_at(pressed, wanted, place), *jnp.unstack(place)))
-
-
-def _with_ends(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
-    """The place, which moves with a depth that is an end and with an edge that is near."""
-    x, z = jnp.unstack(place)
     ends = wanted.ends(pressed)
     near = ends[jnp.argmin(abs(lax.stop_gradient(ends) - z))]
     z = jnp.where(lax.stop_gradient(near) == z, near, z)
@@ -112,7 +105,7 @@ def _with_ends(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
         edge = edges[jnp.argmin(abs(abs(x) - lax.stop_gradient(edges)))]
         beside = abs(abs(x) - edge) < _BESIDE
         x += jnp.where(beside, jnp.sign(x), 0.0) * (edge - lax.stop_gradient(edge))
-    return jnp.stack([x, z])
+    return in_si(pressed, wanted, Peak(_value_at(pressed, wanted, jnp.stack([x, z])), x, z))
 
 
 def _stress_at(pressed: Pressed, wanted: Wanted, place: Array) -> Array:

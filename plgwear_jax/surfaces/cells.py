@@ -7,6 +7,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.xla import materialised
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import in_dtype, power_where
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
@@ -44,14 +45,11 @@ def products_of(share: Array, weight: Array) -> Array:
     return (share * weight) @ share.T
 
 
-def nodes_of(from_c: Array, size: Array) -> Array:
-    """The nodes of cells with these outer edges and widths, in the unit of the edges, (cells, nodes)."""
-    return from_c[1:, None] - size[:, None] * jnp.asarray(_NODE, size.dtype)
-
-
-def mean_over(at_nodes: Array) -> Array:
-    """The mean over each cell of values that are given at the nodes of all cells, shape (nodes,)."""
-    return at_nodes.reshape(-1, NODES) @ jnp.asarray(_WEIGHT, at_nodes.dtype)
+def mean_heights(outline: Outline, b: Array, edges: Array) -> Array:
+    """The mean heights in m of the indenter over cells with these edges in T = (r/b)^2."""
+    node, part = in_dtype(b.dtype, _NODE, _WEIGHT)
+    squares = jnp.maximum(edges[1:, None] - jnp.diff(edges)[:, None] * node, 0.0)
+    return outline.height((b * jnp.sqrt(squares)).ravel()).reshape(squares.shape) @ part
 
 
 def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -> Images:

@@ -29,13 +29,15 @@ _EACH = {1: 1, 2: 1, 3: 2, 4: 3, 5: 8}  # for each row
 _LEAST = 1e-4  # of the square of a change of log(E)
 
 
-def _edges(modulus: Piecewise, q: Array, digits: int) -> Array:
-    """Depths at which each q divides the half-space, from the surface downwards, shape (edges, q).
+def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
+    """Depths at which each q divides the half-space, from the surface downwards, `edges` and `even` of `responses`.
 
     A part of the thickness h, in which log(E) changes by d, has an error like w h d^2, with w = exp(-2 z q).
     Extrapolated it falls with the fourth power of the number of parts: an interval gets parts in proportion to the
     fifth root of this.
     """
+    if len(modulus.coefficients) == 1:
+        return modulus.start[:, None], True
     # The first interval is what lies above the table.
     ends = jnp.minimum(jnp.append(0.0, modulus.start)[:, None], _DEEP / q)
     moduli = modulus.coefficients[0]
@@ -55,7 +57,7 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> Array:
     several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
     begin, length, start, parts, bend = jnp.unstack(jnp.stack(several)[:, interval, np.arange(q.size)])
     share = (edge - start) / parts
-    return begin + length * share / (share + bend * (1.0 - share))
+    return begin + length * share / (share + bend * (1.0 - share)), False
 
 
 def _layers(between: Callable[[Array, Array], Array], edges: Array, even: bool, q: Array) -> tuple[Array, Array]:
@@ -185,13 +187,6 @@ def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Ar
 
 
 # --- the way down -----------------------------------------------------------------------------------------------------
-
-
-def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
-    """`edges` and `even` of `responses`."""
-    if len(modulus.coefficients) == 1:
-        return modulus.start[:, None], True
-    return _edges(modulus, q, digits), False
 
 
 def responses(

@@ -77,12 +77,8 @@ def surplus(punch: Punch, log_load: Array) -> Array:
 @jax.custom_jvp
 def punch_under(bodies: Bodies, load: Array) -> Punch:
     """The contact under a load F_N R, whose radius is that of the unworn indenter."""
-    goal = jnp.log(load)
-
-    def excess(log_c: Array) -> Array:
-        return surplus(punch_at(bodies, log_c), goal)
-
-    log_c = root_of(excess, jnp.log(bodies.radius), 3.0, enough=bodies.enough)
+    goal, start = jnp.log(load), jnp.log(bodies.radius)
+    log_c = root_of(lambda log_c: surplus(punch_at(bodies, log_c), goal), start, 3.0, enough=bodies.enough)
     # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
     # digits, and the volume fewer, which in single precision counts more.
     face = jnp.asarray(bodies.outline.shape.face, log_c.dtype)

@@ -27,21 +27,13 @@ from .compliance import Bodies, Graded, OnePower
 from .punch import Punch, grown, on_the_law, punch_under, resolved
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
+_NODES = np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
 _FURTHER = 3  # nodes
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _TAPS = 10
 _MIDDLE = 0.5 * (_TAPS - 1)
-
-
-@functools.cache
-def _nodes() -> np.ndarray:
-    return np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
-
-
-@functools.cache
-def _to_powers() -> np.ndarray:
-    """From values at neighbouring nodes to the polynomial through them, in powers of the distance from their middle."""
-    return np.linalg.inv(np.vander(np.arange(_TAPS) - _MIDDLE, increasing=True)).T
+# From values at neighbouring nodes to the polynomial through them, in powers of the distance from their middle.
+_TO_POWERS = np.linalg.inv(np.vander(np.arange(_TAPS) - _MIDDLE, increasing=True))
 
 
 @record
@@ -78,12 +70,12 @@ def between(v: Array, y: Array) -> Array:
 
 def _around(y: Array) -> tuple[Array, Array]:
     """(The nodes around y, their weights), each of shape (m, taps)."""
-    last = _nodes().size - _TAPS
-    place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _nodes().size - 1.0)
+    last = _NODES.size - _TAPS
+    place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _NODES.size - 1.0)
     first = jnp.floor(clamped(0.0, jax.lax.stop_gradient(place) + (1 - _TAPS // 2), last))
     part = (place - (first + _MIDDLE))[:, None]
     which = first.astype(np.uint32)[:, None] + np.arange(_TAPS, dtype=np.uint32)
-    return which, part ** np.arange(_TAPS) @ jnp.asarray(_to_powers().T, y.dtype)
+    return which, part ** np.arange(_TAPS) @ jnp.asarray(_TO_POWERS, y.dtype)
 
 
 @record
@@ -109,25 +101,25 @@ def beside(bodies: Bodies, punch: Punch) -> RingDisplacement:
     fixed = a, image, bodies.effort.nodes
     if isinstance(bodies, OnePower):
         return RingDisplacement(*fixed)
-    y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
+    y = jnp.exp(jnp.asarray(_NODES, c.dtype))
     both = jnp.stack([punch.flat, depth * punch.flat - punch.indenter_solution], -1)
     if isinstance(bodies, Graded):
         first, v = bodies.beside_edge(c, y, both, on_the_law(bodies, punch), len(image.kink_positions))
         return RingDisplacement(*fixed, first[0] + v[:, 0], v[:, 1])
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
-    count = int(np.sum(_nodes() < -2.0 * math.log(modes)))
+    count = int(np.searchsorted(_NODES, -2.0 * math.log(modes)))
     begin = count if resolved(image) else count + _FURTHER
     v, fallen = bodies.beside(c, y[count:], both), image.fallen(y)
     flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
-    edge, mean = bodies.edge(c, _nodes()[: begin + 1])
+    edge, mean = bodies.edge(c, _NODES[: begin + 1])
     y = y[: begin + 1]
     known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
     mean = y * mean * (image.fallen(known) / known)
     size = flat[0] / edge[count]
     near = own[0] / mean[-1] * mean
     if not resolved(image):
-        further = 2.0 * (_nodes()[begin] - _nodes()[begin:])
+        further = 2.0 * (_NODES[begin] - _NODES[begin:])
         near = size * grown(bodies, punch, image) * mean
         own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
     flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)

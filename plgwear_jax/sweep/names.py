@@ -355,12 +355,8 @@ def _differentiated(asked: SweepQuantity, by: str, subject: SweepTarget) -> Swee
     def evaluate(points: SweepPoints) -> Array:
         values = points.values
         name = next((one for one in values if subject.known.paths.get(one) == path), by)
-
-        def along(x: Array) -> Array:
-            return asked.evaluate(SweepPoints(subject, {**values, name: x}))
-
         x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path))
-        return value_with_slope(along, x)[1]
+        return value_with_slope(lambda x: asked.evaluate(SweepPoints(subject, {**values, name: x})), x)[1]
 
     unit, below = asked.unit, axis_unit(by, subject.contact)
     if below.startswith("1/"):

@@ -164,12 +164,14 @@ class SweepPlan(SweepTarget):
             jax.ShapeDtypeStruct((sharding.num_devices, size), values.dtype, sharding=sharding)
             for values, size in zip(self.axes.values(), self.chunk, strict=True)
         ]
-
-        def one_chunk(*rows: Array) -> list[Array]:
-            return [x[None] for x in self.evaluate(*(row[0] for row in rows))]
-
         with self._in_precision():  # a worker has not set jax_enable_x64
-            shared = jax.shard_map(one_chunk, mesh=sharding.mesh, in_specs=split, out_specs=split, check_vma=False)
+            shared = jax.shard_map(
+                lambda *rows: [x[None] for x in self.evaluate(*(row[0] for row in rows))],
+                mesh=sharding.mesh,
+                in_specs=split,
+                out_specs=split,
+                check_vma=False,
+            )
             options: Any = compiler_options(1) if self.slow else None  # else XLA compiles for half a minute
             return jax.jit(shared).lower(*rows).compile(options), sharding
 

@@ -117,14 +117,16 @@ def _pressed(
     def times(x: Array) -> Array:  # one matrix of both would be one for each derivative
         return compliance @ x + slope[:, None] * x
 
-    def product(x: Array) -> Array:
-        return jnp.where(there, times(jnp.where(there, x, 0.0)), x)
-
     def solve(_: Any, x: Array) -> Array:
         within = jnp.where(there, forward(lower, jnp.where(there, x, 0.0)), 0.0)
         return jnp.where(there, backward(lower, within), x)
 
-    by = jax.lax.custom_linear_solve(product, jnp.where(there, right, 0.0), solve, symmetric=True)
+    by = jax.lax.custom_linear_solve(
+        lambda x: jnp.where(there, times(jnp.where(there, x, 0.0)), x),
+        jnp.where(there, right, 0.0),
+        solve,
+        symmetric=True,
+    )
     depth = _depth(control, size @ by[:, 0], size @ by[:, 1])
     pressure = depth * by[:, 0] - by[:, 1]
     gap = jnp.where(touches, 0.0, shape + times(pressure[:, None])[:, 0] - depth * size)

@@ -20,13 +20,12 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import holds_tracers, program, traced, with_slopes
-from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import in_dtype, quotient, ratio_where
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import bodies_of, opens, theta_of
-from plgwear_jax.surfaces.cells import mean_over, nodes_of
+from plgwear_jax.surfaces.cells import mean_heights
 from plgwear_jax.surfaces.compliance import Bodies
 from plgwear_jax.surfaces.cycles import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -119,12 +118,6 @@ def _cell_shares(ring: int) -> tuple[np.ndarray, ...]:
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
 
 
-def _heights(outline: Outline, b: Array, edges: Array) -> Array:
-    """The mean heights in m of the indenter over cells with these edges in T = (r/b)^2."""
-    at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, jnp.diff(edges)), 0.0))
-    return mean_over(outline.height(at.ravel()))
-
-
 def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     """Cells with edges in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
@@ -146,7 +139,7 @@ def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
     edges = jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
     radii = jnp.append(0.0, b * jnp.sqrt(edges[1:]))  # the root of 0 has no derivative
-    unworn = _heights(bodies.outline, b, edges) * jnp.diff(edges)
+    unworn = mean_heights(bodies.outline, b, edges) * jnp.diff(edges)
     return Disc(edges, disc_of(bodies, b, edges), unworn, jnp.pi * b * b, radii)
 
 
@@ -222,7 +215,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
         longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
         # What a flat scar of that radius has taken off
-        taken = outline.height(reach[None]) - _heights(outline, reach, jnp.arange(2, dtype=reach.dtype))
+        taken = outline.height(reach[None]) - mean_heights(outline, reach, jnp.arange(2, dtype=reach.dtype))
         half = 0.5 * jnp.pi * reach**2 * taken[0]
         last = jnp.where(gross, quotient(half, rate), _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them

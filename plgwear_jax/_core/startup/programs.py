@@ -223,12 +223,8 @@ def moved_along(function: Callable[..., Any], primals: Any, tangents: Any) -> tu
 
 def along_each(function: Callable[[Any], Any], moving: Any, directions: Any) -> tuple[Any, Any]:
     """(The result, its derivatives along directions, with a first axis)."""
-
-    def one(direction):
-        # Not `jax.linearize`, which takes JAX twice as long to trace.
-        return jax.jvp(function, (moving,), (direction,))
-
-    return jax.vmap(one, out_axes=(None, 0))(directions)
+    # Not `jax.linearize`, which takes JAX twice as long to trace.
+    return jax.vmap(lambda along: jax.jvp(function, (moving,), (along,)), out_axes=(None, 0))(directions)
 
 
 # --- derivatives ------------------------------------------------------------------------------------------------------
