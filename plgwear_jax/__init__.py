@@ -14,17 +14,7 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import (
-        fretting,
-        gross_slip,
-        loads,
-        material,
-        optimise,
-        partial_slip,
-        shapes,
-        surfaces,
-        wear_laws,
-    )
+    from plgwear_jax import fretting, gross_slip, loads, material, optimise, partial_slip, shapes, surfaces, wear_laws
     from plgwear_jax._core.doubts import DoubtfulInputWarning
     from plgwear_jax._core.startup.programs import compiler_options
     from plgwear_jax.contact import FrettingContact, GrossSlipContact

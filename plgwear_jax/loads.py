@@ -210,8 +210,7 @@ class Displacement(Load):
 
     def control(self, limit: Any) -> Control:
         """The displacement of the contact and of the rig together is constant."""
-        amplitude = field_nan_outside(self, "displacement_amplitude")
-        return Control(1.0, self.rig_compliance, amplitude)
+        return Control(1.0, self.rig_compliance, field_nan_outside(self, "displacement_amplitude"))
 
 
 @record

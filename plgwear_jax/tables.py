@@ -174,8 +174,7 @@ def _outwards(table: Table) -> None:
     for column in ends if table.row.size > 1 else ():
         begins = f"{column} = {table[column][0]:g} m: a profile begins with r = 0, height = 0"
         table.refuse(table[column][:1] != 0.0, lambda _, begins=begins: begins)
-    needed = "a profile needs two radii or more"
-    _increasing(table, ends, needed, "radii and heights must increase from row to row")
+    _increasing(table, ends, "a profile needs two radii or more", "radii and heights must increase from row to row")
     if not table["height"][-1]:
         raise TableError(f"{table.name}: row {table.row[-1]}: height = 0 m: the last one must be > 0")
 

@@ -285,19 +285,21 @@ class AxisKind(Entry):
     listed: bool = False
 
 
-def _axes(text: str) -> dict[str, AxisKind]:
-    """Axes by name, from a line for each: name, symbol, unit, range, scale, words, and what it is if not that."""
-    open_at = {ranges.EXPONENT: (-1.0, 1.0), ranges.AMPLITUDE: (0.0, 1.0), ranges.SHARE: (0.0, 1.0)}
-    found = {}
-    for name, symbol, unit, allowed, scale, words, *about in text_cells(text):
-        domain = getattr(ranges, allowed)
-        described = words, symbol, unit, about[0] if about else words, scale or None
-        found[name] = AxisKind(*described, domain, open_at.get(domain), "#" in words)
-    return found
-
-
-# Leaves, those of the material by their own names and those of other bodies by their paths; then arguments.
-AXES = _axes(r"""
+_OPEN_AT = {"EXPONENT": (-1.0, 1.0), "AMPLITUDE": (0.0, 1.0), "SHARE": (0.0, 1.0)}
+# Leaves, those of the material by their own names and those of other bodies by their paths; then arguments: name,
+# symbol, unit, range, scale, words, and what it is if not that.
+AXES = {
+    name: AxisKind(
+        words,
+        symbol,
+        unit,
+        about[0] if about else words,
+        scale or None,
+        getattr(ranges, allowed),
+        _OPEN_AT.get(allowed),
+        "#" in words,
+    )
+    for name, symbol, unit, allowed, scale, words, *about in text_cells(r"""
 k                   k           1   EXPONENT       -  exponent  exponent k
 nu                  \nu         1   POISSON_RATIO  -  Poisson's ratio
 E0                  E_0         Pa  POSITIVE       -  modulus  modulus E0 at the depth z0
@@ -332,6 +334,7 @@ cycles            N  1  NUMBER  -  cycles  number of cycles N
 wear_coefficient  K  1/Pa  POSITIVE  -  wear coefficient  Archard's wear coefficient K
 share             \Delta V/\Delta V_\infty  1  SHARE  -  share of the final volume
 """)
+}
 _IN_BLOCKS = {"load": "tangential_force", "displacement_amplitude": "displacement"}
 AXES["indenter_E"] = AXES["indenter.E"]  # an older name
 
@@ -424,8 +427,7 @@ def entry(name: str) -> Entry:
     Raises:
         KeyError: There is none of this name, and it is no path.
     """
-    found = _BESIDES.get(name) or quantity(name)
-    return found or (leaf(name) if {".", "["} & {*name} else AXES[name])
+    return _BESIDES.get(name) or quantity(name) or (leaf(name) if {".", "["} & {*name} else AXES[name])
 
 
 def measured(name: str, value: Any) -> str:

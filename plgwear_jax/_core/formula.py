@@ -14,15 +14,7 @@ import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
-from .domains import (
-    Domain,
-    as_argument,
-    as_array,
-    check_all,
-    check_digits,
-    one_or_nan,
-    real_dtype,
-)
+from .domains import Domain, as_argument, as_array, check_all, check_digits, one_or_nan, real_dtype
 from .startup.programs import Program, follows, moved_along, with_slopes
 from .xla import materialised, one_kernel, separate_kernels
 

@@ -12,17 +12,7 @@ from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
 
 from .report import Column, Report, each_with_unit, fields
-from .terminal import (
-    AsJson,
-    Picture,
-    computing,
-    csv_option,
-    option,
-    read_scene,
-    refuse,
-    refuse_extremes,
-    warn,
-)
+from .terminal import AsJson, Picture, computing, csv_option, option, read_scene, refuse, refuse_extremes, warn
 
 # A section ends with its last key: comments further down belong to the next one.
 _MATERIAL = re.compile(

@@ -110,8 +110,7 @@ def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> 
     else:
         loss, line = max(higher.loss, 0.0), "this design is still the best"
         if loss > 1e-6:
-            more = f"{100.0 * loss:.2g} % more {called}"
-            line = f"this design has {more} than the best one for that amplitude"
+            line = f"this design has {100.0 * loss:.2g} % more {called} than the best one for that amplitude"
     return {"line": f"{said} {line}", "loss": loss}
 
 

@@ -13,18 +13,7 @@ from plgwear_jax._core.catalogue import AMPLITUDES, AXES
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
 
-from .terminal import (
-    Digits,
-    Picture,
-    computing,
-    interval,
-    option,
-    plots,
-    read_scene,
-    refuse,
-    set_up,
-    warn,
-)
+from .terminal import Digits, Picture, computing, interval, option, plots, read_scene, refuse, set_up, warn
 
 _BOUNDS = "-0.95:0.95"
 

@@ -11,13 +11,7 @@ m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c
 from .deepest import deepest_wear
 from .ring import worn_radius
 from .stick import stick_radius
-from .stresses import (
-    edge_intensity,
-    edge_pressure,
-    initial_pressure,
-    steady_pressure,
-    steady_traction,
-)
+from .stresses import edge_intensity, edge_pressure, initial_pressure, steady_pressure, steady_traction
 from .surface import initial_displacement, penetration, profile, steady_displacement, wear_depth
 from .volume import wear_volume
 

@@ -79,7 +79,7 @@ def _share_jvp(digits: int | None, primals, tangents):
     return at.share, by_shape.share + q * at.density * reciprocal(1.0 + y) * (tangents[0] * reciprocal(y))
 
 
-def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+def _deepest_wear_by_phi(k: Array, phi: Array, digits: int | None) -> Array:
     """d(depth)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, with q H/y for q m/y."""
     worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, copy=2)
     s, q = exponents(k)

@@ -145,7 +145,7 @@ def stationary(root: Root, function: Callable[..., Array], k: Any, phi: Any, dig
 
 
 def stationary_and_by_k(
-    root: Root, function: Callable[..., Array], k: Array, phi: Array, *, digits: int | None
+    root: Root, function: Callable[..., Array], k: Array, phi: Array, digits: int | None
 ) -> tuple[Array, Array]:
     """(The same, its derivative by k), at a constant y."""
     worn, k, phi, y = place_in_ring(root, k, phi, digits, copy=1)

@@ -22,11 +22,7 @@ def sinking(s: Array, phi: Array, digits: int | None) -> Array:
     return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
-def _stick_change(c, k, phi, dk, dphi):
-    return -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
-
-
-@moves_by(_stick_change)
+@moves_by(lambda c, k, phi, dk, dphi: -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk))
 def stick(k: Array, phi: Array) -> Array:
     """c = (1-phi)^(1/(k+3)), to an ulp or two."""
     # Near the stick-slip boundary results depend on r - c, so c is needed to an ulp or two, however small. Hence the

@@ -20,7 +20,7 @@ from .stick import slip, stick, stick_power
 # --- stresses -------------------------------------------------------------------------------------------------------
 
 
-def _initial_pressure_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
+def _initial_pressure_by_r(r: Array, k: Array, digits: int | None) -> Array:
     """dp_0/dr = -2 r s (1+s) (1 - r^2)^-q for r < 1, whose own slopes do not cancel towards k = 1."""
     s, q = exponents(k)
     under = r < 1.0
@@ -55,7 +55,7 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     return punch_stress(r, jnp.ones_like(s), s, q, smooth=1.0 + s, singular=jnp.zeros_like(s))
 
 
-def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
     """dp_inf/dphi = s phi (q + s z) z^(-q-1)/(c^2 (1+s) (1-phi)) for r < c, z = 1 - (r/c)^2."""
     s, q = exponents(k)
     c = stick(k, phi)
@@ -161,7 +161,7 @@ def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | 
     return z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0]
 
 
-def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, digits: int | None) -> Array:
     """dp_inf/d(distance) = 2 s (r/c) z^-q ((1+s) (1-phi) - q phi/z)/c^3."""
     s, q = exponents(k)
     z, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
@@ -169,7 +169,7 @@ def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits:
     return jnp.where(distance > 0.0, slope * over_c * over_c * over_c, 0.0)
 
 
-def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, digits: int | None) -> Array:
     """dp_inf/dphi = s z^-q (r/c + m (s + q/(1 + r/c)))/c^2, nowhere negative."""
     s, q = exponents(k)
     _, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)

@@ -77,7 +77,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits=digits)
 
 
-def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
     """dw_inf/dphi: d(d_inf)/dphi for r <= c, and -(1/y) sigma y^-s T_1(1/y) d(d_inf)/dphi for r > c."""
     s, q = exponents(k)
     c = stick(k, phi)
@@ -86,7 +86,7 @@ def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int |
     return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, y))
 
 
-def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _steady_displacement_by_r(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
     s, q = exponents(k)
     return _punch_slope(r, stick(k, phi), slip(s, phi), s, q, digits)
 
@@ -188,7 +188,7 @@ def _worn_depth(r: Any, k: Any, phi: Any, digits: int | None) -> Array:
     return jnp.where(ring.worn, 0.5 * ring.c * ring.c * ring.at.share * ring.lift, 0.0)
 
 
-def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+def _worn_depth_by_phi(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
     """d(f_inf)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) inside the ring."""
     s, q = exponents(k)
     ring = _ring_at(r, k, phi, digits)

@@ -27,7 +27,7 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
     return 0.5 * jnp.pi * stick_power(s, phi, 4.0, digits) * (at.below + y * residual * area)
 
 
-def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+def _wear_volume_by_phi(k: Array, phi: Array, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
     worn, k, phi, y = place_in_ring(EDGE, k, phi, digits, copy=2)
     s, q = exponents(k)

@@ -103,8 +103,8 @@ def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     scenarios = found.question.scenarios
     if scenarios is not None and scenarios.tangential_force is not None:
         scenarios = dataclasses.replace(scenarios, tangential_force=factor * np.asarray(scenarios.tangential_force))
-    higher = load.load.with_amplitude(lambda x: factor * np.asarray(x))  # all those of blocks
-    load = dataclasses.replace(load, load=higher)
+    # All those of blocks.
+    load = dataclasses.replace(load, load=load.load.with_amplitude(lambda x: factor * np.asarray(x)))
     question = dataclasses.replace(found.question, load=load, scenarios=scenarios)
     if question.by_force:
         check("factor * tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)

@@ -27,14 +27,7 @@ from jax import Array
 
 from plgwear_jax._core.startup.programs import program
 
-from .conditions import (
-    conditions,
-    inclination,
-    namespace,
-    projected,
-    select,
-    solved_by_elimination,
-)
+from .conditions import conditions, inclination, namespace, projected, select, solved_by_elimination
 
 # --- the parameters of a search ---------------------------------------------------------------------------------------
 

@@ -17,23 +17,9 @@ from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.steady.arguments import own_axes
 
 from .best import answered
-from .evaluation import (
-    Candidate,
-    plan_for,
-    shared_of,
-    space,
-)
+from .evaluation import Candidate, plan_for, shared_of, space
 from .exponent import BATCH, in_chunks
-from .question import (
-    Bounds,
-    Keywords,
-    LoadGiven,
-    Question,
-    hardest,
-    parts_of,
-    solved_in_turn,
-    solved_one_by_one,
-)
+from .question import Bounds, Keywords, LoadGiven, Question, hardest, parts_of, solved_in_turn, solved_one_by_one
 from .scenarios import WeightedLoad, falling, spread, weighted_load
 from .search import minimise
 

@@ -30,16 +30,7 @@ from .evaluation import (
     tells_states,
     valued,
 )
-from .question import (
-    Bounds,
-    Keywords,
-    LoadGiven,
-    Question,
-    as_float,
-    keeps,
-    question_of,
-    with_variables,
-)
+from .question import Bounds, Keywords, LoadGiven, Question, as_float, keeps, question_of, with_variables
 from .search import Minimum
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit

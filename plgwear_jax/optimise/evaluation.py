@@ -200,15 +200,13 @@ def _held_radius(question: Question) -> Array | None:
 
 def shared_of(question: Question) -> Shared:
     """What all choices have in common, within a compiled program."""
-    radius = _held_radius(question)
-    runs = None
+    shared = Shared(_held_radius(question))
     if read_from_runs(question):
         from .along_exponent import runs_of  # only lives need it
 
-        runs = runs_of(question)
-    shared = Shared(radius, runs)
-    log_scale = Candidate(question, reference_variables(question), shared).objective()
-    return shared._replace(scale=jnp.exp(log_scale))
+        shared = shared._replace(runs=runs_of(question))
+    reference = Candidate(question, reference_variables(question), shared)
+    return shared._replace(scale=jnp.exp(reference.objective()))
 
 
 # --- for concrete numbers ---------------------------------------------------------------------------------------------

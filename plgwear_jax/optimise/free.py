@@ -16,14 +16,7 @@ from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting
 
 from .best import certainty, headline, of_question, placed_between, printed
 from .evaluation import Candidate, Evaluator
-from .question import (
-    Keywords,
-    Limit,
-    LoadGiven,
-    Question,
-    is_held,
-    question_of,
-)
+from .question import Keywords, Limit, LoadGiven, Question, is_held, question_of
 from .search import by_name
 
 # It is the question of a design in which all entries of `material.modulus` vary. SciPy's SLSQP descends from many

@@ -11,7 +11,6 @@ from typing import Any, Literal, TypedDict, Unpack, cast
 
 import jax
 import numpy as np
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
@@ -31,6 +30,7 @@ from plgwear_jax._core.rules import (
     placed_quantity,
     refuse_question,
 )
+from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
@@ -122,7 +122,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
             for side, value in sides.items():
                 check(f"limits: {side} {quantity}", value, POSITIVE)
             places = _checked_places(f"limits: {{}} of {quantity}", places)
-            known = len(sides) == 2 and not any(isinstance(end, Tracer) for end in ends)
+            known = len(sides) == 2 and not holds_tracers(ends)
             if known and not np.all(np.less(*ends)):
                 raise ValueError(f"limits.{name} between {tuple(ends)}: the lowest value must be below the highest")
             stem = quantity if len(several) == 1 else f"{quantity}[{place}]"
@@ -154,8 +154,7 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
             raise ValueError(f"{key}: {text}, not {given!r}") from None
-    found = placed_quantity(key, name, places, kind)
-    return found, _checked_places(f"{key}: {{}}", places)
+    return placed_quantity(key, name, places, kind), _checked_places(f"{key}: {{}}", places)
 
 
 @record
@@ -252,7 +251,7 @@ def solved_in_turn(question: Question) -> bool:
 
 def as_float(value: Any) -> Any:
     """A concrete number as a float; what is traced, or an array of several, as it is."""
-    return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
+    return value if holds_tracers(value) or np.ndim(value) else float(np.asarray(value))
 
 
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------
@@ -350,7 +349,7 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     limits = limits_of(keywords.get("limits"), kind)
     bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
     k = contact.material.k if power else np.nan
-    flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
+    flat = not holds_tracers(k) and bool(np.any(np.equal(k, 0.0)))
     refuse_question(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
     if hold and not power:
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
@@ -412,7 +411,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
             own = None
         if isinstance(own, str):
             raise ValueError(f'vary: {name} = "{own}" follows from k; give the contact a number to vary it')
-        if own is None or (not isinstance(own, Tracer) and np.asarray(own).dtype.kind not in "fiu"):
+        if own is None or (not holds_tracers(own) and np.asarray(own).dtype.kind not in "fiu"):
             text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
             raise ValueError(f"vary: {text}")
         try:

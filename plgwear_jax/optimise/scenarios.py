@@ -7,10 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
 from plgwear_jax._core.domains import NUMBER, ArrayLike, Domain, as_array, check, record
 from plgwear_jax._core.leaves import paths_of
+from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE, Load
 from plgwear_jax.steady.arguments import own_axes
@@ -99,13 +99,12 @@ def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) ->
     check("weight", weight, NUMBER)
     check("level", level, LEVEL)
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
-    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
     # Concrete numbers are handled by NumPy, which compiles nothing.
-    xp = np if concrete else jnp
+    xp = jnp if holds_tracers((tangential_force, weight, level)) else np
     force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
     if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
         raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
-    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
+    if not (holds_tracers(weight) or np.any(np.asarray(weight) > 0.0)):
         raise ValueError("weight: all weights are zero")
     order = xp.argsort(-force)
     force, share = force[order], shares(weight)[order]

@@ -11,10 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import NUMBER, check, check_real, one_or_nan, record, static, whole
+from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.xla import materialised
 
 from .ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
@@ -42,7 +42,7 @@ class Interval:
             raise ValueError(f'scale = {self.scale!r} is neither "linear" nor "logarithmic"')
         for name in _BOUNDS:
             check_real(name, getattr(self, name))
-        if isinstance(self.lower, Tracer) or isinstance(self.upper, Tracer):
+        if holds_tracers((self.lower, self.upper)):
             return
         if not np.all(np.less(self.lower, self.upper) & np.isfinite(self.lower) & np.isfinite(self.upper)):
             raise ValueError(f"[{self.lower}, {self.upper}]: the lowest value must be below the highest, both finite")
@@ -179,8 +179,7 @@ def minimise(
             jax.tree.map(jnp.asarray, begin(plan)),
         ),
     )
-    minima = implicit(function, found.pair[:-1], params)
-    found = found._replace(pair=Point._make((*minima, found.pair.residual)))
+    found = found._replace(pair=Point._make((*implicit(function, found.pair[:-1], params), found.pair.residual)))
     return _minimum_of(found, names, params[0], upper, logarithmic)
 
 

@@ -255,8 +255,8 @@ def coating_picture(
     _draw_depths(panels[2], idealisation.radii, idealisation.wear_depth, (BEST, REFERENCE))
     told = " and ".join(measured("contact_radius", radius) for radius in radii)
     beside = "" if measured_radius is None else f"; measured: {measured('contact_radius', measured_radius)}"
-    words = f"contact radius on $E(z)$ and on the power law: {told}{beside}"
-    return _explained(figure, panels, f"{words}\n{_RING}")
+    words = f"contact radius on $E(z)$ and on the power law: {told}{beside}\n{_RING}"
+    return _explained(figure, panels, words)
 
 
 def _draw_influence(panels: Any, counts: Any, radius: float) -> None:

@@ -33,18 +33,7 @@ from plgwear_jax._core.words import GivenError, near_or_all, one_line
 from plgwear_jax.sweep.names import variable_name
 from plgwear_jax.tables import number_in
 
-from .style import (
-    BLUE,
-    DASH_DOT,
-    DASHED,
-    DOTTED,
-    GREEN,
-    ORANGE,
-    Style,
-    page,
-    picture,
-    show_units,
-)
+from .style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, Style, page, picture, show_units
 
 __all__ = ["MapError", "map_picture"]
 

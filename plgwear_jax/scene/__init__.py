@@ -215,8 +215,7 @@ class Scene:
 
     def minimising(self, objective: dict[str, dict[str, float]]) -> "Scene":
         """The scene with another quantity that is minimised, of `traded`."""
-        space = DesignSpace(**vars(self.asked()) | {"minimise": objective})
-        return dataclasses.replace(self, design_space=space)
+        return dataclasses.replace(self, design_space=DesignSpace(**vars(self.asked()) | {"minimise": objective}))
 
     def design(self) -> "Design":
         """Find the half-space or coating on which the indenter wears least, as [design] asks for it.

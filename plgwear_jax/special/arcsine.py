@@ -18,16 +18,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from .elementary import (
-    exponentials,
-    growth,
-    log,
-    log_complement,
-    quotient,
-    reciprocal,
-    sine_excess,
-    with_digits,
-)
+from .elementary import exponentials, growth, log, log_complement, quotient, reciprocal, sine_excess, with_digits
 from .lerch import fold_at, lerch_tail
 
 
@@ -62,8 +53,7 @@ def fold_outside(r: Array, c: Array) -> Fold:
     beyond = inverse * inverse
     log_beyond = 2.0 * (jnp.log(c) - jnp.log(far)) - log_complement(beyond)
     x = jnp.where(inner, y, beyond / (1.0 - beyond))
-    log_x = jnp.where(inner, jnp.log(y), log_beyond)
-    return Fold(x, log_x, inner)
+    return Fold(x, jnp.where(inner, jnp.log(y), log_beyond), inner)
 
 
 def over_abscissa(value: Array, y: Fold) -> Array:

@@ -24,16 +24,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from .elementary import (
-    TINY,
-    exponentials,
-    growth,
-    log,
-    quotient,
-    reciprocal,
-    with_digits,
-    working_digits,
-)
+from .elementary import TINY, exponentials, growth, log, quotient, reciprocal, with_digits, working_digits
 from .gamma import edge_pair
 
 # t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
@@ -160,5 +151,4 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None) -> Array
         digits,
     )
     exponent = jnp.where(away, jnp.where(outside, -s, q) * (first + second), -s * second)
-    found = exponentials(exponent, digits)[0] * jnp.where(away, far, near)
-    return jnp.where(r == jnp.inf, 0.0, found)
+    return jnp.where(r == jnp.inf, 0.0, exponentials(exponent, digits)[0] * jnp.where(away, far, near))

@@ -78,5 +78,4 @@ def edge_pair(square: Array, ends: Array, digits: int | None) -> tuple[Array, Ar
 @with_digits
 def catalan_deficit(q: Array, s: Array, digits: int | None) -> Array:
     """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1), to all digits also near its zeros."""
-    numerator = polynomial(_VOLUME_NUMERATOR, q - s, digits)
-    return q * s * numerator / ((1.0 + q) * reciprocal_gamma(2.0 * q, digits))
+    return q * s * polynomial(_VOLUME_NUMERATOR, q - s, digits) / ((1.0 + q) * reciprocal_gamma(2.0 * q, digits))

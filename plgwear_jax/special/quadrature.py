@@ -51,8 +51,7 @@ class Pieces(NamedTuple):
         The latter is what the rule leaves out, which lies there.
         """
         weight = self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
-        whole = self.last**power / power
-        return weight, whole - jnp.sum(weight[-self.places :])
+        return weight, self.last**power / power - jnp.sum(weight[-self.places :])
 
     def ended(self, terms: Array, power: Array) -> Array:
         """Terms of an integral of what is at the end of each piece as a power of `ahead`, of `power` - 1 or more."""

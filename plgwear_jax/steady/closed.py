@@ -176,8 +176,7 @@ class Steady(Solution):
     @property
     def _tangential_height(self) -> Array:
         """mu theta a_0^2/R, the unit of tangential displacements."""
-        friction = field_nan_outside(self.contact, "friction")
-        return friction * self._tangential_ratio * self._height
+        return field_nan_outside(self.contact, "friction") * self._tangential_ratio * self._height
 
     def _scaled(self, unit: Array, function: Callable[..., Array], **at: ArrayLike) -> Array:
         """A dimensionless function, of radii or distances in m if given, in this unit."""

@@ -21,7 +21,7 @@ from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.stresses.field import Pressed, samples
-from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.punch import (
     Punch,
     along_radius,
@@ -362,10 +362,6 @@ class NumericSteady(Steady):
         effort_of(self.digits)  # which refuses more digits than there are
 
     @property
-    def _effort(self) -> Effort:
-        return effort_of(self.digits)
-
-    @property
     def _applied_force(self) -> Any:
         return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
 
@@ -377,15 +373,14 @@ class NumericSteady(Steady):
         return state.phi * state.friction * state.force
 
     def _solve(self) -> State:
-        return states_of(self.contact, self._applied_force, self._effort)
+        return states_of(self.contact, self._applied_force, effort_of(self.digits))
 
     @property
     def _results(self) -> Results:
-        question = self.contact, self.load
-        if "solved" in vars(self) or traced(()) or not traced(question):
+        if "solved" in vars(self) or traced(()) or not traced((self.contact, self.load)):
             return self._solution.results
         # At known numbers the derivatives of the results alone do not need those of all that a state has.
-        return with_slopes(solved_results)(self._effort, *self._given())
+        return with_slopes(solved_results)(effort_of(self.digits), *self._given())
 
     @property
     def _worn(self) -> State:
@@ -428,7 +423,7 @@ class NumericSteady(Steady):
 
     def _solved(self, given: Any) -> Self:
         contact, force = given
-        return self._unflatten(self.digits, (contact, None, solved_states(self._effort, contact, force)))
+        return self._unflatten(self.digits, (contact, None, solved_states(effort_of(self.digits), contact, force)))
 
     @property
     def _pressed(self) -> Pressed:

@@ -63,8 +63,7 @@ class Solution:
 
     def _flatten(self) -> tuple[list[tuple[Any, Any]], int | None]:
         children = [(jax.tree_util.GetAttrKey(name), getattr(self, name)) for name in self.numbers]
-        solved = jax.tree_util.GetAttrKey("solution"), self._solution
-        return [*children, solved], self.digits
+        return [*children, (jax.tree_util.GetAttrKey("solution"), self._solution)], self.digits
 
     @classmethod
     def _unflatten(cls, digits: int | None, children: Any) -> Self:

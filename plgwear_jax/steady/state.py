@@ -147,8 +147,7 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
 @program(static=1, level=1)
 def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The program of `states_of`."""
-    one = sequential_vmap(functools.partial(state_of, effort))
-    return vmap_contacts(one, (contact, tangential_force))
+    return vmap_contacts(sequential_vmap(functools.partial(state_of, effort)), (contact, tangential_force))
 
 
 @program(static=1, level=1)

@@ -121,8 +121,7 @@ def _value_at(pressed: Pressed, wanted: Wanted, place: Array) -> Array:
 @_value_at.defjvp
 def _value_at_jvp(primals, tangents):
     pressed, wanted, place = primals
-    moving = pressed, wanted, place + _drifted(*primals)
-    return jax.jvp(_stress_at, moving, tangents)
+    return jax.jvp(_stress_at, (pressed, wanted, place + _drifted(*primals)), tangents)
 
 
 @jax.custom_jvp

@@ -370,8 +370,7 @@ def power_law(
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * clamped(-40.0, last, 40.0)))
     s = materialised(0.5 + 0.5 * k * share)
-    terms = _tables(_terms, effort, k, s)
-    return PowerLaw(outline, effort, radius, k, log_g, homogeneous, s, *terms)
+    return PowerLaw(outline, effort, radius, k, log_g, homogeneous, s, *_tables(_terms, effort, k, s))
 
 
 def _terms(effort: Effort, k: Array, s: Array) -> Array:

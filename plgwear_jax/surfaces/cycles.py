@@ -166,8 +166,7 @@ _CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from
 
 def _lagrange_cubics(table: Array) -> Array:
     """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
-    around = jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
-    return jnp.asarray(_CUBIC, table.dtype) @ around
+    return jnp.asarray(_CUBIC, table.dtype) @ jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
 
 
 def _values_at(cubics: Array, places: _Places) -> Array:

@@ -27,14 +27,7 @@ from plgwear_jax._core.catalogue import BODIES
 from plgwear_jax._core.startup.programs import compiler_options
 from plgwear_jax._version import __version__
 
-from .names import (
-    SweepPoints,
-    SweepQuantity,
-    SweepTarget,
-    label_of,
-    resolve,
-    variable_name,
-)
+from .names import SweepPoints, SweepQuantity, SweepTarget, label_of, resolve, variable_name
 
 LOAD = "load_case"
 

@@ -24,12 +24,7 @@ from plgwear_jax.optimise import tail_weights
 from plgwear_jax.optimise.question import LoadGiven
 
 from .axes import AxisError, check_axis
-from .names import (
-    SLIPS,
-    AxisNames,
-    QuantityError,
-    axis_unit,
-)
+from .names import SLIPS, AxisNames, QuantityError, axis_unit
 from .plan import LOAD, SweepPlan
 from .store import SweepError, SweepStore, labelled, open_sweep
 

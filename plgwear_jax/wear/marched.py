@@ -262,8 +262,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 @program(static=1, level=1, slopes=1)
 def _histories(effort: Effort, contact: Any, blocks: StageNumbers, law: Any) -> TestHistory:
     """The histories of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
-    one = sequential_forward_mode(functools.partial(history_of, effort))
-    return vmap_contacts(one, (contact, blocks, law))
+    return vmap_contacts(sequential_forward_mode(functools.partial(history_of, effort)), (contact, blocks, law))
 
 
 class MarchedRun(Run):

@@ -165,8 +165,7 @@ def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
 
     def grown(moment: Moment, cell: Any) -> Array:
         """Pressure of a cell, without its share of the pressure before any wear; times `faded`."""
-        rates = curves.worn.rate.at[..., 0, :].set(0.0)
-        return moment.between(rates, cell)
+        return moment.between(curves.worn.rate.at[..., 0, :].set(0.0), cell)
 
     remains = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)  # of the pressure before any wear
     slips, y, _ = _in_ring(run, r)

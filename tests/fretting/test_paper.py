@@ -6,14 +6,7 @@ from functions import by_numpy
 from marks import parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import (
-    FrettingContact,
-    GrossSlipContact,
-    PowerLawGraded,
-    fretting,
-    gross_slip,
-    partial_slip,
-)
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, partial_slip
 
 EXPONENTS = (-0.8, -0.5, -0.2, 0.0, 0.3, 0.6, 0.8)
 ROUNDING = 2e-14  # of a handful of double operations, a hundred units in the last place

@@ -329,8 +329,7 @@ def _committed(leaf):
 def follows(given: Any) -> bool:
     """Whether these are few numbers which are known, and by which something is differentiated."""
     leaves = jax.tree.leaves(given)
-    wanted = on("derivatives") and holds_tracers(leaves)
-    return wanted and sum(map(np.size, leaves)) <= _FEW and not traced(())
+    return on("derivatives") and holds_tracers(leaves) and sum(map(np.size, leaves)) <= _FEW and not traced(())
 
 
 def _unit_directions(leaves):

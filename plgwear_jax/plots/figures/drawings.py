@@ -12,19 +12,7 @@ from matplotlib.rcsetup import cycler
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax._core.units import text_cells
 
-from ..style import (
-    BEST,
-    BLUE,
-    DASH_DOT,
-    DASHED,
-    GREEN,
-    GUIDE,
-    ORANGE,
-    REFERENCE,
-    Style,
-    legend_above,
-    letters,
-)
+from ..style import BEST, BLUE, DASH_DOT, DASHED, GREEN, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
 from .paper import (
     ALMOST,
     EXPONENTS,
