@@ -28,7 +28,7 @@ from .ranges import (  # noqa: F401 - those who check ask here for what is allow
     SHARE,
     Domain,
 )
-from .startup.programs import holds_tracers, traced
+from .startup.programs import traced
 from .words import GivenError
 
 ArrayLike = typing.ArrayLike | Sequence[typing.ArrayLike] | Sequence[Sequence[typing.ArrayLike]]
@@ -210,8 +210,7 @@ def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable
     def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
         @functools.wraps(function)
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
-            if traced((args, kwargs)):
-                raise _for_numbers_alone(getattr(function, "__name__", ""), instead)
+            refuse_traced(getattr(function, "__name__", ""), traced((args, kwargs)), instead)
             with one_question():
                 return function(*args, **kwargs)
 
@@ -220,14 +219,10 @@ def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable
     return refusing
 
 
-def refuse_traced(name: str, given: Any, instead: str) -> None:
-    """Refuse traced values among those given to what is for numbers alone, and say what does work."""
-    if holds_tracers(given):
-        raise _for_numbers_alone(name, instead)
-
-
-def _for_numbers_alone(name: str, instead: str) -> TypeError:
-    return TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
+def refuse_traced(name: str, are_traced: bool, instead: str) -> None:
+    """Refuse traced values given to what is for numbers alone, and say what does work."""
+    if are_traced:
+        raise TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
 
 
 # --- records --------------------------------------------------------------------------------------------------------

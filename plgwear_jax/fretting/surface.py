@@ -49,9 +49,7 @@ def _initial_punch(r: Array, k: Array) -> Any:
     return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
 
-@formula(
-    slopes={"r": lambda r, k, digits: _punch_slope(*_initial_punch(r, k), digits=digits)}, r=NOT_NEGATIVE, k=EXPONENT
-)
+@formula(slopes={"r": lambda *at, digits: _punch_slope(*_initial_punch(*at), digits)}, r=NOT_NEGATIVE, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -74,7 +72,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (14), (15).
     """
-    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits=digits)
+    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits)
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
@@ -86,13 +84,17 @@ def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, digits: int | No
     return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, y))
 
 
-def _steady_displacement_by_r(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+def _steady_punch(r: Array, k: Array, phi: Array) -> Any:
+    """The arguments of the punch of the worn state."""
     s, q = exponents(k)
-    return _punch_slope(r, stick(k, phi), slip(s, phi), s, q, digits)
+    return r, stick(k, phi), slip(s, phi), s, q
 
 
 @formula(
-    slopes={"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
+    slopes={
+        "r": lambda *at, digits: _punch_slope(*_steady_punch(*at), digits),
+        "phi": _steady_displacement_by_phi,
+    },
     r=NOT_NEGATIVE,
     k=EXPONENT,
     phi=AMPLITUDE,
@@ -120,9 +122,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (24).
     """
-    r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
-    s, q = exponents(k)
-    return _punch_displacement(r, stick(k, phi), slip(s, phi), s, q, digits)
+    return _punch_displacement(*_steady_punch(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)), digits)
 
 
 @formula(slopes={"phi": lambda k, phi, digits: sinking(exponents(k)[0], phi, digits)}, k=EXPONENT, phi=AMPLITUDE)

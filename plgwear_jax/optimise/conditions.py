@@ -87,7 +87,6 @@ def solved_by_elimination(matrix: Any, right: Any) -> Any:
             order = xp.where(row == i, largest, xp.where(row == largest, i, row))[..., None]
             matrix, right = (xp.take_along_axis(x, order, axis=-2) for x in (matrix, right))
             pivot, factors = matrix[..., i, i, None, None], matrix[..., :, i, None]
-            tops = [x[..., i, None, :] / pivot for x in (matrix, right)]
-            pairs = zip((matrix, right), tops, strict=True)
+            pairs = [(x, x[..., i, None, :] / pivot) for x in (matrix, right)]
             matrix, right = (xp.where(row[:, None] == i, top, x - factors * top) for x, top in pairs)
     return right[..., 0]

@@ -12,6 +12,7 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import POSITIVE, Numbers, check, concrete_only, record, refuse_traced
 from plgwear_jax._core.rules import refuse_question
+from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
 
 from .best import certainty, headline, of_question, placed_between, printed
@@ -53,7 +54,7 @@ class ModulusProfile:
 
     def __post_init__(self) -> None:
         given = self.at, self.lower, self.upper
-        refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
+        refuse_traced("ModulusProfile", holds_tracers(given), "a DepthGraded may have traced moduli")
         at, lower, upper = (np.asarray(x, float) for x in given)
         vars(self).update(at=at, lower=lower, upper=upper)
         if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:

@@ -418,7 +418,7 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
             lowest, highest = given
         except (TypeError, ValueError):
             raise ValueError(f"vary: {name} takes a pair of numbers, not {given!r}") from None
-        refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
+        refuse_traced(f"vary: {name}", holds_tracers((lowest, highest)), "the contact and the load may be traced")
         for side, end in (("lowest", lowest), ("highest", highest)):
             check(f"vary: {side} {name}", end, leaf(name).domain)
             with_variables(contact, {name: end})  # whose fields say what they cannot be

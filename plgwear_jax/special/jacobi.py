@@ -35,8 +35,7 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     # All four at once, since XLA compiles the polynomial each time.
     of_power, of_a, of_b, of_end = jnp.unstack(gamma(jnp.stack([power, a, b, 2.0 * s + 1.0 - b])))
     # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
-    sign = jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
-    turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * sign
+    turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
     difference = jnp.append(1.0, turned) / of_a**2
     total = ratios(of_b / of_end, b, 2.0 * s + 1.0 - b, 2 * count - 1)
     front = of_power * jnp.exp2(-power)

@@ -44,8 +44,7 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
     change, count = jnp.diff(logs, axis=0), moduli.size
     weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.maximum(jnp.diff(depth, axis=0), 0.0))
-    wanted = (weight * (change * change + _LEAST)) ** 0.2
-    shares = jnp.cumsum(wanted, 0)
+    shares = jnp.cumsum((weight * (change * change + _LEAST)) ** 0.2, 0)
     more = _PARTS[digits] + (_EACH[digits] - 1) * count
     # The edge at which an interval begins: each has a part at least.
     first = jnp.floor(more * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
@@ -130,8 +129,7 @@ def _layer_matrices(s: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Arr
     left = once * once * h
     spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
     spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:planes, None, None]
-    steps = s - jnp.append(s[1:], s[-1:], 0)
-    return (own + nu * own_by_nu) * steps, spread, once * (one + h * turn)
+    return (own + nu * own_by_nu) * (s - jnp.append(s[1:], s[-1:], 0)), spread, once * (one + h * turn)
 
 
 def _matrix_product(a: Array, b: Array) -> Array:

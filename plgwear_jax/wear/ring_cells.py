@@ -86,8 +86,8 @@ def edges_of(unworn: Array, grown: Array, resolution: MarchResolution) -> tuple[
     near = materialised(clamped(0.3, near, 1.0))
     place, growth = in_dtype(grown.dtype, *_places_of_edges(resolution))
     begin, end = place**3, near * (1.0 - place) ** 2
-    from_c = unworn * begin / (begin + end) + grown * growth
-    return from_c, grown * growth - unworn * end / (begin + end)
+    grown, whole = grown * growth, begin + end
+    return unworn * begin / whole + grown, grown - unworn * end / whole
 
 
 def weights(resolution: MarchResolution, order: int) -> np.ndarray:

@@ -35,8 +35,7 @@ def _excess(step: _Step, found: Array) -> Array:
     """(The residual of each equation, A w) for (1/l; w)."""
     pace, added = found[0], found[1:]
     sunk = step.compliance @ added
-    grown = step.gap * (jnp.exp(step.known + added) - 1.0)
-    return jnp.stack([grown + pace * sunk - step.steady, sunk])
+    return jnp.stack([step.gap * (jnp.exp(step.known + added) - 1.0) + pace * sunk - step.steady, sunk])
 
 
 _HUGE = 1e30  # far above the square of any right side
