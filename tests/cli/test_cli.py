@@ -76,8 +76,7 @@ class Search:
     def __call__(self, contact, load, vary, **asked):
         self.takes.bind(contact, load, vary, **asked)
         self.asked.append((load, vary, asked))
-        material = dataclasses.replace(contact.material, k=-0.816, E0=31.5e9)
-        best = dataclasses.replace(contact, material=material)
+        best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=31.5e9))
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "rival_value": jnp.inf}
         minimum |= {"scan_found_nothing_better": jnp.asarray(True)} | self.ended
         values = (jnp.mean(one.steady(load).wear_volume) for one in (best, contact))

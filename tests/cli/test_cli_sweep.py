@@ -55,8 +55,7 @@ def test_a_scene_gives_the_contact_and_the_load():
     given = scene.load(SCENE)
     volume = sweep.open_sweep("map.zarr").wear_volume
     assert volume.attrs["units"] == "m^3" and volume.dims == ("z0",)
-    expected = given.build_contact().steady(given.load.amplitudes).wear_volume
-    assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
+    assert_allclose(volume.sel(z0=1e-4), given.build_contact().steady(given.load.amplitudes).wear_volume, rtol=1e-13)
 
 
 @pytest.fixture

@@ -86,8 +86,7 @@ def test_a_table_of_heights_may_end_within_what_wears_close_to_gross_slip():
 @parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
     closed, numeric = dome(k), dome(k, Elastic(1e20, 0.3))
-    onset = closed.steady(Force(0.0, rig)).gross_slip_displacement
-    moves = onset * np.geomspace(0.011, 10.0, 61)
+    moves = closed.steady(Force(0.0, rig)).gross_slip_displacement * np.geomspace(0.011, 10.0, 61)
     found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
     for field in dataclasses.fields(expected):
         assert_allclose(getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name)
@@ -100,8 +99,7 @@ def test_criteria_lie_where_the_map_has_their_value(k):
     found = slip_regimes(contact, onset * np.linspace(0.01, 2.0, 400), [FORCE])
     for name, level in CRITERIA.items():
         at = found.displacement_where(name, level)
-        again = slip_regimes(contact, at, [FORCE])
-        assert_allclose(getattr(again, name)[0, 0], level, rtol=1e-4)
+        assert_allclose(getattr(slip_regimes(contact, at, [FORCE]), name)[0, 0], level, rtol=1e-4)
     shift = found.displacement_where("energy_ratio", 0.2)[0] / onset
     assert_allclose(shift, {-0.5: 10.0 / 9.0, 0.0: 1.0, 0.5: 0.868}[k], rtol=1e-3)
     assert np.isnan(found.displacement_where("energy_ratio", 1e-9)[0])

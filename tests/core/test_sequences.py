@@ -102,8 +102,7 @@ def test_a_steady_state_takes_lists_and_nothing(name):
         return found(at) if ARGUMENTS[name] else found
 
     (place,) = (1e-8 if key == "displacement_amplitude" else PLACES[key] for key in ARGUMENTS[name] or ["r"])
-    known = depends(FrettingContact, name)
-    if "tangential_force" in known:
+    if "tangential_force" in depends(FrettingContact, name):
         assert shape_of(lambda: read([1.0, 2.0], [place, 1.1 * place])) == (2,)
         assert shape_of(lambda: read([[1.0], [2.0]], [place])) == (2, 1)
         assert shape_of(lambda: read(np.zeros((0, 3)), np.zeros((0, 1)))) == (0, 3)
@@ -196,8 +195,7 @@ def test_fields_of_records_are_arrays(make):
 def test_what_reads_its_numbers_takes_lists_too():
     assert shape_of(lambda: coating.felt([0.1, 1.0], [0.3, 0.2])) == (2,)
     assert shape_of(lambda: coating.felt([], 0.3)) == (0,)
-    weights = optimise.tail_weights([1.0, 2.0], (1.0, 3.0), np.float64(0.5))
-    assert_array_equal(weights, [0.0, 1.0])
+    assert_array_equal(optimise.tail_weights([1.0, 2.0], (1.0, 3.0), np.float64(0.5)), [0.0, 1.0])
     regimes = room.slip_regimes(CLOSED, [1e-8, 1e-6], [], digits=np.int64(3))
     assert regimes.energy_ratio.shape == (0, 2) and regimes.gross_slip_displacement.shape == (0,)
     data = fitting.Measurements(1.0, [1e4, 1e5], (1e-17, 9e-17), [1e-18, 1e-18])

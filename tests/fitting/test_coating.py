@@ -210,8 +210,7 @@ def test_the_coating_command_takes_its_force_from_the_table(folder, monkeypatch)
     monkeypatch.setattr(coating, "studied", studied)
     for given in ("scene.toml", "of_table.toml"):
         assert refused("coating", "E.csv", "--scene", given) == "E.csv: enough"
-    forces = scene.load("of_table.toml").load.amplitudes
-    assert_allclose(asked, forces[[0, 0]], rtol=1e-12)
+    assert_allclose(asked, scene.load("of_table.toml").load.amplitudes[[0, 0]], rtol=1e-12)
 
 
 @long

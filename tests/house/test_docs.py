@@ -56,6 +56,7 @@ TABLES = tomllib.loads(Path(__file__).with_name("pages.toml").read_text("utf-8")
 COMPILED_PAGES, COMPILED_MODULES, WORDS, SAID_TWICE = TABLES.values()
 generated = module_at(ROOT / "docs" / "generated.py")
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
+FENCED = re.compile(r"```.*?```", re.DOTALL)
 
 
 @compiled
@@ -150,7 +151,7 @@ def test_every_page_is_reached_from_the_navigation():
 
 def anchors(text):
     """The places of a page that links can lead to."""
-    titles = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
+    titles = re.findall(r"^#+ (.*)$", FENCED.sub("", text), re.MULTILINE)
     slugs = {re.sub(r"[\s-]+", "-", re.sub(r"[^\w\s-]", "", title.lower()).strip()) for title in titles}
     return slugs | set(re.findall(r'id="([^"]+)"', text)) | {f"eq-{n}" for n in re.findall(r"\\tag\{(\d+)\}", text)}
 
@@ -159,7 +160,7 @@ def test_links_lead_somewhere_on_a_forge_that_shows_raw_markdown():
     links = [
         (name, *link)
         for name, text in TEXTS.items()
-        for link in re.findall(r"\]\(([^)#:]*)(?:#([^)]*))?\)", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+        for link in re.findall(r"\]\(([^)#:]*)(?:#([^)]*))?\)", FENCED.sub("", text))
     ]
     assert len(links) > 100
     for name, link, anchor in links:
@@ -234,7 +235,7 @@ def command_lines():
         if name == "docs/reference/command-line.md":  # their own help
             continue
         blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
-        rest = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        rest = FENCED.sub("", text)
         lines = [line for block in blocks for line in block.splitlines()]
         lines += re.findall(r"^    (plgwear .*)$", rest, re.MULTILINE) + re.findall(r"`(plgwear [^`]+)`", rest)
         found += [(name, line.split("  #")[0]) for line in lines if line.startswith("plgwear ")]

@@ -40,8 +40,7 @@ def test_between_the_limits():
 @pytest.fixture(scope="module")
 def bounds(seed):
     """Pairs of bounds: wide, narrow, at both limits."""
-    rng = np.random.default_rng(seed)
-    lower, upper = np.sort(rng.uniform(-1.0, 1.0, (2, 4)), axis=0)
+    lower, upper = np.sort(np.random.default_rng(seed).uniform(-1.0, 1.0, (2, 4)), axis=0)
     lower[2:] = [-1.0, 1.0 - 1e-6]
     upper[1:] = [lower[1] + 1e-5, lower[2] + 1e-9, 1.0]
     return lower, upper

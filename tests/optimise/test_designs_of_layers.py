@@ -37,8 +37,7 @@ def test_the_command_line_finds_the_least_of_a_grid():
     assert_allclose(best["contact_radius"], 7.334e-5, rtol=1e-6)
     # A tenth around the best, and far from it.
     first, second = (best[name] * np.geomspace(0.5, 2.0, 15) for name in VARY)
-    thickness = np.stack(np.broadcast_arrays(first[:, None], second), -1)
-    steady = on(CONTACT, thickness=thickness).steady(FORCE)
+    steady = on(CONTACT, thickness=np.stack(np.broadcast_arrays(first[:, None], second), -1)).steady(FORCE)
     volumes = np.where(steady.contact_radius >= 7.334e-5, steady.wear_volume, np.inf)
     assert 0.995 * np.min(volumes) <= best["wear_volume"] <= 1.0001 * np.min(volumes)
     of_element = found["sensitivities"]["variables"]["material.modulus[1]"]

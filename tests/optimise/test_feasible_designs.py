@@ -41,8 +41,7 @@ class Asked:
     distance: float
 
     def on_grid(self, name):
-        steady = self.grid.steady(self.force)
-        value = getattr(steady, name)
+        value = getattr(self.grid.steady(self.force), name)
         return value(self.distance) if name == "edge_pressure" else value
 
     def place(self, name):
@@ -156,8 +155,7 @@ def test_a_limit_next_to_the_bound_to_which_the_objective_pulls():
 def test_limits_that_few_contacts_keep_are_found_by_a_descent():
     """Between two points of the scan: the peak of a quantity along k, of which one part in 1e5 is allowed."""
     k = np.linspace(0.05, 0.7, 20001)
-    grid = on(BENT, k=k)
-    radius = grid.steady(14.3).worn_radius
+    radius = on(BENT, k=k).steady(14.3).worn_radius
     least = int(np.argmin(radius))
     assert 100 < least < 19900
     limits = {"worn_radius": {"below": radius[least] * (1.0 + 2e-6)}}

@@ -65,8 +65,7 @@ def test_no_contact_of_a_grid_is_better(x, y, larger):
     both = []
     for asked in (x, y):
         ((name, places),) = ({asked: {}} if isinstance(asked, str) else asked).items()
-        read = catalogue.read(contacts, name, FORCE, places)
-        both.append(np.broadcast_to(read, (K.size, FRICTION.size)).ravel())
+        both.append(np.broadcast_to(catalogue.read(contacts, name, FORCE, places), (K.size, FRICTION.size)).ravel())
     is_the_envelope(curve, *both, within=0.02)
     assert curve.x_name in catalogue.FRETTING and curve.larger == larger
 

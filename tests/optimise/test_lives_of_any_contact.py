@@ -69,8 +69,7 @@ def test_loads_other_than_the_force(name):
     if name == "gross slip":
         many = optimise.designs(RIGID, loads.Displacement(np.array([3.0 * ONSET])), RANGE, **LIFE)
         assert_allclose(many.value, [found.value], rtol=1e-9)
-        harder = optimise.under_other_load(found, 1.1)
-        assert_allclose(harder.best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
+        assert_allclose(optimise.under_other_load(found, 1.1).best.load.amplitudes, [3.3 * ONSET], rtol=1e-12)
 
 
 @long  # to march
@@ -129,8 +128,7 @@ def test_designs_within_a_program(contact, life):
 def test_a_free_gradient_for_a_life():
     """It wears no more than any corner of the bounds."""
     at, lower, upper = np.array([1e-6, 2e-5, 2e-4]), np.full(3, 60e9), np.full(3, 200e9)
-    profile = optimise.ModulusProfile(at, lower, upper)
-    found = optimise.free_design(RIGID, FORCE, profile, starts=3, **LIFE)
+    found = optimise.free_design(RIGID, FORCE, optimise.ModulusProfile(at, lower, upper), starts=3, **LIFE)
     corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
     scanned = contact_of(DepthGraded(at, corners, 0.3))
     least = np.nanmin(worn(scanned))  # a run on a stiff depth between compliant ones has no answer

@@ -61,8 +61,7 @@ def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
     free = dome(k, shape=Cone(0.01))
     # By its force, a cone has a contact radius to the power 2 + k.
     radius = dome(shape=Cone(0.01)).steady(0.0).contact_radius
-    modulus = 110e9 * (free.steady(0.0).contact_radius / radius) ** (2.0 + k)
-    volumes = on(free, E0=modulus).steady(0.4).wear_volume
+    volumes = on(free, E0=110e9 * (free.steady(0.0).contact_radius / radius) ** (2.0 + k)).steady(0.4).wear_volume
     least = int(np.argmin(volumes))
     assert volumes[least] * (1.0 - 1e-4) <= found.value <= volumes[least] * (1.0 + 1e-9)
     assert abs(found.variables["k"] - k[least]) < 0.02 and found.certified
@@ -84,8 +83,7 @@ def test_fronts_and_designs_of_many_are_designs_one_by_one():
     assert_allclose(front.y[1], best.value, rtol=1e-9)
     assert_allclose(front.variables["k"][1], best.variables["k"], atol=1e-8)
 
-    forces = np.array([FORCES, 0.0 * FORCES])
-    many = optimise.designs(PAIR, forces, RANGE, weight=np.ones(2), limits=one)
+    many = optimise.designs(PAIR, np.array([FORCES, 0.0 * FORCES]), RANGE, weight=np.ones(2), limits=one)
     assert_allclose(many.value, [best.value, np.nan], rtol=1e-9)
     assert_allclose(many.variables["k"], [best.variables["k"], np.nan], atol=1e-9)
     assert many.certified.tolist() == [True, False]
@@ -106,8 +104,7 @@ def test_a_table_of_many_amplitudes_is_interpolated_between_sixteen():
     force = np.linspace(0.0, 3.6, 24)  # phi up to 0.9
     weight = np.linspace(1.0, 2.0, 24)
     asked_of, k = question_of(PAIR, force, RANGE, weight=weight), np.array([-0.4, 0.3])
-    each = dome(k[:, None], STEEL).steady(force).wear_volume
-    mean = np.average(each, axis=1, weights=weight)
+    mean = np.average(dome(k[:, None], STEEL).steady(force).wear_volume, axis=1, weights=weight)
     assert_allclose(evaluate(asked_of, {"k": k}).objective, mean, rtol=1e-6)
 
 

@@ -54,8 +54,7 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
     volumes = on(RIGID, friction=friction[:, None], E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
     is_least(found, volumes.max(0), within=0.01)
-    there = on(scenarios, k=found.variables["k"])
-    assert_allclose(there.steady(FORCE).wear_volume, found.value, rtol=1e-8)
+    assert_allclose(on(scenarios, k=found.variables["k"]).steady(FORCE).wear_volume, found.value, rtol=1e-8)
     assert found.at_bound["k"] is None and not found.scan_found_nothing_better
 
 
@@ -139,8 +138,7 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
 @compiled
 def test_uncertain_punches():
     depth = np.array([0.5e-6, 1e-6, 2e-6])
-    scenarios = on(PUNCH, depth=depth)
-    found = optimise.design(PUNCH, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
+    found = optimise.design(PUNCH, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=on(PUNCH, depth=depth))
     k = np.linspace(-0.5, 0.5, 201)
     grid = on(PUNCH, depth=depth[:, None], k=k)
     is_least(found, grid.steady().volume_change.max(0), within=1e-3)

@@ -28,8 +28,7 @@ from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, m
 
 def _mixed(rng, count, *samplers):
     """Points from all samplers in equal parts, shuffled."""
-    parts = [sampler(count // len(samplers) + 1) for sampler in samplers]
-    return rng.permutation(np.concatenate(parts))[:count]
+    return rng.permutation(np.concatenate([sampler(count // len(samplers) + 1) for sampler in samplers]))[:count]
 
 
 def exponents(rng, count, region):

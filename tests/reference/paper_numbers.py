@@ -119,8 +119,7 @@ def number_table():
                 ok(off),
             )
         )
-    head = ("", "", "paper", "library", "mpmath", "library against mpmath")
-    return table(head, rows)
+    return figures._markdown_table(("", "", "paper", "library", "mpmath", "library against mpmath"), rows)
 
 
 def ok(off):
@@ -365,12 +364,7 @@ def equation_table():
         found = ratios(ratio)
         same = max(abs(x - 1) for x in found) < EQUAL
         rows.append((number, words, "the same" if same else f"**{mp.nstr(found[0], 4)} of it**"))
-    return table(("equation", "compared", ""), rows)
-
-
-def table(head, rows):
-    lines = [head, ("---",) * len(head), *rows]
-    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+    return figures._markdown_table(("equation", "compared", ""), rows)
 
 
 # --- the page -------------------------------------------------------------------------------------------------------

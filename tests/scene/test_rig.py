@@ -33,14 +33,12 @@ def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
     force = given.load.largest
     moved = given.build_contact().steady(Force(force, stiffness)).displacement_amplitude
     assert_allclose(moved, given.load.displacement, rtol=1e-12)
-    worn = given.build_contact().steady(force).wear_volume
-    assert_allclose(given.solve()["wear_volume"].value, worn, rtol=1e-12)
+    assert_allclose(given.solve()["wear_volume"].value, given.build_contact().steady(force).wear_volume, rtol=1e-12)
     assert f"a force amplitude of {force:.4g} N" in (given.load.remark or "")
 
 
 def test_tables_and_histories_take_displacements():
-    rows = "2e-8\n0\n6e-8\n"
-    given = read('load = { history = "moves.csv", rig_stiffness = 1e7 }', moves=f"displacement\n{rows}")
+    given = read('load = { history = "moves.csv", rig_stiffness = 1e7 }', moves="displacement\n2e-8\n0\n6e-8\n")
     expected = given.build_contact().steady(Displacement(np.array([2e-8, 0.0, 6e-8]), 1e7)).tangential_force
     assert_allclose(given.load.amplitudes, expected, rtol=1e-12)
     assert given.load.largest == given.load.amplitudes[2]
@@ -134,8 +132,7 @@ def test_gross_slip_names_the_row_of_a_table():
     ],
 )
 def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
-    given = read(f"{MOVED}\nwear = {{ {keys} }}")
-    assert_allclose(given.wear.archard, archard, rtol=1e-15)
+    assert_allclose(read(f"{MOVED}\nwear = {{ {keys} }}").wear.archard, archard, rtol=1e-15)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------

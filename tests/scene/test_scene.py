@@ -471,8 +471,7 @@ def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
     assert_allclose([swept[name] for name in names], [onset, ratio], rtol=1e-14)
     steady = contact.steady(load)
     limits = {name: {"below": 1.0} for name in ("gross_slip_displacement", "displacement_amplitude", "energy_ratio")}
-    asked = loads.Force(steady.tangential_force, 1e7)
-    question = question_of(contact, asked, {"k": (0.1, 0.3)}, limits=limits)
+    question = question_of(contact, loads.Force(steady.tangential_force, 1e7), {"k": (0.1, 0.3)}, limits=limits)
     found = evaluate(question, {"k": np.array([0.2])}).values[0, 1:]
     assert_allclose(np.exp(found), [getattr(steady, one.quantity) for one in question.limits], rtol=1e-7)
 

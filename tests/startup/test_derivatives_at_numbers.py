@@ -105,8 +105,7 @@ def test_many_numbers_and_those_on_a_device_of_their_own_are_left_to_xla(ran):
 
     jax.grad(total)(jnp.linspace(0.3, 0.4, 200))
     assert ran == []
-    there = jax.device_put(0.3, jax.devices()[0])
-    slope = jax.grad(total)(there)
+    slope = jax.grad(total)(jax.device_put(0.3, jax.devices()[0]))
     assert ran == [] and slope.committed
     assert_allclose(slope, jax.grad(total)(0.3), rtol=64 * EPS)
 

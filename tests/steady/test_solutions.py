@@ -95,8 +95,7 @@ def test_objects_can_be_exported(contact):
     def volume(force):
         return contact.steady(force, digits=2).wear_volume
 
-    exported = export.export(jax.jit(volume))(F_X)
-    assert_allclose(exported.call(1.0), volume(1.0), rtol=1e-11)
+    assert_allclose(export.export(jax.jit(volume))(F_X).call(1.0), volume(1.0), rtol=1e-11)
 
 
 @each_engine

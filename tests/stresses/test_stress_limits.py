@@ -114,8 +114,7 @@ def test_a_stress_between_depths_is_minimised(tmp_path):
     limits = ("[design.limits]", "[design.limits]\ncontact_radius = { below = 1e-3 }")
     text = SCENE.partition("peak_mises_between = [")[0]
     found = given(tmp_path, (SCENE, text), ('minimise = "wear_volume"', objective), limits).design()
-    steady = found.contact.steady(2.5)
-    assert_allclose(found.value, steady.peak_mises_between(2e-5, 1.0), rtol=1e-6)
+    assert_allclose(found.value, found.contact.steady(2.5).peak_mises_between(2e-5, 1.0), rtol=1e-6)
     assert found.value < CONTACT.steady(2.5).peak_mises_between(2e-5, 1.0)
 
 
@@ -161,7 +160,6 @@ def test_depths_and_places_are_axes():
     most = np.array([1e-5, 2e-5, 1e-3])
     found = sweep.sweep(["peak_mises_between"], contact=CONTACT, tangential_force=2.5, least=0.0, most=most)
     steady = CONTACT.steady(2.5)
-    each = [steady.peak_mises_between(0.0, end) for end in most]
-    assert_allclose(found.peak_mises_between, each, rtol=1e-6)
+    assert_allclose(found.peak_mises_between, [steady.peak_mises_between(0.0, end) for end in most], rtol=1e-6)
     found = sweep.sweep(["mises"], contact=CONTACT, tangential_force=2.5, x=np.array([-5e-5, 0.0]), z=1e-6)
     assert_allclose(found.mises, steady.mises(np.array([-5e-5, 0.0]), 1e-6), rtol=1e-6)

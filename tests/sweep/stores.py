@@ -24,8 +24,7 @@ def files(path):
     found = {}
     for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
         status = file.lstat()
-        held = file.read_bytes() if file.is_file() else None
-        found[str(file)] = (status.st_ino, status.st_mtime_ns, held)
+        found[str(file)] = (status.st_ino, status.st_mtime_ns, file.read_bytes() if file.is_file() else None)
     return found
 
 

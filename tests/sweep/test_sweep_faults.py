@@ -172,8 +172,7 @@ def test_a_killed_sweep_goes_on(start, targets):
                 time.sleep(rng.uniform(0.0, clock.sum()))
             elif kind == "running":
                 ended = not run.until(lambda run=run: run.done[1:])  # it is compiled
-                left = 1.0 - len(before) / chunks
-                time.sleep(rng.uniform(0.0, left * running))
+                time.sleep(rng.uniform(0.0, (1.0 - len(before) / chunks) * running))
             else:
                 run.end()
             last = ended or not run.kill()

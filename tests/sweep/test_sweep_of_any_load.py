@@ -107,8 +107,7 @@ def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path):
 def test_designs_over_lives_in_gross_slip():
     load = loads.Displacement(3.0 * ONSET)
     asked = {"vary": {"k": (-0.6, 0.6)}, **LAW}
-    names = ["design.k", "design.saving"]
-    found = sweep.sweep(names, contact=CONTACT, load=load, design=asked, cycles=[1e5, 4e5])
+    found = sweep.sweep(["design.k", "design.saving"], contact=CONTACT, load=load, design=asked, cycles=[1e5, 4e5])
     one = optimise.design(CONTACT, load, **(asked | {"cycles": 4e5}))
     assert_allclose(found.design_k[1], one.variables["k"], atol=1e-6)
     assert_allclose(found.design_saving[1], one.saving, rtol=1e-5)

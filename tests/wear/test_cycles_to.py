@@ -50,8 +50,7 @@ def test_the_first_cycles_and_the_last_ones():
     r = np.linspace(steady.stick_radius, steady.contact_radius, 4001)
     a_cycle = COEFFICIENT * np.max(steady.initial_pressure(r) * 4.0 * steady.slip_amplitude(r))
     assert_allclose(run.cycles_to(depth=10.0 * a_cycle), 10.0, rtol=5e-3)
-    worn = COEFFICIENT / 0.4 * steady.energy_per_cycle
-    assert_allclose(run.cycles_to(volume=10.0 * worn), 10.0, rtol=1e-3)
+    assert_allclose(run.cycles_to(volume=10.0 * (COEFFICIENT / 0.4 * steady.energy_per_cycle)), 10.0, rtol=1e-3)
     for name, most in (("depth", steady.deepest_wear), ("volume", steady.wear_volume)):
         found = run.cycles_to(**{name: most * np.array([0.0, 1.0 - 1e-6, 1.0 + 1e-6])})
         assert 0.0 <= found[0] < 1e-6 and 1e6 < found[1] < 1e8 and found[2] == np.inf

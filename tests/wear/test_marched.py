@@ -80,8 +80,7 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
 def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     """Of a fine ring around the radius that sticks at first nothing is left where it sticks in the end."""
     one = dome(k)
-    u = one.steady(phi * LIMIT).displacement_amplitude
-    run = one.over_cycles(Displacement(u), coefficient_of(one))
+    run = one.over_cycles(Displacement(one.steady(phi * LIMIT).displacement_amplitude), coefficient_of(one))
     last, held = 2.0 * float(run.cycles_to(0.97)) / MANY, 1.0 - (1.0 - phi) ** (2.0 / (3.0 + k))
     n, worn, _, _, stick = on_power_law(k, edges_to(1.6, 240, 100)).march([Given(last, displacement=held)], 160)
     at, a_0 = slice(60, None, 20), float(one.steady(0.0).contact_radius)
@@ -185,8 +184,7 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     # In the end the slip is the displacement less what the surface gives way.
     share = run.rate(cycles) / (coefficient * FORCE * 4.0 * u)
     assert np.all((share > 0.9) & (share < 1.0))
-    way = run.volume(0.5 * cycles) / volume
-    assert_allclose(way, 0.5, atol=0.02)
+    assert_allclose(run.volume(0.5 * cycles) / volume, 0.5, atol=0.02)
     assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
     assert_array_equal(run.stick_radius(cycles), 0.0)
     assert_allclose(run.force_amplitude(cycles), LIMIT, rtol=1e-9)
@@ -197,8 +195,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     one, exponent = dome(0.2), np.array([0.3, 0.8, 1.5, 3.0])  # the last one dies out slowly
     pressure = one.steady(0.0).peak_initial_pressure
     run = one.over_cycles(Force(2.0), PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent))
-    ends = run.volume(run.lasting_cycles) / one.steady(2.0).wear_volume
-    assert_allclose(ends, 1.0, atol=ERROR)
+    assert_allclose(run.volume(run.lasting_cycles) / one.steady(2.0).wear_volume, 1.0, atol=ERROR)
     assert run.steady.wear_volume == one.steady(2.0).wear_volume
     early = run.volume(1e4)
     assert abs(early[2] / early[1] - 1.0) > 0.1  # but the way there is another
@@ -233,8 +230,7 @@ def test_equal_blocks_are_one(k, load, law):
         force = Displacement(one.steady(Force(force, stiffness)).displacement_amplitude, stiffness)
     blocks = one.over_cycles([Block(force, cycles) for cycles in (1e5, 0.0, 1e5, 3e5)], law)
     whole, cycles = one.over_cycles(force, law), np.array([0.0, 5e4, 1e5, 3e5, 5e5])
-    last = whole.volume(5e5)
-    assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
+    assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * whole.volume(5e5))
     for name in ("force_amplitude", "contact_radius", "stick_radius"):
         assert_allclose(getattr(blocks, name)(cycles), getattr(whole, name)(cycles), rtol=ERROR)
 

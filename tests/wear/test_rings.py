@@ -74,8 +74,7 @@ def test_a_step_of_a_march_has_the_derivatives_of_differences():
         moved = jax.tree.map(lambda x, change: x + share * change, step, along)
         return _solved(_Step(*moved, jnp.int32(3)), jnp.ones(6))
 
-    slope = jax.jvp(found, (0.0,), (1.0,))[1]
-    assert_allclose(slope, (found(1e-4) - found(-1e-4)) / 2e-4, rtol=1e-5)
+    assert_allclose(jax.jvp(found, (0.0,), (1.0,))[1], (found(1e-4) - found(-1e-4)) / 2e-4, rtol=1e-5)
 
 
 # k, phi, parts of the unit of time and the number of rings, which are off by 1e-4 of the final volume.
@@ -233,8 +232,7 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
 
     cells, count = ring(state), steps.inner * steps.refinements[0]
     edges = edges_of(*state.widths, steps)[0][0, : count // 2 + 1]
-    middle = state.c * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1]))
-    pressure = one.steady(0.0).initial_pressure(middle)
+    pressure = one.steady(0.0).initial_pressure(state.c * np.sqrt(1.0 + 0.5 * (edges[1:] + edges[:-1])))
     assert_allclose(cells.first[: count // 2] / pressure, 1.0, rtol=0.04)
 
 
