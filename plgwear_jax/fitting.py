@@ -132,8 +132,8 @@ def log_likelihood(
     """
     places = {"cycles": data.cycles} | ({} if data.r is None else {"r": data.r})
     modelled = getattr(contact.over_cycles(data.load, law, digits=digits), data.what)(**places)
-    z, sigma = data.residuals(modelled), data.deviations
-    return -jnp.sum(0.5 * z * z + jnp.log(sigma) + 0.5 * math.log(2.0 * math.pi))
+    z = data.residuals(modelled)
+    return -jnp.sum(0.5 * z * z + jnp.log(data.deviations) + 0.5 * math.log(2.0 * math.pi))
 
 
 # --- the fit ----------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 from jax.flatten_util import ravel_pytree
 
 from .startup.programs import along_each, moved_along, parted, steps_of
@@ -46,10 +46,10 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
         if size == 1:
             found = jax.tree.map(lambda x: x[None], one([x[0] for x in moving]))
         elif jax.default_backend() == "cpu":
-            found = jax.lax.map(one, moving)
+            found = lax.map(one, moving)
         else:
             together = jax.vmap(function, jax.tree.map(lambda move: 0 if move else None, tuple(batched)))
-            found = together(*given) if size <= TOGETHER else jax.lax.map(one, moving, batch_size=TOGETHER)
+            found = together(*given) if size <= TOGETHER else lax.map(one, moving, batch_size=TOGETHER)
         return found, jax.tree.map(lambda _: True, found)
 
     return single

@@ -6,9 +6,8 @@ which it computes once and stores. `lax.optimization_barrier` cannot replace the
 kernels. `tests/startup/test_kernels.py` counts the kernels with and without each trick.
 """
 
-import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 
 def separate_kernels(copy: int, *values: Array) -> tuple[Array, ...]:
@@ -41,7 +40,7 @@ def one_kernel(one: Array, other: Array) -> tuple[Array, Array]:
     search had not ended after seven minutes.
     """
     lowest = other.dtype.type(jnp.finfo(other.dtype).min)
-    both = materialised(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)))
+    both = materialised(lax.complex(lax.abs(one), lax.max(other, lowest)))
     return jnp.real(both), jnp.imag(both)
 
 

@@ -4,7 +4,7 @@ import functools
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
@@ -30,7 +30,7 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
 
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
     # The maximum avoids underflow. It acts only where the depth underflows, or does not depend on y.
-    return jnp.maximum(q * slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
+    return jnp.maximum(q * slip(s, phi), 16.0 * jnp.finfo(phi.dtype).tiny)
 
 
 def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
@@ -86,7 +86,7 @@ def _deepest_wear_by_phi(k: Array, phi: Array, digits: int | None) -> Array:
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
     # At the root it is zero for every k: its derivatives would be rounding errors only.
-    residual = jax.lax.stop_gradient(relative_residual(y, _deepest_load(s, q, phi), rise))
+    residual = lax.stop_gradient(relative_residual(y, _deepest_load(s, q, phi), rise))
     correction = residual * reciprocal(rise.slope)  # (root - y)/y
     flat = at.density * (rise.chord + residual) * (1.0 - s * correction * reciprocal(1.0 + y))
     rate = (s * slip(s, phi) * _tail_over_s(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))

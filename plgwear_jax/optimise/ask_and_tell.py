@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.startup.programs import program
 
@@ -177,7 +177,7 @@ class SearchResult(NamedTuple):
 def all_done(plan: SearchPlan, done: Any) -> Any:
     """Whether all starts are done, in all problems of the batch."""
     everybody = done.all()
-    return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
+    return everybody if plan.axis is None else lax.pmin(everybody.astype(int), plan.axis) > 0
 
 
 # --- descents and their ends ------------------------------------------------------------------------------------------
@@ -384,7 +384,7 @@ def tell(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     )
     which = state.phase + (rest.passes >= plan.passes)
     with np.errstate(all="ignore"):  # values that are not finite are handled below
-        rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
+        rest = steps[int(which)](rest) if xp is np else lax.switch(which, steps, rest)
     return rest._replace(scanned=scanned)
 
 

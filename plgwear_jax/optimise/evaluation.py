@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, cast
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.catalogue import PEAKS, SEARCHED, read, read_from
@@ -162,7 +162,7 @@ class Candidate:
 
         given = scenarios.contact, scenarios.law, scenarios.tangential_force
         in_turn = solved_one_by_one(question)
-        amounts, excess = jax.lax.map(scenario, given) if in_turn else jax.vmap(scenario)(given)
+        amounts, excess = lax.map(scenario, given) if in_turn else jax.vmap(scenario)(given)
         return amounts.ravel(), excess
 
 

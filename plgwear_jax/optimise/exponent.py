@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import (
@@ -210,7 +210,7 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
     # The last chunk is filled up with the first elements.
     filled = [jnp.resize(value, chunks + value.shape[len(shape) :]) for value in values]
     together = jax.vmap(lambda chunk: function(*chunk), axis_name=BATCH)
-    found = jax.lax.map(together, filled) if size > most else together(filled)
+    found = lax.map(together, filled) if size > most else together(filled)
     return jax.tree.map(lambda leaf: jnp.resize(leaf, shape + leaf.shape[len(chunks) :]), found)
 
 

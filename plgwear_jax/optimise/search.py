@@ -10,7 +10,7 @@ from typing import Any, Literal
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import NUMBER, check, check_real, one_or_nan, record, static, whole
@@ -170,10 +170,10 @@ def minimise(
     count = jax.eval_shape(function, lower, params).size - 1
     plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
-    evaluate = functools.partial(rows_at, function, params=jax.lax.stop_gradient(params))
+    evaluate = functools.partial(rows_at, function, params=lax.stop_gradient(params))
     found = conclude(
         plan,
-        jax.lax.while_loop(  # whose program contains the objective once
+        lax.while_loop(  # whose program contains the objective once
             lambda state: state.phase != DONE,
             lambda state: tell(plan, state, evaluate(state.points)),
             jax.tree.map(jnp.asarray, begin(plan)),
@@ -236,7 +236,7 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     value = 0.5 * (first + last) + 0.5 * (last - first) * u
     value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
     exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
-    return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value))
+    return exact if xp is np else materialised(value + lax.stop_gradient(exact - value))
 
 
 def scanned(interval: Interval) -> np.ndarray:

@@ -2,10 +2,9 @@
 
 from typing import ClassVar
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import POSITIVE, Domain, Numbers, record
 
@@ -86,7 +85,7 @@ class _OnePower(Shape):
     def _log_lifted(self, a: Array) -> Array:
         """The logarithm of the factor of T^(n/2) that Abel's integral with the exponent a takes to T^(n/2)."""
         p = 0.5 * self._n()
-        return jnp.sum(jax.lax.lgamma(jnp.stack([1.0 + p, a]))) - jax.lax.lgamma(p + a)
+        return jnp.sum(lax.lgamma(jnp.stack([1.0 + p, a]))) - lax.lgamma(p + a)
 
     def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
         """In closed form."""

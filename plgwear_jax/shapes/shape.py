@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple, cast
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import Domain, RecordFamily, field_nan_outside, record
 from plgwear_jax.special.elementary import value_with_slope
@@ -131,7 +131,7 @@ class Shape(RecordFamily):
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
-        shape, radius, log_load, k = jax.lax.stop_gradient((self, radius, log_load, k))
+        shape, radius, log_load, k = lax.stop_gradient((self, radius, log_load, k))
         s = 0.5 * (1.0 + k)
 
         def excess(log_c: Array) -> Array:
@@ -174,7 +174,7 @@ class Outline(NamedTuple):
 
 def kink_positions_at(kinks: Any, c: Array) -> Array:
     """T - 1 at these radii; constants for derivatives, since they only divide an integral."""
-    return jax.lax.stop_gradient(-inwards(kinks, c))
+    return lax.stop_gradient(-inwards(kinks, c))
 
 
 def inwards(kinks: Any, c: Array) -> Array:

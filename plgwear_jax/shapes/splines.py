@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import NUMBER, Numbers, check_columns, one_or_nan, record
@@ -239,7 +239,7 @@ class Profile(_Splined):
         """Of many rows those where the shape bends most, such as the edge of a flat face."""
         if np.shape(self.r)[-1] <= _MANY:
             return self.kinks
-        r, slopes = jax.lax.stop_gradient(self._spline(jnp.ones(())))
+        r, slopes = lax.stop_gradient(self._spline(jnp.ones(())))
         bends = abs(slopes[:, 1])
         return jnp.sort(jnp.where(bends >= jnp.sort(bends)[-_CORNERS], r, 0.0))[-_CORNERS:]
 

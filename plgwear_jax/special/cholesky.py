@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.sequential import sequential_vmap
 
@@ -35,7 +35,7 @@ def cholesky(matrix: Array) -> Array:
 def _plain_factor(matrix: Array) -> Array:
     size = matrix.shape[0]
     if size <= _ROWS:
-        return jax.lax.linalg.cholesky(matrix, symmetrize_input=False)
+        return lax.linalg.cholesky(matrix, symmetrize_input=False)
     half = size // 2
     first, below = _plain_factor(matrix[:half, :half]), matrix[half:, :half]
     below = _down(first, below.T).T
@@ -49,8 +49,8 @@ _factor = sequential_vmap(_plain_factor)
 def _solved_by_factor(transposed: bool, factor: Array, right: Array) -> Array:
     """L^-1 or L^-T times right sides of shape (n,) or (n, m)."""
     columns = right[:, None] if right.ndim == 1 else right
-    fixed = jax.lax.stop_gradient(factor)
-    found = jax.lax.custom_linear_solve(
+    fixed = lax.stop_gradient(factor)
+    found = lax.custom_linear_solve(
         lambda x: (factor.T if transposed else factor) @ x,
         columns,
         lambda _, right: (_down, _up)[transposed](fixed, right),
@@ -78,7 +78,7 @@ def _substitution(transposed: bool) -> Any:
         if rows * columns > _FEW * _FEW:
             inverse = _inverse(factor)
             return (inverse.T if transposed else inverse) @ right
-        return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transposed)
+        return lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transposed)
 
     single = jax.custom_batching.custom_vmap(plain)
 
@@ -100,7 +100,7 @@ def solve_symmetric(matrix: Array, right: Array) -> Array:
     """The solution x of matrix x = right, for a symmetric positive matrix; right is (n, m)."""
     inverse = _inverse_factor(matrix)
     # The rule of `custom_linear_solve` solves for the derivatives with the same factor.
-    return jax.lax.custom_linear_solve(
+    return lax.custom_linear_solve(
         lambda x: matrix @ x, right, lambda _, right: inverse.T @ (inverse @ right), symmetric=True
     )
 
@@ -109,14 +109,14 @@ def solve_symmetric(matrix: Array, right: Array) -> Array:
 def _inverse_factor(matrix: Array) -> Array:
     """L^-1, as a constant: products with it, unlike substitutions, need no loop in a batch."""
     # In a loop JAX forgets the rule after the first derivative in reverse.
-    return _inverse_of(jax.lax.stop_gradient(matrix))
+    return _inverse_of(lax.stop_gradient(matrix))
 
 
 def _inverse(factor: Array) -> Array:
     size = factor.shape[0]
     if size <= _FEW:
         one = jnp.asarray(np.eye(size), factor.dtype)
-        return jax.lax.linalg.triangular_solve(factor, one, left_side=True, lower=True)
+        return lax.linalg.triangular_solve(factor, one, left_side=True, lower=True)
     half = size // 2
     first, last = _inverse(factor[:half, :half]), _inverse(factor[half:, half:])
     below = -last @ factor[half:, :half] @ first

@@ -20,9 +20,8 @@ A, X and Y with -h for h. The difference over k is taken term by term: each pair
 import functools
 from fractions import Fraction
 
-import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from .elementary import TINY, exponentials, growth, log, quotient, reciprocal, with_digits, working_digits
 from .gamma import edge_pair
@@ -91,14 +90,14 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     # At the edge itself the singular part is zero; its slope, possibly infinite, is taken at the neighbouring number.
     at_edge = z <= 0.0
     off_edge = z + jnp.where(at_edge, 0.5 * jnp.finfo(z.dtype).eps, 0.0)
-    k_fixed, q_fixed = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
+    k_fixed, q_fixed = (jnp.where(at_edge, lax.stop_gradient(x), x) for x in (k, q))
     steep = k > 0.5
     power, less_one = exponentials(jnp.where(steep, 2.0 * q_fixed, -k_fixed) * log_z, digits)
     over = reciprocal(jnp.where(jnp.abs(k_fixed) < TINY, 1.0, jnp.abs(k_fixed)))
     sign = jnp.where(outside, -1.0, 1.0)
     lift = growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, -0.25, -k_fixed), log_z)
     singular = sign * jnp.where(steep, (power - off_edge) * over, off_edge * lift)
-    singular = jnp.where(at_edge, singular - jax.lax.stop_gradient(singular), singular)  # (z^-k - 1) z/k
+    singular = jnp.where(at_edge, singular - lax.stop_gradient(singular), singular)  # (z^-k - 1) z/k
     z = sign * z
 
     h = 0.5 * k

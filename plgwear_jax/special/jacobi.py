@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.xla import materialised
 
@@ -17,7 +16,7 @@ def gamma(x: Array) -> Array:
     # Not by `polynomial`, which is faster for many numbers, but ten times as many operations to compile.
     terms, shape = np.asarray(RECIPROCAL_GAMMA, x.dtype), (*x.shape, len(RECIPROCAL_GAMMA))
     t, n = jnp.broadcast_to((x[..., None] - 0.75) / 1.25, shape), np.broadcast_to(np.arange(terms.size), shape)
-    return 1.0 / (x * materialised(jnp.sum(terms * jax.lax.pow(t, n), -1)))
+    return 1.0 / (x * materialised(jnp.sum(terms * lax.pow(t, n), -1)))
 
 
 def ratios(first: Any, above: Any, below: Any, count: int) -> Array:
@@ -57,4 +56,4 @@ def jacobi_table(count: int, s: Any, c: Any, x: Any) -> Array:
         return (now, after), after
 
     first, second = jnp.ones_like(x), ((s + 1.0) * x + below - along) / (2.0 * c)
-    return jnp.concatenate([jnp.stack([first, second]), jax.lax.scan(step, (first, second), (by_now, by_before))[1]])
+    return jnp.concatenate([jnp.stack([first, second]), lax.scan(step, (first, second), (by_now, by_before))[1]])

@@ -6,10 +6,9 @@ Places are those of the trapezoidal rule in log(x/(1-x)).
 import functools
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 Rule = tuple[np.ndarray, np.ndarray, np.ndarray]  # x, 1 - x, weights of an integral over x from 0 to 1
 
@@ -70,7 +69,7 @@ def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
     if not inner.size:
         return Pieces(inside, outside, outside, weight, 1.0, weight.size)
     # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
-    inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
+    inner = lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
     begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
     length = (ends - begins)[:, None]
     x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from .elementary import clamp_keep_slope, clamped, ratio_where, value_with_slope
 
@@ -47,12 +46,12 @@ def root_of(
 
         bound = jnp.full_like(start, jnp.inf)
         begin = (start, -bound, bound, start, bound, jnp.int32(0), jnp.bool_(False))
-        found = jax.lax.while_loop(lambda state: ~state[-1] & (state[-2] < _MOST), body, begin)
+        found = lax.while_loop(lambda state: ~state[-1] & (state[-2] < _MOST), body, begin)
         return jnp.where(found[-1] & jnp.isfinite(found[4]), found[0], jnp.nan)
 
-    return jax.lax.custom_root(
+    return lax.custom_root(
         function,
-        jax.lax.stop_gradient(start),
+        lax.stop_gradient(start),
         solve,
         lambda linear, value: value / linear(jnp.ones_like(value)),
     )
@@ -67,19 +66,19 @@ def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, e
         goal: What it is to reach, an array.
         end: The largest x, which broadcasts against the goals.
     """
-    fixed = jax.lax.stop_gradient(given)
-    end = jax.lax.stop_gradient(jnp.broadcast_to(end, jnp.broadcast_shapes(jnp.shape(end), goal.shape)))
+    fixed = lax.stop_gradient(given)
+    end = lax.stop_gradient(jnp.broadcast_to(end, jnp.broadcast_shapes(jnp.shape(end), goal.shape)))
     last = function(fixed, end)
     reached, never = last >= goal, jnp.where(jnp.isnan(last + goal), jnp.nan, jnp.inf)
     goal = jnp.where(reached, goal, 0.5 * last)
-    aim, limits = jax.lax.stop_gradient(goal), jnp.finfo(goal.dtype)
+    aim, limits = lax.stop_gradient(goal), jnp.finfo(goal.dtype)
 
     def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
         middle = 0.5 * (bounds[0] + bounds[1])
         below = function(fixed, middle) < aim
         return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
 
-    low, high = jax.lax.fori_loop(0, limits.nmant + 8, halve, (0.0 * last, end + 0.0 * last))
+    low, high = lax.fori_loop(0, limits.nmant + 8, halve, (0.0 * last, end + 0.0 * last))
     x = 0.5 * (low + high)
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax._core.sequential import TOGETHER
@@ -77,5 +77,5 @@ def in_turn(function: Callable[..., Any], shape: tuple[int, ...], *trees: Any, m
 
     # On a processor one after the other, since a batch would take as many steps as its slowest element.
     size = None if jax.default_backend() == "cpu" else TOGETHER
-    found = jax.lax.map(one, (rows, jax.tree.map(lambda x: jnp.broadcast_to(x, whole).ravel(), more)), batch_size=size)
+    found = lax.map(one, (rows, jax.tree.map(lambda x: jnp.broadcast_to(x, whole).ravel(), more)), batch_size=size)
     return jax.tree.map(lambda x: x.reshape(*whole, *x.shape[1:]), found)

@@ -10,7 +10,7 @@ from typing import Any, Self
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
@@ -85,10 +85,9 @@ def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     tip, _ = _infinite_at(state)
     # `own_pressure` knows no place nearer to a tip: there the pressure is that of the nearest one, and infinite at the
     # tip alone, or integrals would be infinite. A program may round c in two ways.
-    nearest, rounding = 1e-11, 4.0 * float(jnp.finfo(z.dtype).eps)
-    known = jnp.where(tip, jnp.minimum(z, 1.0 - nearest), z)
+    known = jnp.where(tip, jnp.minimum(z, 1.0 - 1e-11), z)
     found = state.height(punch) * own_pressure(state.bodies, punch, known)
-    found = jnp.where(tip & (1.0 - z < rounding), jnp.inf, found)
+    found = jnp.where(tip & (1.0 - z < 4.0 * jnp.finfo(z.dtype).eps), jnp.inf, found)
     return jnp.where(outside, 0.0 * punch.c, clamp_keep_slope(0.0, found))
 
 
@@ -164,7 +163,7 @@ def _gap(state: State, further: Array, r: Array) -> Array:
     outside, y = _outside(c, r)
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
     together = deficit.v is not None and len(deficit.image.kink_positions) <= FEW_KINKS
-    found = jax.vmap(deficit.depth)(y) if together else jax.lax.map(jax.checkpoint(deficit.depth), y)
+    found = jax.vmap(deficit.depth)(y) if together else lax.map(jax.checkpoint(deficit.depth), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0 * c)
 
 
@@ -220,7 +219,7 @@ def _force(state: State, moved: Array, rig: Array) -> Array:
         return (moved - alone - rig * force) / whole
 
     found = clamp_keep_slope(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
-    return found - jax.lax.stop_gradient(jnp.where(moved > 0.0, 0.0, found))  # a rounding of the root
+    return found - lax.stop_gradient(jnp.where(moved > 0.0, 0.0, found))  # a rounding of the root
 
 
 def _slip(state: State, r: Array) -> Array:
@@ -246,7 +245,7 @@ def energy_of(state: State) -> Array:
         less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
 
-    total = (end - begin) * (parts.weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * parts.x))
+    total = (end - begin) * (parts.weight @ lax.map(jax.checkpoint(rate), begin + (end - begin) * parts.x))
     return clamp_keep_slope(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
 
 

@@ -4,10 +4,9 @@ import dataclasses
 import functools
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import ArrayLike, RefusedError, field_nan_outside, one_or_nan, record
 from plgwear_jax._core.sequential import sequential_vmap
@@ -118,7 +117,7 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
     bodies = bodies_of(max(effort, EFFORTS[4 if corner else 2]), contact, force)
     phi = amplitude_of(friction, force, tangential_force)
     # Rings are resolved down to roundings of the radius: a smaller amplitude counts as none.
-    phi = jnp.where(phi < 8.0 * float(jnp.finfo(phi.dtype).eps), phi - jax.lax.stop_gradient(phi), phi)
+    phi = jnp.where(phi < 8.0 * jnp.finfo(phi.dtype).eps, phi - lax.stop_gradient(phi), phi)
     found = worn(bodies, force * bodies.outline.radius, phi)
     theta = theta_of(contact, bodies, found.unworn.c, found.unworn.flat)
     least, reach = least_pressures(found, phi), bodies.outline.shape.known_radius

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
@@ -101,7 +101,7 @@ def peak_stress_of(steady: Any, name: str, *between: ArrayLike) -> Peak:
 
 def _peak_there(pressed: Any, wanted: Any) -> Any:
     """The peak by its search, and by a program for the derivatives at its place."""
-    known = jax.tree.map(lambda x: jax.lax.stop_gradient(value_of(x)), (pressed, wanted))
+    known = jax.tree.map(lambda x: lax.stop_gradient(value_of(x)), (pressed, wanted))
     _, place = _searched(*known)
     return _at_known_place(pressed, (wanted, place.x, place.z))
 

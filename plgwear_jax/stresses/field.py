@@ -3,10 +3,9 @@
 import math
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import record, static
 from plgwear_jax.special.elementary import in_dtype
@@ -129,7 +128,7 @@ class Pressed:
         if graded:
             # Next to an edge a pressure is mostly a power, which no spline can follow; still nearer roundings count.
             power = self.s + jnp.asarray([0.5, 0.5, -0.5], c.dtype)
-            at = jnp.searchsorted(inside, float(jnp.finfo(c.dtype).eps) ** 0.2)
+            at = jnp.searchsorted(inside, jnp.finfo(c.dtype).eps ** 0.2)
             law = jnp.exp(power[:, None] * jnp.log(inside))
             share = (pressures[:, at] / law[:, at])[:, None]
             pressures -= share * law
@@ -272,7 +271,7 @@ def _image_weights(body: Piecewise | PowerModulus, nu: Array, z: Array, images: 
     if z.size <= _MANY:
         return at(z)
     padded = jnp.pad(z, (0, -z.size % _MANY)).reshape(-1, _MANY)
-    found = jnp.moveaxis(jax.lax.map(at, padded), 0, 1)
+    found = jnp.moveaxis(lax.map(at, padded), 0, 1)
     return found.reshape(found.shape[0], -1, found.shape[-1])[:, : z.size]
 
 
@@ -297,7 +296,7 @@ def of_each_traction(pressed: Pressed, body: Body, worn: bool, x: Array, z: Arra
     nu, images = pressed.nu, grid(pressed.fineness.spacing, x.dtype == jnp.float64)
     parts = _parts(nu)
     # First the places, then for each x all images.
-    near = jnp.maximum(z, float(jnp.finfo(z.dtype).eps) ** 2)
+    near = jnp.maximum(z, jnp.finfo(z.dtype).eps ** 2)
     places, heights = (jnp.broadcast_to(at, shape).ravel() for at in (x, near))
     if body is not None:
         places = jnp.append(places, jnp.repeat(x.ravel(), images.zeta.size))

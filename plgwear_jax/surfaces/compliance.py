@@ -149,8 +149,8 @@ class PowerLaw(_Touching):
 
     def beside(self, c: Array, y: Array, coefficients: Array) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
-        above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
-        strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
+        flat = (slice(None), *(None,) * (coefficients.ndim - 1))
+        strength = jnp.where(self.k >= 0.0, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
         found, lag = _tables(_inside, self.effort, self.k, self.s), 0.5 * _of_sign(self.k)[1]
         outside = jnp.asarray(bent(4 * self.effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
@@ -39,8 +39,8 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
         from_1: The same from a_0 on, T - (a_0/c)^2.
     """
     bodies, punch, further, beside = found.bodies, found.punch, found.further, found.beside
-    c, a, radius, width = found.c, beside.a, bodies.outline.radius, found.width
-    at = c, width, from_c, from_1
+    c, a, radius = found.c, beside.a, bodies.outline.radius
+    at = c, found.width, from_c, from_1
     at_held_depth, (t, share, weight, size) = (
         _graded(bodies, *at) if isinstance(bodies, Graded) else _powers(bodies, *at)
     )
@@ -62,7 +62,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     some = size > 0.0
     last = jnp.sum(some) - 2  # and one more; behind both are empty cells
     (before, end), (first, second) = (
-        jnp.unstack(jax.lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, flat_punch_gap, 1.0), size)
+        jnp.unstack(lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, flat_punch_gap, 1.0), size)
     )
     sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * flat_punch_gap - gap
@@ -157,7 +157,7 @@ def _places_of(u: Array) -> _Places:
     cubics = round((_MOST - _LEAST) / _TABLE) - 2
     # Materialised, or each direction of a derivative would compute it again.
     at = materialised(clamped(0.0, (jnp.log(u) - _LEAST) / _TABLE - 1.0, cubics - 1.0))
-    before = jnp.floor(jax.lax.stop_gradient(at))
+    before = jnp.floor(lax.stop_gradient(at))
     return _Places(before.astype(int).astype(np.uint32), at - before)
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax.special.pchip import Piecewise
 
@@ -41,7 +41,7 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     # The first interval is what lies above the table.
     ends = jnp.minimum(jnp.append(0.0, modulus.start)[:, None], _DEEP / q)
     moduli = modulus.coefficients[0]
-    depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
+    depth, logs = lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
     change, count = jnp.diff(logs, axis=0), moduli.size
     weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.maximum(jnp.diff(depth, axis=0), 0.0))
     shares = jnp.cumsum((weight * (change * change + _LEAST)) ** 0.2, 0)
@@ -90,8 +90,7 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     h, s = _layers(modulus.between, edges, even, q)
     s = surface * s  # mu(0)/mu
     total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, nu, h))[0] / (1.0 - nu)
-    coarse, fine = total[0], total[-1]
-    return fine + (fine - coarse) / 3.0 - 1.0
+    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------
@@ -149,7 +148,7 @@ def _upwards(step: Array, spread: Array, phi: Array) -> tuple[Array, tuple[Array
         down = _matrix_product(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
         return _matrix_product(phi, _matrix_product(y, down)), (y, down)
 
-    return jax.lax.scan(through, jnp.zeros_like(spread[0]), (step, spread, phi), reverse=True)
+    return lax.scan(through, jnp.zeros_like(spread[0]), (step, spread, phi), reverse=True)
 
 
 def _tractions_below(tractions: Array, down: Array) -> Array:
@@ -159,7 +158,7 @@ def _tractions_below(tractions: Array, down: Array) -> Array:
         below = _matrix_product(down, tractions)
         return below, below
 
-    return jax.lax.scan(lower, tractions, down)[1]
+    return lax.scan(lower, tractions, down)[1]
 
 
 @jax.custom_jvp

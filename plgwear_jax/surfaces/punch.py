@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
@@ -205,7 +205,7 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
         return jnp.sum(parts.ended(terms, least))
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
-    rise = image.first / power if resolved(image) else jax.lax.map(jax.checkpoint(at), z)
+    rise = image.first / power if resolved(image) else lax.map(jax.checkpoint(at), z)
     found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jnp.exp(power * jnp.log(z)) * rise
     if rest is None:
         return found

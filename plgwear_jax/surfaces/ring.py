@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import record, static
 from plgwear_jax._core.startup.programs import moved_along
@@ -72,7 +72,7 @@ def _around(y: Array) -> tuple[Array, Array]:
     """(The nodes around y, their weights), each of shape (m, taps)."""
     last = _NODES.size - _TAPS
     place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _NODES.size - 1.0)
-    first = jnp.floor(clamped(0.0, jax.lax.stop_gradient(place) + (1 - _TAPS // 2), last))
+    first = jnp.floor(clamped(0.0, lax.stop_gradient(place) + (1 - _TAPS // 2), last))
     part = (place - (first + _MIDDLE))[:, None]
     which = first.astype(np.uint32)[:, None] + np.arange(_TAPS, dtype=np.uint32)
     return which, part ** np.arange(_TAPS) @ jnp.asarray(_TO_POWERS, y.dtype)
@@ -165,7 +165,7 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further:
         places, (own, _) = _counts(deficit, y)
         return sunk + own @ (level + between(deficit.v, places))
 
-    sunk, log_r, log_last = jax.lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
+    sunk, log_r, log_last = lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
     return sunk * jnp.exp(bodies.far(log_r) - bodies.far(log_last))
 
 
@@ -181,7 +181,7 @@ def ring_of(deficit: DepthDeficit) -> Ring:
     """The ring of what is lacking."""
     near = jnp.full((1,), 0.01, deficit.a.dtype)
     (fall,) = deficit.image.fallen(near) / near  # about the slope of G at T = 1
-    start = jnp.log(jnp.maximum(deficit.near / fall, float(jnp.finfo(near.dtype).eps)))
+    start = jnp.log(jnp.maximum(deficit.near / fall, jnp.finfo(near.dtype).eps))
 
     def excess(log_y: Array) -> Array:
         places, (own, _) = _counts(deficit, jnp.exp(log_y))
@@ -223,7 +223,7 @@ def deepest(deficit: DepthDeficit, end: Array) -> Array:
     # Once more, nearer to the top, and there by a parabola: it has the second derivatives of a top that moves.
     around = top_of(places, depths_at(places)) + near
     top = top_of(around, depths_at(around))
-    return crest(depths_at(jax.lax.stop_gradient(top + near)))
+    return crest(depths_at(lax.stop_gradient(top + near)))
 
 
 # --- the contact unworn and worn --------------------------------------------------------------------------------------
@@ -270,10 +270,7 @@ def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:
     rise, wears = punch.force / punch.stiffness, phi > 0.0
     further, v = rise * phi / (1.0 - phi), beside(bodies, punch)
     # Without an amplitude there is no ring; a narrow one tells how rings begin.
-    few = 4096.0 * float(jnp.finfo(phi.dtype).eps)
+    few = 4096.0 * jnp.finfo(phi.dtype).eps
     ring = ring_of(v.deficit(jnp.where(wears, further, few * rise)))
-    end, volume = (
-        jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few),
-        jnp.where(wears, jnp.pi * ring.volume, 0.0 * phi),
-    )
-    return Worn(bodies, unworn, punch, further, v, end, volume)
+    end = jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few)
+    return Worn(bodies, unworn, punch, further, v, end, jnp.where(wears, jnp.pi * ring.volume, 0.0 * phi))

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax.loads import Control
 from plgwear_jax.special.cholesky import backward, cholesky, forward
@@ -99,8 +99,8 @@ def _pressed(
     the cells that touch, without those of the whole factor.
     """
     right = jnp.stack([size, shape], -1)
-    fixed = jax.lax.stop_gradient(control)
-    one, held = forward(lower, jax.lax.stop_gradient(right)).T
+    fixed = lax.stop_gradient(control)
+    one, held = forward(lower, lax.stop_gradient(right)).T
 
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         touches, _, count = state
@@ -111,7 +111,7 @@ def _pressed(
 
     # The load rises ever faster with the depth: from more cells than touch, Newton's method only drops cells.
     start = jnp.ones(size.shape, bool), jnp.bool_(True), jnp.int32(0)
-    touches, _, _ = jax.lax.while_loop(lambda state: state[1] & (state[2] < _MOST), body, start)
+    touches, _, _ = lax.while_loop(lambda state: state[1] & (state[2] < _MOST), body, start)
     there = touches[:, None]
 
     def times(x: Array) -> Array:  # one matrix of both would be one for each derivative
@@ -121,7 +121,7 @@ def _pressed(
         within = jnp.where(there, forward(lower, jnp.where(there, x, 0.0)), 0.0)
         return jnp.where(there, backward(lower, within), x)
 
-    by = jax.lax.custom_linear_solve(
+    by = lax.custom_linear_solve(
         lambda x: jnp.where(there, times(jnp.where(there, x, 0.0)), x),
         jnp.where(there, right, 0.0),
         solve,
@@ -136,7 +136,7 @@ def _pressed(
     ends = clamped(0, jnp.stack([count - 1, count]), size.size - 1)
     y = backward(lower, (np.arange(size.size)[:, None] == ends).astype(size.dtype))
     grown = jnp.sum(y * times(y), 0)
-    diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - jax.lax.stop_gradient(grown)))
+    diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - lax.stop_gradient(grown)))
     # A worn ring ends as nothing but roundings of either sign.
     inner, outer = diagonal[0] * pressure[ends[0]], jnp.maximum(gap[ends[1]], 0.0) / diagonal[1]
     whole = inner + outer
@@ -162,7 +162,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         steps: What is given in each step.
     """
     size = jnp.diff(disc.edges)
-    factor = cholesky(jax.lax.stop_gradient(disc.compliance))
+    factor = cholesky(lax.stop_gradient(disc.compliance))
     middle = jnp.append(0.5 * (disc.radii[1:] + disc.radii[:-1]), disc.radii[-1])
     zero = 0.0 * size  # with derivatives from the start, or JAX would trace the steps twice for these
 
@@ -174,7 +174,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         # step, in cells that have just begun to touch, and where the pressure falls so fast that BDF2 would go beyond
         # the end: the cells outside would lose the contact with those that overshoot.
         touched = pressure_before > 1e-6 * mean
-        change = jax.lax.stop_gradient(ratio_where(touched, pressure, pressure_before, _FAST))
+        change = lax.stop_gradient(ratio_where(touched, pressure, pressure_before, _FAST))
         second = clamped(0.0, 3.0 * change - 1.0, 1.0) * clamped(0.0, _FAST - change, 1.0)
         known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
@@ -189,10 +189,10 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         # falls from round to round. A tangent holds to first order wherever it is taken.
         some = mean
         for _ in range(1 if law.linear else _ROUNDS):
-            some = jax.lax.stop_gradient(jnp.maximum(found, _FALL * some))
+            some = lax.stop_gradient(jnp.maximum(found, _FALL * some))
             worn_there, slope = value_with_slope(lambda p: length * size * law.rate(p, path), some)
             bare = known + worn_there - slope * some
-            lower = cholesky(jax.lax.stop_gradient(disc.compliance + jnp.diag(slope)))
+            lower = cholesky(lax.stop_gradient(disc.compliance + jnp.diag(slope)))
             contact = _pressed(disc.compliance, slope, lower, disc.unworn + bare, size, middle, force)
             depth, found, radius = contact.depth, contact.pressure, contact.radius
             now = jnp.where(found > 0.0, jnp.maximum(bare + slope * found, known), known)
@@ -224,7 +224,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
         )
         return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
 
-    found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
+    found = lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
     outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.given.normal_force
     return until(outside, found)
@@ -232,6 +232,6 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
 
 def until(ends: Array, moments: Moments) -> Moments:
     """The moments before the first one that ends the march, NaN from there on; the least pressures always."""
-    known = jax.lax.cummax(ends.astype(int)) == 0
+    known = lax.cummax(ends.astype(int)) == 0
     found = jax.tree.map(lambda x: jnp.where(known.reshape(-1, *(1,) * (x.ndim - 1)), x, jnp.nan), moments)
     return found._replace(least=moments.least, opens=moments.opens)

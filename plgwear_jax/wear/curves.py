@@ -4,10 +4,9 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax.special.elementary import clamped
 
@@ -57,8 +56,8 @@ class Moment(NamedTuple):
 
     def across(self, at: Callable[[Array], Array]) -> Array:
         """Linear interpolation of what a function gives for both ends."""
-        begin, end = at(self.first), at(self.first + 1)
-        return begin + self.part * (end - begin)
+        begin = at(self.first)
+        return begin + self.part * (at(self.first + 1) - begin)
 
     def between(self, values: Array, *at: Any) -> Array:
         """Linear interpolation of values at all times, and if given of one entry."""
@@ -87,8 +86,8 @@ def moment_at(times: Array, time: Array, within: bool = False) -> Moment:
     axes, last = times.ndim - 1, times.shape[-1] - 1
     rows, number = _rows(times, axes), np.arange(math.prod(times.shape[:-1])).reshape(times.shape[:-1])
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
-    early = jax.lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
-    before = jnp.sum(jax.lax.stop_gradient(times) < early[..., None], -1)
+    early = lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
+    before = jnp.sum(lax.stop_gradient(times) < early[..., None], -1)
     first = clamped(0, before - 1, last - 1)
     begin, end = rows[number, first], rows[number, first + 1]
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.

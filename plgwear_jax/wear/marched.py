@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import (
     POSITIVE,
@@ -185,7 +185,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         # does not fall the radius is the largest one so far, and where it falls this begins anew, one `end` higher.
         falls = jnp.append(0, jnp.diff(blocks.normal_force) < 0.0)
         level = grid.end * jnp.repeat(jnp.cumsum(falls), count + 1)
-        found = found._replace(contact_radius=jax.lax.cummax(found.contact_radius + level) - level)
+        found = found._replace(contact_radius=lax.cummax(found.contact_radius + level) - level)
         goes_on = (found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)
         beyond = jnp.where(jnp.isnan(blocks.cycles[-1]), 2.0 * goes_on, 1.0)
         history = TestHistory(cycles, disc.radii, found, beyond.astype(cycles.dtype))
@@ -213,7 +213,7 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         # Where the rate falls faster than the pressure, as p^m, this dies out as the cycles to the power -1/(m-1).
         rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
         fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
-        longer = jax.lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
+        longer = lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
         # What a flat scar of that radius has taken off
         taken = outline.height(reach[None]) - mean_heights(outline, reach, jnp.arange(2, dtype=reach.dtype))
         half = 0.5 * jnp.pi * reach**2 * taken[0]
@@ -226,21 +226,21 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         moves = jnp.any(moved(found))
         end = jnp.where(moves, most + 0.25 * (most - stick), 1.1 * widest)
         # The largest radius of all times is known to a cell: derivatives of the grid are those of a similar contact.
-        end = unworn * jax.lax.stop_gradient(end / unworn)
+        end = unworn * lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
         shift = jnp.maximum(abs(after.stick - grid.stick), abs(unworn - grid.unworn)) / (unworn - after.stick)
         shift = jnp.where(jnp.isnan(found.rate[-1]), jnp.inf, shift)  # where the scar has outgrown the cells
-        shift = jax.lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
+        shift = lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
         return which + 1, shift, jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
     estimate = bodies.radius
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, estimate, _REACH * estimate, zero, zero)
     empty = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype) + zero, jax.eval_shape(one_pass, 0, start)[3])
-    _, shift, _, history = jax.lax.while_loop(
+    _, shift, _, history = lax.while_loop(
         lambda state: (state[0] < _PASSES[0]) | ((state[1] > _SETTLED) & (state[0] < _PASSES[1])),
         lambda state: one_pass(state[0], state[2]),
-        (jnp.int32(0), jax.lax.stop_gradient(zero), start, empty),
+        (jnp.int32(0), lax.stop_gradient(zero), start, empty),
     )
     # No grid follows a narrower ring: it would seem to stick, and nothing would ever wear.
     inner, outer = history.moments.stick_radius[0], history.moments.contact_radius[0]

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax._core.domains import POSITIVE, nan_outside
 from plgwear_jax._core.sequential import sequential_forward_mode
@@ -30,7 +30,7 @@ def numeric_rings_of(resolution: MarchResolution, state: State) -> tuple[RingCel
     """(The ring in the cells of each march, its units); time is 4 K mu theta N, in 1/Pa."""
     unworn, grown = state.widths
     # One march after the other, so that the cells are compiled once and not once for each march.
-    cells = jax.lax.map(lambda edges: cells_of(state, *edges), edges_of(unworn, grown, resolution))
+    cells = lax.map(lambda edges: cells_of(state, *edges), edges_of(unworn, grown, resolution))
     volume = state.c**2 * state.height(state.punch) * state.volume
     # The cells know the first rate to four digits, and the energy of friction knows it to eight.
     unit = 4.0 * state.friction * state.tangential * volume / energy_of(state)

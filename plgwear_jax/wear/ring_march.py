@@ -10,7 +10,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.surfaces.cells import RingCells
@@ -60,13 +60,13 @@ def _newton(step: _Step, found: Array) -> Array:
         half = factor[size:, :size]
         # The equation of the next cell determines the pace.
         left = of_next - half[2] @ half[:2].T
-        change = jax.lax.clamp(-0.7 * pace, -left[0] / left[1], 2.0 * pace)
+        change = lax.clamp(-0.7 * pace, -left[0] / left[1], 2.0 * pace)
         moved = backward(factor[:size, :size], half[0] + change * half[1])
         return jnp.pad(jnp.append(change, -moved), (0, cells - size))
 
     sizes = [-(-cells * (i + 2) // (_SIZES + 1)) for i in range(_SIZES)]
     which = jnp.sum(step.touching > np.array(sizes[:-1]))
-    changed = jax.lax.switch(which, [functools.partial(change, size) for size in sizes])
+    changed = lax.switch(which, [functools.partial(change, size) for size in sizes])
     return jnp.where(np.arange(cells + 1) <= step.touching, changed, 0.0)
 
 
@@ -93,7 +93,7 @@ def _solved(step: _Step, start: Array) -> Array:
 
     number = np.arange(step.gap.size + 1)
     begin = (start, jnp.int32(0), jnp.bool_(False))
-    found, _, done = jax.lax.while_loop(lambda state: ~state[2] & (state[1] < _MOST), body, begin)
+    found, _, done = lax.while_loop(lambda state: ~state[2] & (state[1] < _MOST), body, begin)
     return jnp.where(done, found, jnp.nan)
 
 
@@ -142,7 +142,7 @@ def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
     number = np.arange(size + 1)
     cells = jnp.stack([ring.gap, ring.steady], 1)
     # For the guesses, which are not differentiated: a slope to begin with, and what no cell wears more than.
-    gap, steady, first = jax.lax.stop_gradient((ring.gap, ring.steady, ring.first))
+    gap, steady, first = lax.stop_gradient((ring.gap, ring.steady, ring.first))
     bounds = jnp.stack([0.04 * first, jnp.log1p(steady / jnp.where(gap > 0.0, gap, 1.0))], 1)
     bounds = jnp.concatenate([np.full((marches, 2, 1), [[0.04], [np.inf]], gap.dtype), bounds], -1)
 
@@ -160,19 +160,19 @@ def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
         slope = jnp.where(first, begin, jnp.maximum(3.0 * (one - two) + three, 0.25 * one))
         slope = jnp.where((number == count) & (place <= 3), 0.5 * jnp.roll(slope, 1), slope)
         # From a far larger exponential Newton's method would come down by 1 a time.
-        start = jnp.minimum(share * slope, jnp.maximum(most - jax.lax.stop_gradient(known), 0.0))
+        start = jnp.minimum(share * slope, jnp.maximum(most - lax.stop_gradient(known), 0.0))
         start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, start, 0.0))
         found = _solved(_Step(ring.compliance[which], gap, steady, known[1:], count), start)
         change = jnp.where(number == 0, 1.0 / found[0], found)
         now, slope = known + change, change / share
-        kept = jax.lax.stop_gradient(slope)
+        kept = lax.stop_gradient(slope)
         earlier = jnp.where(first, 0.0, slopes[0]), jnp.where(first, -kept, slopes[1])
         return (now, jnp.where(first, 0.0, last), kept, *earlier), jnp.stack([now, slope])
 
     # With derivatives from the start, or JAX would trace the steps twice for these.
     none = jnp.zeros(size + 1, gap.dtype)
     begin = none + 0.0 * ring.gap[0, 0]
-    now, slope = jnp.unstack(jax.lax.scan(advance, (begin, begin, none, none, none), jnp.asarray(rows))[1], axis=1)
+    now, slope = jnp.unstack(lax.scan(advance, (begin, begin, none, none, none), jnp.asarray(rows))[1], axis=1)
     gap = (ring.gap / jnp.sum(ring.steady, -1, keepdims=True))[rows[:, 0]]
-    time, worn = now[:, 0], now[:, 1:]
-    return March(worn, slope[:, 1:] / slope[:, :1], time, jnp.sum(gap * jnp.expm1(worn), -1))
+    worn = now[:, 1:]
+    return March(worn, slope[:, 1:] / slope[:, :1], now[:, 0], jnp.sum(gap * jnp.expm1(worn), -1))

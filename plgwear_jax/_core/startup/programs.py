@@ -21,6 +21,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import lax
 from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
@@ -403,7 +404,7 @@ class _Store:
             if isinstance(known, SteppedProgram):
                 return known
             if b"lapack" in known[0]:  # JAX looks for it when it lowers a decomposition; what is loaded would crash
-                jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
+                jax.jit(lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
             return serialize_executable.deserialize_and_load(*known)
 
     def write(self, key: str, made: Any) -> None:
