@@ -8,7 +8,7 @@ from jax import Array
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, NOT_NEGATIVE, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_tail, fold_outside, over_abscissa
-from plgwear_jax.special.elementary import exponents, sine_quotient
+from plgwear_jax.special.elementary import exponents, sine_quotient, squares_apart
 
 from .stick import sinking, slip, stick, stick_power
 
@@ -24,7 +24,7 @@ def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits
     outside = 0.5 * ((q + m) / s * body + moment)
     # 1/s - (r/c)^2, whose terms are nearly equal as k -> 1 and r -> c, is written as the sum q/s + (1 - (r/c)^2).
     within = jnp.where(under, r, 0.0)
-    inside = 0.5 * ((q + m) / s + ((c - within) / c) * ((c + within) / c))
+    inside = 0.5 * ((q + m) / s + squares_apart(c, within, c))
     return c * c * jnp.where(under, inside, outside)
 
 
@@ -160,7 +160,7 @@ def arc_between(
     """(Whether radii lie between c and an end, y = (r/c)^2 - 1 there and anything elsewhere, the arc up to y)."""
     inside = (r > c) & (r <= end)
     near = jnp.where(inside, r, 1.25 * c)
-    y = ((near - c) / c) * ((near + c) / c)
+    y = squares_apart(near, c, c)
     return inside, y, arc(y, s, q, digits)
 
 

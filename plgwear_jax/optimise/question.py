@@ -9,7 +9,6 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict, Unpack, cast
 
-import jax
 import numpy as np
 from jax.typing import ArrayLike
 
@@ -288,9 +287,8 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
     question = parts_of(contact, load, vary, **keywords)
     refuse_array(contact)
     of_question = dataclasses.replace(question, contact=None, load=None)
-    for path, number in jax.tree.leaves_with_path(of_question, is_leaf=lambda given: isinstance(given, list)):
+    for name, number in leaves.paths_of(of_question, lambda given: isinstance(given, list)).items():
         if np.shape(number):
-            name = jax.tree_util.keystr(path).removeprefix(".")
             raise ValueError(f"{name}: takes one number, not an array of shape {np.shape(number)}")
     doubt(*of_contact(contact))
     level, scenarios = keywords.get("level", 0.0), keywords.get("scenarios")

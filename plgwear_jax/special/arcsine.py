@@ -18,7 +18,17 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from .elementary import exponentials, growth, log, log_complement, quotient, reciprocal, sine_excess, with_digits
+from .elementary import (
+    exponentials,
+    growth,
+    log,
+    log_complement,
+    quotient,
+    reciprocal,
+    sine_excess,
+    squares_apart,
+    with_digits,
+)
 from .lerch import fold_at, lerch_tail
 
 
@@ -46,7 +56,7 @@ def fold_outside(r: Array, c: Array) -> Fold:
     """
     inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
-    y = ((near - c) / c) * ((near + c) / c)
+    y = squares_apart(near, c, c)
     # For larger r from c/r and log(r), since products of derivatives must not overflow at a radius of 1e300.
     far = jnp.where(inner, 2.0 * c, r)
     inverse = c / far
@@ -132,7 +142,7 @@ class Arc(NamedTuple):
 
 
 @with_digits
-def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
+def arc(y: Array, s: Array, q: Array, digits: int | None) -> Arc:
     """The arc from 0 to y > 0."""
     folded = fold(y, digits)
     x, _, inner = folded

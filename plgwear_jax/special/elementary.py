@@ -99,6 +99,11 @@ def value_with_slope(function: Any, x: Array) -> tuple[Any, Any]:
     return jax.jvp(function, (x,), (jnp.ones_like(x),))
 
 
+def squares_apart(a: Array, b: Array, c: Array) -> Array:
+    """(a^2 - b^2)/c^2, where the squares would cancel or overflow."""
+    return ((a - b) / c) * ((a + b) / c)
+
+
 # --- quotients ------------------------------------------------------------------------------------------------------
 
 
@@ -209,7 +214,7 @@ _EXPONENTIAL = tuple((0.5 * math.log(2.0)) ** n / math.factorial(n + 2) for n in
 
 
 @moves_by(lambda value, _, dx: (value[0] * dx, value[0] * dx), 1)
-def exponentials(x: Array, digits: int | None = None) -> tuple[Array, Array]:
+def exponentials(x: Array, digits: int | None) -> tuple[Array, Array]:
     """(exp(x), exp(x) - 1), both to full relative accuracy, as long as exp(x) is a normal number."""
     head, rest = _LOG_2_HEAD[x.dtype], _LOG_2_REST[x.dtype]
     limits = jnp.finfo(x.dtype)
@@ -285,7 +290,7 @@ def log_beside_edge(r: Array, c: Array) -> Array:
     # Near the centre the slopes of 1 - r/c and 1 + r/c cancel, and 1 - (r/c)^2 rounds away what is less than 1.
     central = r < 0.5 * c
     near = log_complement(jnp.where(central, r / c, 0.0) ** 2)
-    return jnp.where(central, near, jnp.log(jnp.where(central, 1.0, ((c - r) / c) * ((c + r) / c))))
+    return jnp.where(central, near, jnp.log(jnp.where(central, 1.0, squares_apart(c, r, c))))
 
 
 def punch_stress(r: Any, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:

@@ -16,7 +16,7 @@ from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.shapes.shape import inwards
-from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where
+from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where, squares_apart
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -154,7 +154,7 @@ def _outside(c: Array, r: Array) -> tuple[Array, Array]:
     """(Whether radii are outside c, (r/c)^2 - 1 there and anything inside or at infinity)."""
     outside = r > c
     near = jnp.where(outside & (r < jnp.inf), r, 1.5 * c)
-    return outside, ((near - c) / c) * ((near + c) / c)
+    return outside, squares_apart(near, c, c)
 
 
 def _gap(state: State, further: Array, r: Array) -> Array:

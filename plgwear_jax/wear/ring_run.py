@@ -11,7 +11,7 @@ from jax import Array
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.doubts import SOON
 from plgwear_jax._core.startup.programs import holds_tracers
-from plgwear_jax.special.elementary import clamp_keep_slope, crest, value_with_slope
+from plgwear_jax.special.elementary import clamp_keep_slope, crest, squares_apart, value_with_slope
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.batch import as_numbers
 
@@ -130,7 +130,7 @@ def _in_ring(run: RunSolution, r: Array) -> tuple[Array, Array, Array]:
     edge = c * jnp.sqrt(1.0 + run.curves.width)
     inside = (r > c) & (r < edge)  # at c depths have no slope from outside
     near = jnp.where(inside, r, 0.5 * (c + edge))
-    return inside, ((near - c) / c) * ((near + c) / c), near
+    return inside, squares_apart(near, c, c), near
 
 
 def _depth_over_radii(run: RunSolution, r: Array, cycles: Array) -> Array:
@@ -158,7 +158,7 @@ def _deepest(given: tuple[RunSolution, _InRing], cycles: Array) -> Array:
 def _pressure(run: RunSolution, r: Array, cycles: Array) -> Array:
     curves, c, unit = run.curves, run.c, run.curves.unit
     under = jnp.where(r < c, r, 0.5 * c)
-    z, (nearest, caused_at) = ((c - under) / c) * ((c + under) / c), run.ring.caused(curves)
+    z, (nearest, caused_at) = squares_apart(c, under, c), run.ring.caused(curves)
     unworn, steady = run.ring.pressures(r)
     moment = moment_at(curves.worn.time, run.pace * cycles)
     faded = jnp.exp(-curves.decay * moment.late) / unit
