@@ -188,7 +188,7 @@ def _weights_of_depths(depth: np.ndarray, nu: float, radius: float) -> tuple[np.
 
     def parts(edges: np.ndarray) -> np.ndarray:
         """What is between the edges, of the range that counts."""
-        return np.diff(np.asarray(felt(np.clip(edges / radius, *FELT), nu)))
+        return np.diff(felt(np.clip(edges / radius, *FELT), nu))
 
     weight, below = np.zeros_like(depth), depth > 0.0
     z = depth[below]

@@ -97,7 +97,7 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
             value = value if isinstance(value, float) else np.asarray(value)
             inside = domain.contains(value)
             if inside is not True and not np.all(inside):
-                _refuse_element(name, value, domain, np.argmin(np.asarray(inside)))
+                _refuse_element(name, value, domain, np.argmin(inside))
     if on_device:
         _, arrays, rules = zip(*on_device, strict=True)
         with jax.ensure_compile_time_eval():  # known numbers, also while a function of others is traced

@@ -287,7 +287,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
     verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
     sides = {"best": "free gradient", "power_law": f"power law, k = {found.exponent:.3g}", "reference": "reference"}
-    counts, at = coating.where_it_counts(found.contact, force), np.asarray(profile.at)
+    counts, at = coating.where_it_counts(found.contact, force), profile.at
     rings = [coating.worn(contact, force) for contact in contacts]
     worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
     depths = np.geomspace(min(0.5 * at[at > 0.0][0], 0.03 * widest), max(2.0 * at[-1], 3.0 * widest), 300)

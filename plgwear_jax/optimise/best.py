@@ -64,7 +64,7 @@ class LimitState:
     def kept(self) -> bool:
         """The limit is broken by no more than rounding."""
         with np.errstate(divide="ignore"):  # what is limited can be 0
-            excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
+            excess = np.log(np.divide(self.value, self.allowed))
         return bool(keeps(-excess if self.lowest else excess))
 
 
@@ -380,7 +380,7 @@ def _in_words(found: Design) -> str:
     of_what = "E(z) at depths" if "depth" in material else ", ".join(told)
     lines.append(f"material: {of_what}{f'; {found.hold} held' if found.hold else ''}")
     if load is not None:
-        counting = int(np.count_nonzero(np.asarray(load.weight)))
+        counting = np.count_nonzero(load.weight)
         told = f"{counting} amplitudes, at most " if counting > 1 else ""
         lines.append(f"load: {told}{f'{np.max(load.amplitudes):.4g} N' if found.question.by_force else load.load}")
     if scenarios is not None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
-from plgwear_jax._core.domains import POSITIVE, Numbers, check, concrete_only, record, refuse_traced
+from plgwear_jax._core.domains import POSITIVE, check, concrete_only, record, refuse_traced
 from plgwear_jax._core.rules import refuse_question
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
@@ -47,9 +47,9 @@ class ModulusProfile:
             abs(k); None for no limit.
     """
 
-    at: Numbers
-    lower: Numbers
-    upper: Numbers
+    at: Any  # an array or a list of numbers
+    lower: Any
+    upper: Any
     steepness: float | None = None
 
     def __post_init__(self) -> None:
@@ -147,7 +147,7 @@ class FreeDesign:
     @property
     def at_bound(self) -> tuple[str | None, ...]:
         """For each depth the bound on which the modulus lies, "lower" or "upper", or None."""
-        rows = zip(self.modulus, np.asarray(self.profile.lower), np.asarray(self.profile.upper), strict=True)
+        rows = zip(self.modulus, self.profile.lower, self.profile.upper, strict=True)
         return tuple("lower" if x <= 1.0001 * low else "upper" if 1.0001 * x >= high else None for x, low, high in rows)
 
     @property
@@ -162,12 +162,12 @@ class FreeDesign:
             return None
         radius, deepest = self.contact_radii[0], self.contact.steady(self.question.load.amplitudes[0]).deepest_wear
         depths = radius * np.geomspace(*doubts.FELT, 16)
-        return doubts.of_design(depths, np.asarray(self.contact.material.modulus_at(depths)), radius, float(deepest))
+        return doubts.of_design(depths, self.contact.material.modulus_at(depths), radius, float(deepest))
 
     def __repr__(self) -> str:
         """The objective, the moduli, the best power law, the contact radii, what is doubtful, and what is certain."""
         profile = self.profile
-        rows = zip(profile.at, profile.lower, profile.upper, self.modulus, self.at_bound, strict=True)  # pyright: ignore
+        rows = zip(profile.at, profile.lower, profile.upper, self.modulus, self.at_bound, strict=True)
         law = f"k = {self.exponent:.3g}, {self.objective} = {measured(self.objective, self.power_law_value)}"
         best, _, reference = (measured("contact_radius", radius) for radius in self.contact_radii)
         lines = [
@@ -192,7 +192,7 @@ class _FreeModuli:
     """
 
     def __init__(self, question: Question, profile: ModulusProfile, held: bool):
-        self.evaluator, self.held, self.depth = Evaluator(question), held, np.asarray(profile.at)
+        self.evaluator, self.held, self.depth = Evaluator(question), held, profile.at
         self.box = np.log(np.column_stack([profile.lower, profile.upper]))
         # What the steepness wants to be >= 0: a constant and its slopes.
         self.steep = np.zeros((0, 1 + self.depth.size))
@@ -272,16 +272,16 @@ def free_design(
     from plgwear_jax.surfaces import DepthGraded
 
     def on(moduli: Any) -> FrettingContact:
-        return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
+        return dataclasses.replace(contact, material=DepthGraded(modulus.at, moduli, nu))
 
     # One structure, and so one program, whatever the reference is.
-    ends = zip(np.asarray(modulus.lower), np.asarray(modulus.upper), strict=True)
+    ends = zip(modulus.lower, modulus.upper, strict=True)
     vary = {f"material.modulus[{i}]": (float(low), float(high)) for i, (low, high) in enumerate(ends)}
     question = question_of(on(modulus.lower), load, vary, **keywords)
     limited = {one.quantity for one in question.limits}
     refuse_question({}, hold, question.objective, limited, kind="fretting", flat=False)
     reference_value = np.exp(Candidate(dataclasses.replace(question, contact=contact), {}).objective()).item()
-    radius = float(np.asarray(contact.steady(0.0).contact_radius))
+    radius = float(contact.steady(0.0).contact_radius)
     first = Limit(radius, {}, "contact_radius", "contact_radius", False)
     problem = _FreeModuli(dataclasses.replace(question, limits=(first, *question.limits)), modulus, hold)
 

@@ -79,7 +79,7 @@ def weighted_load(contact: FrettingContact, given: WeightedLoad, level: float) -
         if weight is not None:
             raise ValueError("weight: belongs to several amplitudes, not to blocks")
         return WeightedLoad(load, np.ones(1))
-    amplitudes = np.atleast_1d(np.asarray(load.amplitude))
+    amplitudes = np.atleast_1d(load.amplitude)
     weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
     load.check(contact.friction, contact.normal_force)
     amplitudes, counting, _ = falling(amplitudes, weight, level)

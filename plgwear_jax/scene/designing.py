@@ -94,7 +94,7 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
         raise SceneError("[load] table: displacements need other forces in each scenario; give forces, or [wear] cycles")
     contacts = _in_scenarios(given, scatter)
     found = solving.displacement_effect(contacts, load.counting(load.given).max(), load.rig_stiffness)
-    return np.broadcast_to(np.asarray(found.force), scatter.row.shape)
+    return np.broadcast_to(found.force, scatter.row.shape)
 
 
 def answer(question: str, **arguments: Any) -> Any:

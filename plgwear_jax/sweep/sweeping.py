@@ -272,7 +272,7 @@ def _side_by_side(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.
     for name, (force, weight) in loads.items():
         try:
             force = check_axis("tangential_force", force)
-            pairs.append((force, tail_weights(force, np.asarray(weight))))
+            pairs.append((force, tail_weights(force, weight)))
         except (ValueError, TypeError) as error:
             raise SweepError(f"load {name}: {error}") from None
     longest = max(force.size for force, _ in pairs)

@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import functools
 import hashlib
+import itertools
 import os
 import pickle
 import platform
@@ -205,14 +206,14 @@ def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list
         rest = iter(moving)
         return tree.unflatten([next(rest) if move else x for x, move in zip(leaves, moves, strict=True)])
 
-    return [x for x, move in zip(leaves, moves, strict=True) if move], whole
+    return list(itertools.compress(leaves, moves)), whole
 
 
 def steps_of(tangents: Any) -> tuple[list[bool], list[Any]]:
     """(Which leaves a rule of derivatives differentiates by, the steps of these), of its symbolic zeros."""
     steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
     moves = [not isinstance(step, SymbolicZero) for step in steps]
-    return moves, [step for step, move in zip(steps, moves, strict=True) if move]
+    return moves, list(itertools.compress(steps, moves))
 
 
 def moved_along(function: Callable[..., Any], primals: Any, tangents: Any) -> tuple[Any, Any]:
