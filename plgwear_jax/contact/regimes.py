@@ -199,7 +199,7 @@ def _between(loops: _Loops, onset: _Loops, moves: np.ndarray, rig: float) -> _Lo
     from scipy.interpolate import CubicSpline
 
     rows = []
-    for known in np.concatenate([np.stack(loops, -1), np.stack(onset, -1)], axis=1):
+    for known in np.append(np.stack(loops, -1), np.stack(onset, -1), 1):
         own = known[:, 1] - rig * known[:, 0]  # the displacement of the contact itself, in which all are smooth
         over = CubicSpline(own, known / own[:, None])  # as all begin like the displacement
         places = np.linspace(0.0, own[-1], 4001)

@@ -138,7 +138,7 @@ class InSteadyState(NamedTuple):
     flips_at: float | None
 
 
-_LIVES = np.concatenate([[1.0], np.geomspace(1e-3, 1e5, 383)])  # at which both are compared
+_LIVES = np.append(1.0, np.geomspace(1e-3, 1e5, 383))  # at which both are compared
 _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 

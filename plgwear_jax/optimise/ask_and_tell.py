@@ -507,7 +507,7 @@ def _nothing_hides(plan: SearchPlan, scanned: Any, best: Point, slack: Any) -> A
     step = axis[1] - axis[0]
     weights = xp.append(1.0, best.multipliers)[:, None]
     # the objective, the limits, and last the Lagrangian
-    rows = xp.concatenate([scanned, (weights * scanned).sum(1, keepdims=True)], axis=1)
+    rows = xp.append(scanned, (weights * scanned).sum(1, keepdims=True), 1)
     values, slopes = rows[..., 0], rows[..., 1]
 
     # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the

@@ -48,7 +48,7 @@ def residual_of(rows: Any, u: Any, multipliers: Any, side: Any, active: Any) -> 
     """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
     xp = namespace(rows, u)
     of_variables = xp.where(side == 0.0, inclination(rows, multipliers), u - side)
-    return xp.concatenate([of_variables, xp.where(active, rows[..., 1:, 0], multipliers)], -1)
+    return xp.append(of_variables, xp.where(active, rows[..., 1:, 0], multipliers), -1)
 
 
 def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
@@ -68,7 +68,7 @@ def conditions(rows: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditio
     by_variables = by_variables * (xp.abs(hessian).max((-2, -1), keepdims=True) + by_variables)
     corner = -by_limits * xp.ones_like(multipliers)[..., None]
     matrix = xp.block([[hessian + by_variables, xp.swapaxes(limits, -1, -2)], [limits, corner]])
-    counts = xp.concatenate([side == 0.0, active], -1)
+    counts = xp.append(side == 0.0, active, -1)
     matrix = xp.where(counts[..., None], matrix, np.eye(counts.shape[-1], dtype=u.dtype))
     return Conditions(side, active, residual_of(rows, u, multipliers, side, active), matrix)
 

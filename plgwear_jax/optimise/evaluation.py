@@ -399,7 +399,7 @@ def _log_of_mean(amounts: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Logarithms of means of all amounts, and their slopes; the weights are (points, ..., scenarios * amplitudes)."""
     mean = np.einsum("l...c,lcn->l...n", weights, amounts)
     total = np.maximum(mean[..., :1], np.finfo(weights.dtype).tiny)  # a depth can be 0
-    return np.concatenate([np.log(total), mean[..., 1:] / total], axis=-1)
+    return np.append(np.log(total), mean[..., 1:] / total, -1)
 
 
 def over_scenarios(question: Question, told: Evaluation) -> Evaluation:
@@ -411,7 +411,7 @@ def over_scenarios(question: Question, told: Evaluation) -> Evaluation:
     weights = np.array([tail_weights(lane, probable, question.scenarios.level) for lane in amounts[..., 0]])
     at = excess[..., 0].argmax(1)
     worst = np.take_along_axis(excess, at[:, None, :, None], 1)[:, 0]
-    rows = np.concatenate([_log_of_mean(amounts, weights)[:, None], worst], axis=1)
+    rows = np.append(_log_of_mean(amounts, weights)[:, None], worst, 1)
     return told._replace(rows=rows, weights=weights, scenario=at)
 
 

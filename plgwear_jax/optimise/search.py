@@ -284,9 +284,7 @@ def rows_of(function: Callable[[Array], tuple[Any, Any]], u: Array) -> tuple[Any
         return values, (values, more)
 
     slopes, (values, more) = (jax.jacfwd if u.size <= 3 else jax.jacrev)(twice, has_aux=True)(u)
-    return jax.tree.map(
-        lambda value, by: materialised(jnp.concatenate([value[..., None], by], -1)), values, slopes
-    ), more
+    return jax.tree.map(lambda value, by: materialised(jnp.append(value[..., None], by, -1)), values, slopes), more
 
 
 def rows_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> Array:
@@ -310,5 +308,5 @@ def _implicit_jvp(function, primals, tangents):
     _, left = jax.jvp(lambda rows: residual_of(rows, u, multipliers, here.side, here.active), (rows,), (by_params,))
     step = -solved_by_elimination(here.matrix, left)
     du, dmultipliers = jnp.split(step, u.shape[-1:], -1)
-    by_u = jnp.concatenate([rows[..., None, 1:], curvatures], -2)
+    by_u = jnp.append(rows[..., None, 1:], curvatures, -2)
     return minima, (du, dmultipliers, by_params + (by_u * du[:, None, None]).sum(-1))

@@ -72,7 +72,7 @@ class Spline(AbelTransform):
         x = (0.5 * left)[..., None]
         powers = jnp.ones_like(x)
         for _ in range(3):
-            powers, x = jnp.concatenate([powers, x * powers], -1), x * x
+            powers, x = jnp.append(powers, x * powers, -1), x * x
         # By the eighth power, whose coefficients are the products of a matrix.
         total = horner([powers @ block for block in self.series], x)
         along = r * left

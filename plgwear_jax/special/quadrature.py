@@ -60,7 +60,7 @@ class Pieces(NamedTuple):
         some = before * last > 0.0
         decay = jnp.log(jnp.where(some, before, 2.0) / jnp.where(some, last, 1.0))
         last = -last / jnp.expm1(-jnp.maximum(decay, power * jnp.log(self.ahead[-2] / self.ahead[-1])))
-        return jnp.concatenate([terms[:, :-1], last[:, None]], 1).ravel()
+        return jnp.append(terms[:, :-1], last[:, None], 1).ravel()
 
 
 def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:

@@ -134,7 +134,7 @@ def _total(near: int, first: Array, second: Array, weight: Array) -> Array:
     """The sum of integrals, those for n = 1 at the last radii."""
     within, shape = weight.shape[1] - near, (*first.shape[:2], *weight.shape[:2])
     first, second = first.reshape(shape), second.reshape(shape)
-    each = jnp.concatenate([second[..., :within], first[..., within:]], -1)
+    each = jnp.append(second[..., :within], first[..., within:], -1)
     return each.reshape(*shape[:2], -1) @ weight.reshape(-1, weight.shape[-1])
 
 

@@ -330,14 +330,14 @@ class Graded(_Touching):
         edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(clamped(-0.999, excess))
         edge, own = (lax.complex(*jnp.unstack(both)) for both in (edge, own))
         # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
-        last = int(np.sum(constants.x < (0.5 if kinks else 0.1) * self.effort.modes**2))
+        last = np.sum(constants.x < (0.5 if kinks else 0.1) * self.effort.modes**2)
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
         resolved = 2 if law.punches is None else 1  # of these pressures
         size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
         if law.punches is not None:
             size = size * jnp.append(1.0, law.punches[3] / unit)
-        return self._beside(excess, y, jnp.concatenate([found[:, :last], size * near[:, last:]], 1))
+        return self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
 
 
 Bodies = OnePower | PowerLaw | Graded

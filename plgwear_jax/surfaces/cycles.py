@@ -104,7 +104,7 @@ def power_terms(
     bodies: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: tuple[Array, Array]
 ) -> _PowerTerms:
     """Of cells beside c, as of `cells_of`, and of cells inside c, whose edges `inner` are T - 1 and T - 1 - width."""
-    edges = jnp.concatenate([inner[0], from_c[1:]]), jnp.concatenate([inner[1], from_1[1:]])
+    edges = jnp.append(inner[0], from_c[1:]), jnp.append(inner[1], from_1[1:])
     cells = inner[0].size - 1
     count = cells * NODES
 

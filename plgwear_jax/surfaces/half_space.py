@@ -203,7 +203,7 @@ def responses(
         The displacement along the wave times q/(2 (1+nu)), sigma_zz and sigma_sz of normal tractions, the same of
         tractions along the wave, the displacement and sigma_tz of tractions across it, shape (8, depths, n).
     """
-    every = jnp.sort(jnp.concatenate([edges, jnp.broadcast_to(z[:, None], (z.size, edges.shape[1]))]), 0)
+    every = jnp.sort(jnp.append(edges, jnp.broadcast_to(z[:, None], (z.size, edges.shape[1])), 0), 0)
     place = jnp.maximum(jnp.sum(every[:, None] < z[:, None], 0), 1)
     h, s = _layers(between, every, even, q)
     _, (inside, down) = _upwards(*_layer_matrices(s, nu, h, planes=2))

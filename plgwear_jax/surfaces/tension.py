@@ -78,7 +78,7 @@ def _of_springs(found: Worn, phi: Array) -> tuple[Array, Array, Array]:
     """
     punch, image, s = found.punch, found.beside.image, found.bodies.s
     wide, count = found.width, _CELLS.size - 1
-    edges = jnp.concatenate([jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:]])
+    edges = jnp.append(jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:])
     G = jnp.append(-image.first, image.fallen(edges[1:] - 1.0))
     size, inner = jnp.diff(edges), edges[:-1]
     inside = jnp.maximum(edges - inner[:, None], 0.0) ** s

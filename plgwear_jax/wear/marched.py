@@ -136,7 +136,7 @@ def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     around = jnp.concatenate([within, area[1:], beyond])
     middle = 0.5 * grid.unworn / b
     outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=b.dtype)[1:]
-    wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
+    wide = jnp.append(middle * (1.0 - inside), outwards) ** 2
     edges = jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
     radii = jnp.append(0.0, b * jnp.sqrt(edges[1:]))  # the root of 0 has no derivative
     unworn = mean_heights(bodies.outline, b, edges) * jnp.diff(edges)

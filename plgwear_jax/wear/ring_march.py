@@ -144,7 +144,7 @@ def marches_of(ring: RingCells, resolution: MarchResolution) -> March:
     # For the guesses, which are not differentiated: a slope to begin with, and what no cell wears more than.
     gap, steady, first = lax.stop_gradient((ring.gap, ring.steady, ring.first))
     bounds = jnp.stack([0.04 * first, jnp.log1p(steady / jnp.where(gap > 0.0, gap, 1.0))], 1)
-    bounds = jnp.concatenate([np.full((marches, 2, 1), [[0.04], [np.inf]], gap.dtype), bounds], -1)
+    bounds = jnp.append(np.full((marches, 2, 1), [[0.04], [np.inf]], gap.dtype), bounds, -1)
 
     def advance(state: tuple[Array, ...], row: Array) -> tuple[tuple[Array, ...], Array]:
         last, before, *slopes = state
