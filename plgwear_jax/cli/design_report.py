@@ -90,10 +90,10 @@ def _tensions(found: optimise.Design) -> str:
 
 def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:
     """How far it is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without any."""
-    question, load = found.question, found.load
+    load = found.load
     if load is None:
         return None
-    said, loss = f"at a 10 % higher {'force' if question.by_force else 'displacement'} amplitude", None
+    said, loss = f"at a 10 % higher {'force' if found.question.by_force else 'displacement'} amplitude", None
     if load.amplitudes is None:
         said = "with all amplitudes 10 % higher"
     try:
@@ -181,11 +181,10 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     if flips_at is None:
         report.say(f"{worn}; no other coating wears less in the steady state")
         return
-    times = forever.best_by_then / found.value
     report.say(
         f"{worn}, and the steady-state optimum, {_named(best.items())}, wears {least}",
         f"beyond {about(flips_at)} cycles the steady-state optimum wears less; "
-        f"after {counted(cycles)} it has worn {times:.3g} times as much",
+        f"after {counted(cycles)} it has worn {forever.best_by_then / found.value:.3g} times as much",
     )
 
 
@@ -331,11 +330,10 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
 
 
 def _free_verdict(found: optimise.FreeDesign) -> str:
-    best = found.minima[0]
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best gradient that it found"
     if not found.certified:
         return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
     other = f"the best of {len(found.minima)} minima" if len(found.minima) > 1 else "the same minimum"
-    some = f"{best.starts} of {found.starts} descents ended in {other}"
+    some = f"{found.minima[0].starts} of {found.starts} descents ended in {other}"
     return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"

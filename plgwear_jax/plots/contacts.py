@@ -127,8 +127,7 @@ def stress_picture(steady: Steady) -> Figure:
     colours = axes.contourf(x, z, np.asarray(stress.mises) / p_0, levels=_COLOURS)
     figure.colorbar(colours, ax=axes, label="von Mises stress / largest pressure", ticks=MaxNLocator(6))
     axes.contour(x, z, tension, levels=_LEVELS, colors="w", linewidths=0.7)
-    shares = ", ".join(f"{level:g}" for level in _LEVELS)
-    axes.plot([], color="w", linewidth=0.7, label=f"principal stress {shares}")
+    axes.plot([], color="w", linewidth=0.7, label=f"principal stress {', '.join(map(str, _LEVELS))}")
     turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)
     turn = turn[_TICKS, _TICKS]
     axes.quiver(

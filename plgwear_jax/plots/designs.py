@@ -245,9 +245,9 @@ def coating_picture(
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    E0, z0, k, radii = fit.material.E0, fit.material.z0, fit.material.k, idealisation.quantities["contact_radius"]
-    labels = "$E(z)$ as given", f"power law, $k = {k:.3g}$"
-    figure, panels = _three_panels(curve[0], (curve[1], E0 * (curve[0] / z0) ** k), labels, radii[0])
+    law, radii = fit.material, idealisation.quantities["contact_radius"]
+    labels = "$E(z)$ as given", f"power law, $k = {law.k:.3g}$"
+    figure, panels = _three_panels(curve[0], (curve[1], law.modulus_at(curve[0])), labels, radii[0])
     panels[0].plot(fit.depth, fit.modulus, "o", color=BLUE, markersize=3.0)
     _draw_influence(panels, counts, radii[0])
     panels[0].axvspan(*fit.felt, label="0.1 to 3 contact radii", **_FELT)

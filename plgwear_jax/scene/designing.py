@@ -43,9 +43,9 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
     asked["vary"] = vary
     if scatter is None:
         return asked
-    laws, wear = None, given.wear
+    laws = None
     if "wear_coefficient" in scatter.columns:
-        laws = law_of(scatter["wear_coefficient"], getattr(wear, "exponent", None))
+        laws = law_of(scatter["wear_coefficient"], getattr(given.wear, "exponent", None))
     # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
     forces = None if given.life is not None else forces_in_scenarios(given)
     if forces is not None and np.isnan(forces).any():

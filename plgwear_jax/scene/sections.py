@@ -82,9 +82,9 @@ def body_from(reading: Reading, section: str, values: KeyValues) -> Body:
     """What a section, or a key of [contact], describes; the file that it names is read from a folder."""
     material = reading.material
     if section == "Layers" and len(values["modulus"]) != len(values["thickness"]) + 1:
-        layers, moduli = len(values["thickness"]), len(values["modulus"])
+        layers = len(values["thickness"])
         text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
-        raise WrongKeyError("modulus", f"{text}, not {moduli}")
+        raise WrongKeyError("modulus", f"{text}, not {len(values['modulus'])}")
     if section == "GrossSlip" and material.kind != "power law":
         raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
     if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
@@ -397,7 +397,7 @@ class DesignSpace(SimpleNamespace):
         """The same, or a SceneError if it does not go together, or with the other sections."""
         reading, variables, limits = self.reading, self.variables, self.limits or {}
         with reading.telling("design"):
-            material, kind, load = reading.material, reading.contact.kind, reading.load
+            kind, load = reading.contact.kind, reading.load
             if "modulus" in variables:
                 _refuse_window("vary.modulus", variables["modulus"])
                 if not self.free:
@@ -425,7 +425,7 @@ class DesignSpace(SimpleNamespace):
                 if kind == "gross-slip":
                     raise WrongKeyError("vary.modulus", f"cannot vary: {ON_K_ALONE}")
                 variables = {}
-            flat = getattr(material, "k", None) == 0.0
+            flat = getattr(reading.material, "k", None) == 0.0
             refuse_question(variables, bool(self.hold), objective, limits, kind=kind, flat=flat)
             if self.free and self.scenarios is not None:
                 raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
@@ -482,9 +482,9 @@ class DesignSpace(SimpleNamespace):
     @property
     def numbers(self) -> list[str]:
         """The names of all numbers of the contact."""
-        material, contact = self.reading.material, self.reading.contact
+        material = self.reading.material
         rows = (f"material.{name}[{i}]" for name, row in material.rows.items() for i in range(len(row)))
-        return [*material.numbers(), *contact.numbers(), *rows]
+        return [*material.numbers(), *self.reading.contact.numbers(), *rows]
 
     @property
     def free(self) -> bool:
@@ -524,7 +524,7 @@ class DesignSpace(SimpleNamespace):
 
     def _refuse_to_vary(self) -> None:
         """Refuse bounds of what this contact does not have, and of what slips as a whole."""
-        contact, load = self.reading.contact, self.reading.load
+        load = self.reading.load
         if "nu" in self.variables and isinstance(self.reading.material.nu, str):
             raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
         for name in self.variables:
@@ -532,7 +532,7 @@ class DesignSpace(SimpleNamespace):
                 raise WrongKeyError(f"vary.{name}", f"is no number of this contact{near_or_all(name, self.numbers)}")
         varied = [name for name in PRESSED if name in self.variables]
         if varied and load is not None and not (load.of_displacement or load.pressed):
-            lowest = (self.variables.get(name, [getattr(contact, name)])[0] for name in PRESSED)
+            lowest = (self.variables.get(name, [getattr(self.reading.contact, name)])[0] for name in PRESSED)
             if not load.largest < math.prod(lowest):
                 text = f"at the lowest {' and '.join(varied)} the whole contact slips"
                 raise WrongKeyError(f"vary.{varied[0]}", text)

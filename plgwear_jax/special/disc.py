@@ -130,12 +130,12 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None) -> Array
     away = within | (r > float(_MEET) ** -0.5)
     # Beyond r = 2^30 only the power t^-s still depends on r.
     bounded = jnp.minimum(r, 2.0**30)
-    t, gap = bounded * bounded, jnp.abs(1.0 - r)
+    t = bounded * bounded
     difference = jnp.abs(1.0 - bounded) * (1.0 + bounded)
     # 1/x or abs(z)
     ratio = quotient(jnp.where(away, jnp.where(within, t, 1.0), difference), jnp.where(away, difference, 1.0 + t))
     off_edge = jnp.where(r == 1.0, ratio + 0.5 * jnp.finfo(r.dtype).eps, ratio)
-    first = log(jnp.where(away, gap, off_edge), digits)
+    first = log(jnp.where(away, jnp.abs(1.0 - r), off_edge), digits)
     second = log(1.0 + jnp.where(away, r, t), digits)
     square = q * q
     far = _alternating(ratio, square, outside, digits)

@@ -189,11 +189,10 @@ _ARTANH_TAIL = tuple(c * _SQUARE**n for n, c in enumerate(_ARTANH[1:]))
 
 def _log_of_parts(e: Array, excess: Array, digits: int | None) -> Array:
     """log(2^e (1 + excess)) by 2 artanh(z), z = excess/(2 + excess)."""
-    head, rest = _LOG_2_HEAD[e.dtype], _LOG_2_REST[e.dtype]
     z = excess * reciprocal(2.0 + excess)
     square = z * z
     tail = z * square * polynomial(_ARTANH_TAIL, square * (1.0 / _SQUARE), digits)
-    return (tail + rest * e) + 2.0 * z + head * e
+    return (tail + _LOG_2_REST[e.dtype] * e) + 2.0 * z + _LOG_2_HEAD[e.dtype] * e
 
 
 @moves_by(lambda _, x, dx: _over(dx, x), 1)
@@ -216,10 +215,9 @@ _EXPONENTIAL = tuple((0.5 * math.log(2.0)) ** n / math.factorial(n + 2) for n in
 @moves_by(lambda value, _, dx: (value[0] * dx, value[0] * dx), 1)
 def exponentials(x: Array, digits: int | None) -> tuple[Array, Array]:
     """(exp(x), exp(x) - 1), both to full relative accuracy, as long as exp(x) is a normal number."""
-    head, rest = _LOG_2_HEAD[x.dtype], _LOG_2_REST[x.dtype]
     limits = jnp.finfo(x.dtype)
     n = lax.round(x * (1.0 / math.log(2.0)), lax.RoundingMethod.TO_NEAREST_EVEN)
-    r = (x - head * n) - rest * n
+    r = (x - _LOG_2_HEAD[x.dtype] * n) - _LOG_2_REST[x.dtype] * n
     less_one = r + r * r * polynomial(_EXPONENTIAL, r * (2.0 / math.log(2.0)), digits)
     bits, mantissa = _layout(x.dtype)
     bounded = lax.max(n, x.dtype.type(limits.minexp))

@@ -71,14 +71,14 @@ def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, e
     last = function(fixed, end)
     reached, never = last >= goal, jnp.where(jnp.isnan(last + goal), jnp.nan, jnp.inf)
     goal = jnp.where(reached, goal, 0.5 * last)
-    aim, limits = lax.stop_gradient(goal), jnp.finfo(goal.dtype)
+    aim = lax.stop_gradient(goal)
 
     def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
         middle = 0.5 * (bounds[0] + bounds[1])
         below = function(fixed, middle) < aim
         return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
 
-    low, high = lax.fori_loop(0, limits.nmant + 8, halve, (0.0 * last, end + 0.0 * last))
+    low, high = lax.fori_loop(0, jnp.finfo(goal.dtype).nmant + 8, halve, (0.0 * last, end + 0.0 * last))
     x = 0.5 * (low + high)
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):

@@ -30,8 +30,7 @@ def own_axes(tree: Any) -> list[int]:
 
 def refuse_array(contact: Any) -> None:
     """Refuse an array of contacts."""
-    numbers = paths_of(contact)
-    for (name, number), own in zip(numbers.items(), own_axes(contact), strict=True):
+    for (name, number), own in zip(paths_of(contact).items(), own_axes(contact), strict=True):
         if np.ndim(number) > own:
             raise ValueError(f"contact: {name} of shape {np.shape(number)}: takes one contact, not an array of them")
 

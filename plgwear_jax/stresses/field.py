@@ -180,7 +180,7 @@ Body = Piecewise | PowerModulus | None
 
 def body_of(pressed: Pressed) -> Body:
     """E(z) over that of the surface, or of the depth a_0 on a power law, by z/a_0; for one contact."""
-    k, nu, table = pressed.k, pressed.nu, pressed.table
+    k, nu = pressed.k, pressed.nu
     if k is not None:
         from scipy.interpolate import CubicSpline  # late: it takes SciPy longer to import than a contact to be solved
 
@@ -196,7 +196,7 @@ def body_of(pressed: Pressed) -> Body:
         cubics = CubicSpline(_STEP * np.arange(len(_DEPTHS)), np.eye(len(_DEPTHS))).c
         rest = found[..., 0] - _own_responses(nu, depths)
         return PowerModulus(k, jnp.tensordot(jnp.asarray(cubics, k.dtype), rest, (2, 1)))
-    return table
+    return pressed.table
 
 
 # --- the field --------------------------------------------------------------------------------------------------------

@@ -128,8 +128,7 @@ class PowerLaw(_Touching):
     def lead(self) -> tuple[Array, Array]:
         """(k, log(g)) of the term that leads at large q."""
         power, homogeneous = self.log_g, jnp.log(self.homogeneous)
-        both = jnp.logaddexp(power, homogeneous)
-        log_g = jnp.where(self.k > 0.0, power, jnp.where(self.k < 0.0, homogeneous, both))
+        log_g = jnp.where(self.k > 0.0, power, jnp.where(self.k < 0.0, homogeneous, jnp.logaddexp(power, homogeneous)))
         return _of_sign(self.k)[0], log_g
 
     @property
@@ -199,9 +198,9 @@ def _tables(function: Callable[..., Any], effort: Effort, k: Array, s: Array) ->
 
 
 def _inside(effort: Effort, k: Array, s: Array) -> _Inside:
-    (positive, size), above = _of_sign(k), k >= 0.0
+    positive, size = _of_sign(k)
     a, lag = 0.5 * (1.0 + positive), 0.5 * size
-    other = jnp.where(above, 0.5, 0.5 * (1.0 + k))  # of the other term, not that which leads
+    other = jnp.where(k >= 0.0, 0.5, 0.5 * (1.0 + k))  # of the other term, not that which leads
     rise = 1.0 + s - other
     # All at once, since XLA compiles the polynomial each time.
     of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))

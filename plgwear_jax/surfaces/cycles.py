@@ -38,7 +38,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on, T - (a_0/c)^2.
     """
-    bodies, punch, further, beside = found.bodies, found.punch, found.further, found.beside
+    bodies, further, beside = found.bodies, found.further, found.beside
     c, a, radius = found.c, beside.a, bodies.outline.radius
     at = c, found.width, from_c, from_1
     at_held_depth, (t, share, weight, size) = (
@@ -55,7 +55,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
         lost, risen = jnp.unstack(between(jnp.stack([beside.flat, v]), y))
         flat, unworn_gap = 1.0 - lost, jnp.maximum(unworn_gap + risen - v[0], 1e-3 * unworn_gap)
     flat_punch_gap, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
-    rise = math.pi * radius / punch.stiffness
+    rise = math.pi * radius / found.punch.stiffness
     whole = at_held_depth * (radius / (c * c)) + rise * flat_punch_gap[:, None] * flat_punch_gap
     # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
     # line to there gives, where the modes lose more than all of it.

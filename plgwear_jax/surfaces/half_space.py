@@ -85,10 +85,9 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     """
     if modulus.start.size == 1:  # a homogeneous half-space
         return jnp.zeros_like(q)
-    surface = modulus.coefficients[0, 0]  # no depth is above z = 0
     edges, even = depths_for(modulus, q, digits)
     h, s = _layers(modulus.between, edges, even, q)
-    s = surface * s  # mu(0)/mu
+    s = modulus.coefficients[0, 0] * s  # mu(0)/mu: no depth is above z = 0
     total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, nu, h))[0] / (1.0 - nu)
     return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
 

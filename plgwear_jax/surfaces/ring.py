@@ -70,9 +70,8 @@ def between(v: Array, y: Array) -> Array:
 
 def _around(y: Array) -> tuple[Array, Array]:
     """(The nodes around y, their weights), each of shape (m, taps)."""
-    last = _NODES.size - _TAPS
     place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _NODES.size - 1.0)
-    first = jnp.floor(clamped(0.0, lax.stop_gradient(place) + (1 - _TAPS // 2), last))
+    first = jnp.floor(clamped(0.0, lax.stop_gradient(place) + (1 - _TAPS // 2), _NODES.size - _TAPS))
     part = (place - (first + _MIDDLE))[:, None]
     which = first.astype(np.uint32)[:, None] + np.arange(_TAPS, dtype=np.uint32)
     return which, part ** np.arange(_TAPS) @ jnp.asarray(_TO_POWERS, y.dtype)
@@ -96,7 +95,7 @@ class RingDisplacement:
 
 def beside(bodies: Bodies, punch: Punch) -> RingDisplacement:
     """v of both."""
-    c, a, depth, modes = punch.c, bodies.abel, punch.depth, bodies.effort.modes
+    c, a, depth = punch.c, bodies.abel, punch.depth
     image = bodies.outline.image(c, a)
     fixed = a, image, bodies.effort.nodes
     if isinstance(bodies, OnePower):
@@ -108,7 +107,7 @@ def beside(bodies: Bodies, punch: Punch) -> RingDisplacement:
         return RingDisplacement(*fixed, first[0] + v[:, 0], v[:, 1])
     # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
     # indenter jumps its depth has fewer digits, which count less further out.
-    count = int(np.searchsorted(_NODES, -2.0 * math.log(modes)))
+    count = int(np.searchsorted(_NODES, -2.0 * math.log(bodies.effort.modes)))
     begin = count if resolved(image) else count + _FURTHER
     v, fallen = bodies.beside(c, y[count:], both), image.fallen(y)
     flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
@@ -151,7 +150,7 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further:
 
     They are Abel's integral of v from 0 on, which is d - G(T) under the contact. Far away little is left of the depth.
     """
-    a, image, deficit, log_c = around.a, around.image, around.deficit(further), punch.log_c
+    a, image, deficit = around.a, around.image, around.deficit(further)
     level, known = punch.depth - image.first, jnp.minimum(y, math.exp(_FARTHEST))
     under = pieces(inwards(bodies.outline.shape.corners, punch.c)[::-1], a, logistic(200, 46.0))  # over x = 1 - T
     weight, last = under.singular(a)
@@ -165,8 +164,8 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further:
         places, (own, _) = _counts(deficit, y)
         return sunk + own @ (level + between(deficit.v, places))
 
-    sunk, log_r, log_last = lax.map(jax.checkpoint(at), known), *(log_c + 0.5 * jnp.log1p(x) for x in (y, known))
-    return sunk * jnp.exp(bodies.far(log_r) - bodies.far(log_last))
+    here, beyond = (bodies.far(punch.log_c + 0.5 * jnp.log1p(x)) for x in (known, y))
+    return lax.map(jax.checkpoint(at), known) * jnp.exp(beyond - here)
 
 
 class Ring(NamedTuple):

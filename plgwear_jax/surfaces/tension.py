@@ -77,14 +77,14 @@ def _of_springs(found: Worn, phi: Array) -> tuple[Array, Array, Array]:
     flat punches of all radii, each with the share by which G rises there.
     """
     punch, image, s = found.punch, found.beside.image, found.bodies.s
-    wide, count = found.width, _CELLS.size - 1
+    wide = found.width
     edges = jnp.append(jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:])
     G = jnp.append(-image.first, image.fallen(edges[1:] - 1.0))
     size, inner = jnp.diff(edges), edges[:-1]
     inside = jnp.maximum(edges - inner[:, None], 0.0) ** s
     slopes = ratio_where(size > 0.0, jnp.diff(G), size)
     parts = jnp.diff(inside) * (slopes * punch.stiffness / punch.force)
-    own = jnp.sum(parts[:, :count], -1)  # beside the stick area 0
+    own = jnp.sum(parts[:, : _CELLS.size - 1], -1)  # beside the stick area 0
     shares = jnp.stack([(1.0 - phi) * (1.0 + wide) * jnp.sum(parts, -1), own, own])
     areas = jnp.stack([1.0 + wide, jnp.ones_like(wide), jnp.ones_like(wide)])[:, None]
     left = jnp.maximum(1.0 - inner / areas, jnp.finfo(s.dtype).eps)

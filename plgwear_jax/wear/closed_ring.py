@@ -141,10 +141,10 @@ _DIGITS = 12  # digits of g and H, which are known in closed form
 @program(static=1)
 def _ring_of(digits: int | None, contact: Any, load: Any) -> ClosedRing:
     steady = Steady(contact, load, digits=digits)
-    mean, radii = steady._mean_pressure, (steady.contact_radius, steady.stick_radius)
-    given = steady._tangential_ratio, contact.friction, steady.tangential_force
-    found = steady._k, steady.amplitude, *radii, steady._height, mean, *given
-    return ClosedRing(*jnp.broadcast_arrays(*in_dtype(mean.dtype, *found)))
+    mean, theta = steady._mean_pressure, steady._tangential_ratio
+    scales = steady.contact_radius, steady.stick_radius, steady._height, mean, theta, contact.friction
+    found = in_dtype(mean.dtype, steady._k, steady.amplitude, *scales, steady.tangential_force)
+    return ClosedRing(*jnp.broadcast_arrays(*found))
 
 
 @program()

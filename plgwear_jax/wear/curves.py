@@ -83,12 +83,12 @@ def moment_at(times: Array, time: Array, within: bool = False) -> Moment:
         time: Broadcasts against the contacts.
         within: Whether the part is kept from 0 to 1 before the first time, and from roundings beside others.
     """
-    axes, last = times.ndim - 1, times.shape[-1] - 1
+    axes = times.ndim - 1
     rows, number = _rows(times, axes), np.arange(math.prod(times.shape[:-1])).reshape(times.shape[:-1])
     # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
     early = lax.stop_gradient(time) * (1.0 - ROUNDINGS * jnp.finfo(times.dtype).eps)
     before = jnp.sum(lax.stop_gradient(times) < early[..., None], -1)
-    first = clamped(0, before - 1, last - 1)
+    first = clamped(0, before - 1, times.shape[-1] - 2)
     begin, end = rows[number, first], rows[number, first + 1]
     # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
     inside = jnp.where(time > times[..., -1], times[..., -1], time)

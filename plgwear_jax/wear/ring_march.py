@@ -33,9 +33,9 @@ class _Step(NamedTuple):
 
 def _excess(step: _Step, found: Array) -> Array:
     """(The residual of each equation, A w) for (1/l; w)."""
-    pace, added = found[0], found[1:]
+    added = found[1:]
     sunk = step.compliance @ added
-    return jnp.stack([step.gap * (jnp.exp(step.known + added) - 1.0) + pace * sunk - step.steady, sunk])
+    return jnp.stack([step.gap * (jnp.exp(step.known + added) - 1.0) + found[0] * sunk - step.steady, sunk])
 
 
 _HUGE = 1e30  # far above the square of any right side

@@ -336,17 +336,16 @@ def edge_radii(page: FigureBase) -> list[Claim]:
     axes.text(0.5, 0.5, "$c/a_0$")
     axes.legend(loc="upper left")
     crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
-    stick, worn = fretting.stick_radius(EXPONENTS, 0.5), fretting.worn_radius(EXPONENTS, 0.5)
     return [
         Claim(
             "the larger the exponent the larger the stick radius c",
-            f"at φ = 0.5 and k = −0.5, 0, 0.5: c = {_listed(stick, '.4f')} a0",
+            f"at φ = 0.5 and k = −0.5, 0, 0.5: c = {_listed(fretting.stick_radius(EXPONENTS, 0.5), '.4f')} a0",
             rising(inner[1:-1].T),
         ),
         Claim(
             "the larger the exponent the smaller the outer radius a∞",
-            f"at φ = 0.5 and k = −0.5, 0, 0.5: a∞ = {_listed(worn, '.4f')} a0; it holds below "
-            f"φ = {min(crossings):.5f}, the opposite above {max(crossings):.5f}, close to gross slip",
+            f"at φ = 0.5 and k = −0.5, 0, 0.5: a∞ = {_listed(fretting.worn_radius(EXPONENTS, 0.5), '.4f')} a0; it "
+            f"holds below φ = {min(crossings):.5f}, the opposite above {max(crossings):.5f}, close to gross slip",
             False,
             rising(-outer[1:200].T),
         ),
