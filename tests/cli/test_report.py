@@ -117,5 +117,4 @@ def test_an_interrupt_that_a_callback_loses_comes_again(monkeypatch):
 
 def test_every_axis_of_the_catalogue_is_an_option_of_sweeps():
     told = CliRunner().invoke(cli.app, ["sweep", "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"}).stdout
-    found = re.findall(r"--([\w-]+) +VALUES", told)
-    assert found == [name.replace("_", "-") for name in AXES if "." not in name]
+    assert re.findall(r"--([\w-]+) +VALUES", told) == [name.replace("_", "-") for name in AXES if "." not in name]

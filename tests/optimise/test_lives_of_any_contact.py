@@ -75,8 +75,7 @@ def test_loads_other_than_the_force(name):
 @long  # to march
 def test_another_wear_law_over_a_table_of_amplitudes():
     law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
-    life = {"cycles": CYCLES, "law": law}
-    found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HOLD, **life)
+    found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HOLD, **{"cycles": CYCLES, "law": law})
     scanned = held(np.linspace(-0.6, 0.6, 13))
     mean = weight @ [worn(scanned, one, law) for one in force] / weight.sum()
     is_least(found, mean, within=0.02, run=True)
@@ -88,8 +87,7 @@ def test_the_depth_at_a_radius():
     found = optimise.design(RIGID, FORCE, RANGE, hold=HOLD, **life)
     assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).depth(6.6e-5, CYCLES), rtol=1e-6)
     for k in (-0.6, 0.0, 0.6):
-        again = optimise.along(found, "k", [k])
-        assert again.value[0] >= found.value * (1.0 - 1e-9)
+        assert optimise.along(found, "k", [k]).value[0] >= found.value * (1.0 - 1e-9)
 
 
 # --- every question ---------------------------------------------------------------------------------------------------

@@ -152,6 +152,5 @@ def test_a_sweep_of_layers_does_not_go_on_with_others(tmp_path):
         {"out": tmp_path / "a.zarr", "digits": 2, "indenter_E": np.array([100e9, 210e9])},
     )
     sweep.sweep(["contact_radius"], contact=contact, **asked)
-    stiffer = on(contact, modulus=[100e9, 200e9])
     with pytest.raises(sweep.SweepError, match="holds another sweep: bodies there"):
-        sweep.sweep(["contact_radius"], contact=stiffer, **asked)
+        sweep.sweep(["contact_radius"], contact=on(contact, modulus=[100e9, 200e9]), **asked)

@@ -109,8 +109,7 @@ def test_scenarios_and_amplitudes_count_together():
     weight = np.concatenate([one * WEIGHT for one in share])
     is_least(found, over(volumes, weight, 0.8), within=1e-4)
     harder = optimise.under_other_load(found, 1.05)
-    again = optimise.design(RIGID, 1.05 * force, **asked)
-    assert_allclose(harder.best.value, again.value, rtol=1e-9)
+    assert_allclose(harder.best.value, optimise.design(RIGID, 1.05 * force, **asked).value, rtol=1e-9)
 
 
 @compiled
@@ -201,8 +200,7 @@ def test_an_input_file_names_a_table_of_scenarios(here):
 @compiled
 def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     life = ("[design]", "[wear]\ncoefficient = 1e-14\ncycles = 4e5\n[design]")
-    table = "wear_coefficient\n3e-15\n1e-14\n"
-    found = scattered(tmp_path, table, life, ('"deepest_wear"', '"wear_volume"')).design()
+    found = scattered(tmp_path, "wear_coefficient\n3e-15\n1e-14\n", life, ('"deepest_wear"', '"wear_volume"')).design()
     scenarios = Scenarios(RIGID, law=np.array([3e-15, 1e-14]))
     best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, scenarios=scenarios, **LIFE)
     assert_allclose(found.value, best.value, rtol=1e-9)

@@ -172,8 +172,7 @@ def test_the_command_knows_the_figures_without_their_module():
 def test_command_writes_pictures_and_a_report(here):
     found = run("--out", "drawn", "--only", "4")
     assert found.exit_code == 0 and found.stderr == ""
-    lines = found.stdout.splitlines()
-    assert lines == ["Fig. 4    Effective volume change over the exponent: agrees"]
+    assert found.stdout.splitlines() == ["Fig. 4    Effective volume change over the exponent: agrees"]
     stems = ("contact-sheet", "fig-04")
     written = sorted(path.name for path in Path("drawn").iterdir())
     assert written == sorted([*(f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")), "figures.md"])

@@ -115,8 +115,7 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     limits = {"contact_radius": {"above": 7e-5}}
     wear = plots.design_picture(optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5)}, limits=limits)).axes[1]
     k, kept = curve(wear)
-    radius = dome(k).steady(0.0).contact_radius
-    assert np.array_equal(np.isfinite(kept), np.asarray(radius) >= 7e-5 * (1.0 - 1e-6))
+    assert np.array_equal(np.isfinite(kept), np.asarray(dome(k).steady(0.0).contact_radius) >= 7e-5 * (1.0 - 1e-6))
     assert 0 < np.isfinite(kept).sum() < k.size
     assert legend(wear.figure)[-1] == "breaks a limit"
     saved, limits, contact, symbols = wear.figure.get_supxlabel().splitlines()

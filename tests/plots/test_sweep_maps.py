@@ -408,8 +408,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     assert "$F_N$ = 10 N" in figure.get_suptitle()
     for suffix in ("png", "pdf"):
         plots.save(figure, tmp_path / f"map.{suffix}")
-    curve = map_picture(ds, "contact_radius")
-    assert curve.axes[0].get_ylabel() == "contact radius $a_0$ (µm)"
+    assert map_picture(ds, "contact_radius").axes[0].get_ylabel() == "contact radius $a_0$ (µm)"
 
 
 @parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])

@@ -188,8 +188,7 @@ def test_windows_text_is_read():
 
 def test_contact_has_the_numbers_of_the_file():
     assert read(FRETTING).build_contact() == dome(0.25)
-    material = PowerLawGraded(1e9, 1e-3, -0.5, "holl")
-    assert read(GROSS_SLIP).build_contact() == GrossSlipContact(material, 2e-3, 1e-6)
+    assert read(GROSS_SLIP).build_contact() == GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
 
 
 def test_design_has_what_the_search_takes():
@@ -335,8 +334,7 @@ def test_every_quantity_is_that_of_the_contact(text, names):
 
 def test_without_output_all_single_numbers_are_computed():
     assert list(read(GROSS_SLIP).solve()) == list(PUNCH_LAWS)[:5]
-    found = read(SINGLE_NUMBERS).solve()
-    assert list(found) == SINGLE
+    assert list(read(SINGLE_NUMBERS).solve()) == SINGLE
     limited = changed(SINGLE_NUMBERS, (MINIMISE, f"{MINIMISE}\n{LIMITED}"))
     assert list(read(limited).solve()) == [*SINGLE[:8], "edge_pressure", *SINGLE[8:]]
 

@@ -209,9 +209,8 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     def volume(k):
         return dome(k).over_cycles(moved, COEFFICIENT).volume(4e5)
 
-    slope = jax.grad(volume)(0.6)
     by = (volume(0.601) - volume(0.599)) / 2e-3
-    assert 0.5 * by > slope > 2.0 * by
+    assert 0.5 * by > jax.grad(volume)(0.6) > 2.0 * by
 
 
 @parametrize(
@@ -303,8 +302,7 @@ def test_nothing_wears_without_amplitude_or_cycles():
     still = worn(Displacement(0.0))
     assert still.volume(CYCLES) == 0.0 and np.isnan(still.cycles_to(0.5))
     assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
-    none = worn([Block(GROSS, 0.0)])
-    assert none.volume(0.0) == 0.0
+    assert worn([Block(GROSS, 0.0)]).volume(0.0) == 0.0
 
 
 def test_a_narrow_slip_ring_is_followed_or_refused():
