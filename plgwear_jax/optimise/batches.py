@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, check, check_real, nan_outside, one_or_nan, record
+from plgwear_jax._core.domains import NUMBER, check, nan_outside, one_or_nan, record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP
@@ -101,7 +101,6 @@ def designs(
         question = dataclasses.replace(question, load=weighted.with_amplitudes(*jnp.broadcast_arrays(*pairs)))
     weighted = question.load
     if question.by_force:
-        check_real("load", weighted.amplitudes)
         phi = nan_outside(*hardest(question), PARTIAL_SLIP)
         # NaN where traced numbers are outside their ranges
         weighted = weighted.with_amplitudes(weighted.amplitudes + 0.0 * phi, weighted.weight)

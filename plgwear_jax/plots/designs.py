@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
-from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.optimise import Comparison, Design, FreeDesign, Front, along, compared
 from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate, space
 from plgwear_jax.optimise.question import keeps
@@ -37,7 +37,6 @@ from .style import (
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
-    from plgwear_jax.optimise import FreeDesign
 
 _FELT: Style = {"zorder": -1, "color": "0.9", "linewidth": 0.0}
 _SYMBOLS = "$a_0$: contact radius before wear"
@@ -272,7 +271,7 @@ def _draw_influence(panels: Any, counts: Any, radius: float) -> None:
 
 @picture
 def free_picture(
-    found: "FreeDesign", curves: Sequence[np.ndarray], counts: tuple[np.ndarray, np.ndarray], worn: np.ndarray
+    found: FreeDesign, curves: Sequence[np.ndarray], counts: tuple[np.ndarray, np.ndarray], worn: np.ndarray
 ) -> Figure:
     """Draw the best E(z), the best power law and the reference, the influence of each depth, and the wear depths.
 
