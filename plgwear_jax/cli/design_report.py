@@ -334,6 +334,7 @@ def _free_verdict(found: optimise.FreeDesign) -> str:
         return "the search DID NOT CONVERGE; this is the best gradient that it found"
     if not found.certified:
         return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
-    other = f"the best of {len(found.minima)} minima" if len(found.minima) > 1 else "the same minimum"
-    some = f"{found.minima[0].starts} of {found.starts} descents ended in {other}"
+    best, *others = found.minima
+    other = f"the best of {len(found.minima)} minima" if others else "the same minimum"
+    some = f"{best.starts} of {found.starts} descents ended in {other}"
     return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"

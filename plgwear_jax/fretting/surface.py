@@ -49,7 +49,9 @@ def _initial_punch(r: Array, k: Array) -> Any:
     return r, jnp.ones_like(k), jnp.zeros_like(k), *exponents(k)
 
 
-@formula(slopes={"r": lambda *at, digits: _punch_slope(*_initial_punch(*at), digits)}, r=NOT_NEGATIVE, k=EXPONENT)
+@formula(
+    slopes={"r": lambda *at, digits: _punch_slope(*_initial_punch(*at), digits=digits)}, r=NOT_NEGATIVE, k=EXPONENT
+)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -72,7 +74,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (14), (15).
     """
-    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits)
+    return _punch_displacement(*_initial_punch(jnp.asarray(r), jnp.asarray(k)), digits=digits)
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
@@ -92,7 +94,7 @@ def _steady_punch(r: Array, k: Array, phi: Array) -> Any:
 
 @formula(
     slopes={
-        "r": lambda *at, digits: _punch_slope(*_steady_punch(*at), digits),
+        "r": lambda *at, digits: _punch_slope(*_steady_punch(*at), digits=digits),
         "phi": _steady_displacement_by_phi,
     },
     r=NOT_NEGATIVE,
@@ -122,7 +124,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (24).
     """
-    return _punch_displacement(*_steady_punch(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)), digits)
+    return _punch_displacement(*_steady_punch(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)), digits=digits)
 
 
 @formula(slopes={"phi": lambda k, phi, digits: sinking(exponents(k)[0], phi, digits)}, k=EXPONENT, phi=AMPLITUDE)

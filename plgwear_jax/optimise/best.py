@@ -64,7 +64,7 @@ class LimitState:
     def kept(self) -> bool:
         """The limit is broken by no more than rounding."""
         with np.errstate(divide="ignore"):  # what is limited can be 0
-            excess = np.log(np.divide(self.value, self.allowed))
+            excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
         return bool(keeps(-excess if self.lowest else excess))
 
 
