@@ -75,7 +75,7 @@ def test_loads_other_than_the_force(name):
 @long  # to march
 def test_another_wear_law_over_a_table_of_amplitudes():
     law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
-    found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HOLD, **{"cycles": CYCLES, "law": law})
+    found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HOLD, cycles=CYCLES, law=law)
     scanned = held(np.linspace(-0.6, 0.6, 13))
     mean = weight @ [worn(scanned, one, law) for one in force] / weight.sum()
     is_least(found, mean, within=0.02, run=True)
