@@ -91,7 +91,9 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     if scatter is None or load is None or load.pressed or not load.of_displacement:
         return None
     if load.table and given.life is None:
-        raise SceneError("[load] table: displacements need other forces in each scenario; give forces, or [wear] cycles")
+        raise SceneError(
+            "[load] table: displacements need other forces in each scenario; give forces, or [wear] cycles"
+        )
     contacts = _in_scenarios(given, scatter)
     found = solving.displacement_effect(contacts, load.counting(load.given).max(), load.rig_stiffness)
     return np.broadcast_to(found.force, scatter.row.shape)
