@@ -305,5 +305,5 @@ def load_of(given: Any) -> Load:
     if isinstance(given, Load):
         return given
     numbers = as_array(given)
-    of_blocks = isinstance(numbers, list | tuple) or (numbers is not given and not np.size(numbers))
+    of_blocks = isinstance(given, list | tuple) and (numbers is given or not given)
     return Blocks(given) if of_blocks else Force(numbers)

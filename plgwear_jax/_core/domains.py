@@ -47,16 +47,20 @@ else:
 
 
 def as_array(value: Any) -> Any:
-    """A list, a tuple or a range of numbers as an array; everything else as it is."""
-    if not isinstance(value, list | tuple | range):
-        return value
-    try:
-        found = np.asarray(value)
-    except ValueError:  # rows of several lengths
-        return value
-    except jax.errors.TracerArrayConversionError:
-        return jnp.asarray(value)
-    return found if found.dtype.kind in "fiub" else value
+    """A list, a tuple or a range of numbers as an array; everything else as it is.
+
+    Without `jax_enable_x64` integers become floats, since JAX cuts them to 32 bits: 100 GPa in Pa would be 1.2 GPa.
+    """
+    if isinstance(value, list | tuple | range):
+        try:
+            found = np.asarray(value)
+        except ValueError:  # rows of several lengths
+            return value
+        except jax.errors.TracerArrayConversionError:
+            return jnp.asarray(value)
+        value = found if found.dtype.kind in "fiub" else value
+    whole = isinstance(value, int | np.integer | np.ndarray) and np.asarray(value).dtype.kind in "iu"
+    return value * 1.0 if whole and not jax.config.jax_enable_x64 else value
 
 
 class RefusedError(GivenError):

@@ -90,8 +90,9 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-        bound: dict[str, Any] = {name: as_array(x) for name, x in signature.bind(*args, **kwargs).arguments.items()}
-        itself, digits = bound.pop("self"), bound.pop("digits", None)
+        given = signature.bind(*args, **kwargs).arguments
+        itself, digits = given.pop("self"), given.pop("digits", None)
+        bound = {name: as_array(x) for name, x in given.items()}
         itself._check(**bound)
         if digits is not None:
             # For JAX, True is the same static argument as 1.

@@ -387,8 +387,8 @@ def search(
     """
     plan = plan_for(question)
     evaluator = Evaluator(question, known)
-
-    plan = plan if limits is None else plan._replace(limits=limits)
+    if limits is not None:
+        plan = plan._replace(limits=limits)
     return found_by(lambda variables: changed(evaluator.told(variables).rows), space(question), plan)
 
 

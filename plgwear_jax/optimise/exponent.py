@@ -129,8 +129,8 @@ def _few_optimal_exponents(values: list[Array], digits: int | None) -> OptimalEx
         return _exponent_of(found_by(wear, {"k": Interval(*bounds)}, plan))
 
     found = map(one, phi.ravel(), lower.ravel(), upper.ravel())
-    joined = jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found)
-    return jax.device_put(joined)  # unlike `jnp.asarray` it compiles nothing
+    # Unlike `jnp.asarray` it compiles nothing.
+    return jax.device_put(jax.tree.map(lambda *each: np.reshape(each, phi.shape), *found))
 
 
 @with_digits

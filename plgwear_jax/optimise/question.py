@@ -250,7 +250,7 @@ def solved_in_turn(question: Question) -> bool:
 
 def as_float(value: Any) -> Any:
     """A concrete number as a float; what is traced, or an array of several, as it is."""
-    return value if holds_tracers(value) or np.ndim(value) else float(np.asarray(value))
+    return value if holds_tracers(value) or np.ndim(value) else float(value)
 
 
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------

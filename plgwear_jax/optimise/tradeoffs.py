@@ -180,8 +180,7 @@ def front(
     known: Known = {}
     of_x = _least_within(question, known, {row: 1.0, 0: _TIE * y_side}, others)
     of_y = _least_within(question, known, {row: _TIE, 0: y_side}, others)
-    ends = evaluate(question, _joined([of_x, of_y]).variables, known)
-    first, last = ends.values[:, row]
+    first, last = evaluate(question, _joined([of_x, of_y]).variables, known).values[:, row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [_least_within(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]

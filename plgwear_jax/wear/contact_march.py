@@ -226,8 +226,7 @@ def march(disc: Disc, theta: Array, law: WearLaw, steps: Steps) -> Moments:
 
     found = lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
-    outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.given.normal_force
-    return until(outside, found)
+    return until(found.pressure[:, -1] * disc.area > 1e-6 * steps.given.normal_force, found)
 
 
 def until(ends: Array, moments: Moments) -> Moments:

@@ -19,6 +19,7 @@ from functions import FUNCTIONS, arguments
 from kinds import LAYERS, STEEL, contact_of
 from marks import compiled_case, parametrize
 from numpy.testing import assert_array_equal
+from processes import output
 from refusals import refusal
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
@@ -142,6 +143,28 @@ def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
     with pytest.raises(ValueError, match=r"^phi = 1.5 at index 1, 2 is outside the allowed range 0 <= phi < 1$"):
         fretting.stick_radius(k, phi.at[1, 2].set(1.5))
     assert sum(size for _, size in spy.read) == 3  # and the element outside
+
+
+WITHOUT_X64 = """
+import numpy as np
+from plgwear_jax import Elastic, FrettingContact, PowerLawGraded
+from plgwear_jax.loads import Force
+
+def results(E0, limit, body=PowerLawGraded):
+    coating = body(E0, 1e-4, 0, 0.3) if body is PowerLawGraded else body(E0, 0.3)
+    contact = FrettingContact(coating, 5e-3, 10, 0.4)
+    state, run = contact.steady(Force(1.5, limit)), contact.over_cycles(1.5, 1e-14, digits=2)
+    return np.stack([state.contact_radius, state.displacement_amplitude, run.volume(limit)])
+
+for whole in 100 * 10**9, np.int64(100 * 10**9), [100 * 10**9, 200 * 10**9], np.array([100 * 10**9]):
+    for body in PowerLawGraded, Elastic:
+        real = np.asarray(whole, float)
+        np.testing.assert_allclose(results(whole, 10**10, body), results(real, 1e10, body), rtol=1e-6)
+"""
+
+
+def test_whole_numbers_of_more_than_32_bits_are_not_cut():
+    output("-c", WITHOUT_X64, JAX_ENABLE_X64="0")
 
 
 # --- traced values --------------------------------------------------------------------------------------------------
