@@ -129,7 +129,7 @@ def _designs_in_turn(question: Question, level: float) -> Designs:
     for place in np.ndindex(shape):
         one: Any = one_of(x[place] for x in numbers)
         load, best = one.load, found[0]
-        if not question.by_force or np.any(load.amplitudes * load.weight):
+        if load.amplitudes is None or np.any(load.amplitudes * load.weight):
             best = answered(dataclasses.replace(one, load=weighted_load(one.contact, load, level)))
         found.append(Designs(*(getattr(best, field.name) for field in dataclasses.fields(Designs))))
     return jax.tree.map(lambda *leaves: jnp.asarray(np.reshape(leaves[1:], shape).astype(type(leaves[0]))), *found)
