@@ -155,6 +155,7 @@ def slip_regimes(
     check("normal_force", normal_force, POSITIVE)
     if rig_stiffness is not None:
         check("rig_stiffness", rig_stiffness, POSITIVE)
+        rig_stiffness = float(rig_stiffness)
     moves, forces = np.asarray(displacement_amplitude, float), np.asarray(normal_force, float)
     for name, row in (("displacement_amplitude", moves), ("normal_force", forces)):
         if row.ndim != 1:
@@ -163,10 +164,11 @@ def slip_regimes(
         raise ValueError("displacement_amplitude: the amplitudes must not decrease")
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
-    rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)
+    rig = 0.0 if rig_stiffness is None else 1.0 / rig_stiffness
     closed = is_closed(contact)
-    at = moves if closed else _SHARES
-    onset, loops = jax.tree.map(np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, at))
+    onset, loops = jax.tree.map(
+        np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, moves if closed else _SHARES)
+    )
     unknown = np.isnan(onset.displacement)
     if unknown.any():
         told = "before any wear the contact would have to pull, or reaches beyond the table of its shape"

@@ -148,6 +148,7 @@ def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
 WITHOUT_X64 = """
 import numpy as np
 from plgwear_jax import Elastic, FrettingContact, PowerLawGraded
+from plgwear_jax.contact import slip_regimes
 from plgwear_jax.loads import Force
 
 def results(E0, limit, body=PowerLawGraded):
@@ -155,6 +156,12 @@ def results(E0, limit, body=PowerLawGraded):
     contact = FrettingContact(coating, 5e-3, 10, 0.4)
     state, run = contact.steady(Force(1.5, limit)), contact.over_cycles(1.5, 1e-14, digits=2)
     return np.stack([state.contact_radius, state.displacement_amplitude, run.volume(limit)])
+
+def loop(rig_stiffness):
+    contact = FrettingContact(PowerLawGraded(1e11, 1e-4, 0, 0.3), 5e-3, 10, 0.4)
+    return slip_regimes(contact, [1e-7], [10], rig_stiffness=rig_stiffness).energy_ratio
+
+np.testing.assert_allclose(loop(10**10), loop(1e10), rtol=1e-6)
 
 for whole in 100 * 10**9, np.int64(100 * 10**9), [100 * 10**9, 200 * 10**9], np.array([100 * 10**9]):
     for body in PowerLawGraded, Elastic:
