@@ -285,7 +285,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
     contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
     verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
-    sides = {"best": "free gradient", "power_law": f"power law, k = {found.exponent:.3g}", "reference": "reference"}
+    sides = {"best": "free\ngradient", "power_law": f"power law,\nk = {found.exponent:.3g}", "reference": "reference"}
     counts, at = coating.where_it_counts(found.contact, force), profile.at
     rings = [coating.worn(contact, force) for contact in contacts]
     worn = np.array([[ring[name] for ring in rings] for name in ("radii", "wear_depth")])
@@ -316,7 +316,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         each_with_unit("depth", at),
         *(each_with_unit("modulus", row, name) for row, name in zip(moduli, sides.values(), strict=True)),
         Column("allowed", [*allowed]),
-        Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
+        Column("", [f"{side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )
     freedom = f"the free gradient wears {100.0 * found.freedom:.3g} % less than the best power law within these bounds"

@@ -181,7 +181,9 @@ class Report:
         table.show_footer = any(column.end for column in columns)
         for column in columns:
             justify = "left" if column.left else "right"
-            table.add_column(column.heading, column.end, justify=justify, no_wrap=not column.wrap)
+            lines = "\n".join((column.heading, column.end, *column.cells)).split("\n")
+            least = None if column.wrap else max(map(len, lines))
+            table.add_column(column.heading, column.end, justify=justify, no_wrap=not column.wrap, min_width=least)
         rows = [*zip(*(column.cells for column in columns), strict=True)]
         for row in rows[: _MOST if more else None]:
             table.add_row(*row)
@@ -243,5 +245,6 @@ class Report:
                 typer.echo(one)
             else:
                 # A narrow terminal breaks lines, and cuts no numbers; text is not interpreted.
-                width = max(80, shutil.get_terminal_size().columns)
-                Console(width=width, markup=False, highlight=False, emoji=False).print(one)
+                console = Console(width=1000, markup=False, highlight=False, emoji=False)
+                console.width = max(80, shutil.get_terminal_size().columns, console.measure(one).minimum)
+                console.print(one)

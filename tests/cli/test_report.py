@@ -45,7 +45,12 @@ def test_people_read_tables_and_programs_one_object(capsys):
         report.table(
             each_with_unit("contact_radius", [1e-6, 2e-3], end=3e-9),
             shared("volume", np.array([1e-18, 2e-22]), end=0.0),
-            Column("", ["first", "second"], "end", left=True),
+            Column(
+                "",
+                ["first of more words than a narrow terminal has room for, of which none may be cut", "second"],
+                "end",
+                left=True,
+            ),
         )
         report.write_table({"volume": np.array([1.0, 1.0])})
         report.end()
@@ -58,7 +63,11 @@ def test_people_read_tables_and_programs_one_object(capsys):
             lines = printed.splitlines()
             assert lines[0] == "a line" and lines[-2:] == ["picture: a.png", "table: a.csv"]
             assert [line[16:28].split() for line in lines[3:6]] == [["worn"], ["volume"], ["µm³"]]
-            assert table_rows(printed) == [["1 µm", "1", "first"], ["2 mm", "2.0e-04", "second"], ["3 nm", "0", "end"]]
+            assert table_rows(printed) == [
+                ["1 µm", "1", "first of more words than a narrow terminal has room for, of which none may be cut"],
+                ["2 mm", "2.0e-04", "second"],
+                ["3 nm", "0", "end"],
+            ]
         assert Path("a.csv").read_text() == "volume\n1.0\n1.0\n"
 
 
