@@ -125,12 +125,12 @@ def _laws_in(text: str, *, unbounded_at: str | None = None, when: str = "") -> d
 TANGENTIAL = _laws_in(r"""
     slip_amplitude           \delta  slip          -  r F_x  amplitude of the slip in the ring before any wear
     displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
-    gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
+    gross_slip_displacement  u_g     m             -  -      displacement amplitude at which gross slip begins
     energy_per_cycle         W       energy        -  F_x    energy that friction takes in a cycle before any wear
     energy_ratio             A       number        -  F_x    energy of a cycle over 4 F_x u_x, before any wear
     loop_aperture            D       number        -  F_x    displacement at no force over u_x, before any wear
-    gross_slip_energy_ratio  A_g     1             -  -      energy ratio at which the contact begins to slip
-    gross_slip_aperture      D_g     1             -  -      sliding ratio at which the contact begins to slip
+    gross_slip_energy_ratio  A_g     1             -  -      energy ratio at which gross slip begins
+    gross_slip_aperture      D_g     1             -  -      sliding ratio at which gross slip begins
 """)
 
 FRETTING = (
