@@ -67,7 +67,7 @@ def wear(
     state. In gross slip it goes on, and is followed until the contact is ten times as wide. The life to be told is
     cycles under [wear].
 
-    Example: plgwear wear design/electrical_contact.toml --csv course.csv
+    Example: plgwear wear design/steel_ball.toml --csv course.csv
     """
     given = read_scene(scene_file)
     given.tested()

@@ -118,6 +118,8 @@ def show_units(
     short = 1e-3 <= lower / factor < upper / factor < 1e5
     # Powers of ten leave room for few others.
     more = (1.0, 2.0, 3.0, 5.0)[:: 1 if short else 2] if upper < 100.0 * lower else (1.0,)
+    if short and upper < 4.0 * lower:  # of which such an axis would show one or none
+        more = 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0
     axis.set_major_locator(AsinhLocator(lower, numticks=7) if both else LogLocator(subs=more))
 
     def number(x: float, _: Any) -> str:

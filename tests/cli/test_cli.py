@@ -144,10 +144,6 @@ def test_solve_json_is_one_object_at_full_precision(folder):
     for name, quantity in scene.load("contact.toml").solve().items():
         known = {key: np.asarray(x).tolist() for key, x in quantity._asdict().items() if x is not None}
         assert found["quantities"][name] == known | ({"radii_unit": "m"} if "radii" in known else {})
-    pressure = found["quantities"]["pressure"]
-    assert pressure["unbounded_at"] == "the stick-slip boundary"
-    assert_allclose(pressure["edge_distance"], 6.77e-7, rtol=1e-3)
-    assert_allclose(pressure["edge_value"], 350.3e6, rtol=1e-3)
 
 
 def test_solve_json_has_null_for_what_is_infinite():
@@ -545,8 +541,8 @@ def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
 def test_version_and_help():
     assert plgwear("--version").stdout == f"plgwear {plgwear_jax.__version__}\n"
     assert "tangential_force = 22.0" in plgwear("--help").stdout
-    for command in ("solve", "design", "front"):
-        assert "Example: plgwear" in plgwear(f"{command} --help").stdout
+    (example,) = re.findall(r"Example: plgwear wear (\S+)", plgwear("wear --help").stdout)
+    assert scene.load(DESIGNS.parent / example).wear
 
 
 @parametrize("line", ["solve", "solve a b", "bake", "solve a --digits 16", "design --jsn"])
