@@ -194,15 +194,15 @@ MATERIAL = _laws_in(r"""
 TRANSIENT = _laws_in(
     r"""
     wear_volume       \Delta V  volume  -  F_x cycles wear_coefficient    volume worn after the cycles
-    wear_rate         dV/dN     volume  -  F_x cycles wear_coefficient    volume worn in a cycle by then
-    energy_per_cycle  W         J       -  F_x cycles wear_coefficient    energy that friction takes in a cycle by then
+    wear_rate         dV/dN     volume  -  F_x cycles wear_coefficient    volume worn per cycle after the cycles
+    energy_per_cycle  W         J       -  F_x cycles wear_coefficient    energy that friction takes per cycle after the cycles
     contact_radius    a         radius  -  F_x cycles wear_coefficient    radius of the contact after the cycles
     profile           f         height  -  r F_x cycles wear_coefficient  shape of the indenter after the cycles
     wear_depth        h         height  -  r F_x cycles wear_coefficient  depth worn off after the cycles
     pressure          p         stress  -  r F_x cycles wear_coefficient  pressure after the cycles
     cycles_to         N         1       -  share F_x wear_coefficient     cycles after which a share of all wear is worn
     """,
-    when=" by then",
+    when=" after the cycles",
 )
 
 

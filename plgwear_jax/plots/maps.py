@@ -177,7 +177,9 @@ def _place_told(row: xr.DataArray) -> str:
 
 
 def _value(row: xr.DataArray, value: Any) -> str:
-    return written(value, _printed(row)) if _is_number(row) else _no_formula(value)
+    if not _is_number(row):
+        return _no_formula(value)
+    return re.sub(r"(?<=\d)e\+?(-?)0?(\d+)", r"$\\times 10^{\1\2}$", written(value, _printed(row)))
 
 
 def _no_formula(text: str) -> str:

@@ -283,8 +283,8 @@ def test_values_of_other_axes_are_chosen_and_told():
     figure = map_picture(cube(), at={"z0": "7.5e-5", "k": 0.3})
     assert_array_equal(line(figure)[1], plane(K, PHI, Z0)[8, :, 3])
     assert figure.get_suptitle() == "shape, $k$ = 0.3, $z_0$ = 71.97 µm (nearest to 75 µm)"
-    single = drawn(PLANE[:, :, None], attrs={"label": "shape"}, k=K, phi=PHI, z0=[1e-4])
-    assert single.get_suptitle() == "shape, $z_0$ = 100 µm"
+    single = drawn(PLANE[:, :, None], attrs={"label": "shape"}, k=K, phi=PHI, z0=[1e5])
+    assert single.get_suptitle() == r"shape, $z_0$ = 1$\times 10^{5}$ m"
 
 
 @cases("plots/refused.toml", "maps")
