@@ -133,12 +133,8 @@ def front(
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (
         each_with_unit(
-            found.x_name if column == x_column else column,
-            by[shown],
-            words.get(column),
-            reference.get(column),
-            wrap=True,
-        )
+            found.x_name if column == x_column else column, by[shown], words.get(column), reference.get(column)
+        )._replace(wrap=True)
         for column, by in columns.items()
     )
     report.say(amplitudes_told(given, found.y_name))

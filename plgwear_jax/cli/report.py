@@ -76,12 +76,10 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
     return {name: getattr(found, name) for name in names}
 
 
-def each_with_unit(
-    name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
-) -> Column:
+def each_with_unit(name: str, values: Iterable[float], heading: str | None = None, end: float | None = None) -> Column:
     """A column of values of a quantity, NaN for none, each with its own unit, by default below the quantity's words."""
     cells = [measured(name, value) if value == value else "" for value in values]
-    return Column(heading or entry(name).words, cells, "" if end is None else measured(name, end), wrap=wrap)
+    return Column(heading or entry(name).words, cells, "" if end is None else measured(name, end))
 
 
 def shared(name: str, values: "np.ndarray", end: float | None = None, heading: str | None = None) -> Column:
@@ -183,7 +181,7 @@ class Report:
             justify = "left" if column.left else "right"
             lines = "\n".join((column.heading, column.end, *column.cells)).split("\n")
             least = None if column.wrap else max(map(len, lines))
-            table.add_column(column.heading, column.end, justify=justify, no_wrap=not column.wrap, min_width=least)
+            table.add_column(column.heading, column.end, justify=justify, min_width=least)
         rows = [*zip(*(column.cells for column in columns), strict=True)]
         for row in rows[: _MOST if more else None]:
             table.add_row(*row)
