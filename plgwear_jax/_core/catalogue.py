@@ -195,7 +195,7 @@ TRANSIENT = _laws_in(
     r"""
     wear_volume       \Delta V  volume  -  F_x cycles wear_coefficient    volume worn after the cycles
     wear_rate         dV/dN     volume  -  F_x cycles wear_coefficient    volume worn per cycle after the cycles
-    energy_per_cycle  W         J       -  F_x cycles wear_coefficient    energy that friction takes per cycle after the cycles
+    energy_per_cycle  W         J       -  F_x cycles wear_coefficient    energy of friction per cycle after the cycles
     contact_radius    a         radius  -  F_x cycles wear_coefficient    radius of the contact after the cycles
     profile           f         height  -  r F_x cycles wear_coefficient  shape of the indenter after the cycles
     wear_depth        h         height  -  r F_x cycles wear_coefficient  depth worn off after the cycles

@@ -254,7 +254,7 @@ class Steady(Solution):
 
     @property
     def gross_slip_aperture(self) -> Array:
-        """The sliding ratio at which the unworn contact begins to slip as a whole, 2^((1+k)/(3+k)) - 1 for a parabola."""
+        """The sliding ratio at which gross slip of the unworn contact begins, 2^((1+k)/(3+k)) - 1 for a parabola."""
         return self._onset_aperture * self._share_at_onset
 
     @property
