@@ -60,7 +60,7 @@ def as_array(value: Any) -> Any:
             return jnp.asarray(value)
         value = found if found.dtype.kind in "fiub" else value
     whole = isinstance(value, int | np.integer | np.ndarray) and np.asarray(value).dtype.kind in "iu"
-    return value * 1.0 if whole and not jax.config.jax_enable_x64 else value
+    return value * 1.0 if whole and jnp.result_type(float) == jnp.float32 else value
 
 
 class RefusedError(GivenError):
