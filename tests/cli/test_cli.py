@@ -128,7 +128,7 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     for name, begin in {
         "contact_radius": "67.7 µm",
         "wear_volume": "2.961 µm³",
-        "wear_depth": "3.601 nm 66.79 µm",
+        "wear_depth": "3.562 nm 66.94 µm",
         "pressure": "350.3 MPa edge - 677 nm",
     }.items():
         assert rows[name].startswith(begin)
@@ -540,6 +540,7 @@ def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
 
 def test_version_and_help():
     assert plgwear("--version").stdout == f"plgwear {plgwear_jax.__version__}\n"
+    assert "tangential_force = 22.0" in plgwear("--help").stdout
     (example,) = re.findall(r"Example: plgwear wear (\S+)", plgwear("wear --help").stdout)
     assert scene.load(DESIGNS.parent / example).wear
 
