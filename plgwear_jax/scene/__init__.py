@@ -313,9 +313,9 @@ class Scene:
 
         Of a history only the largest amplitude counts. Over a table, numbers that depend on the amplitude are weighted
         means, and their descriptions say so. Functions of the radius are given from 0 to 1.25 times the largest worn
-        radius (fretting) or twice the radius of the punch (gross slip). Beside the edge where a quantity is unbounded
-        it is also given at one distance: that of [output], else that at which the edge pressure is minimised or
-        limited, else a hundredth of the contact radius.
+        radius, at half of the radii in the worn ring (fretting), or to twice the radius of the punch (gross slip).
+        Beside the edge where a quantity is unbounded it is also given at one distance: that of [output], else that at
+        which the edge pressure is minimised or limited, else a hundredth of the contact radius.
 
         Args:
             digits: Correct digits wanted; by default all that the dtype holds.

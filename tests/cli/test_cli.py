@@ -128,7 +128,7 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     for name, begin in {
         "contact_radius": "67.7 µm",
         "wear_volume": "2.961 µm³",
-        "wear_depth": "3.562 nm 66.94 µm",
+        "wear_depth": "3.601 nm 66.79 µm",
         "pressure": "350.3 MPa edge - 677 nm",
     }.items():
         assert rows[name].startswith(begin)

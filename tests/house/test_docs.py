@@ -349,7 +349,10 @@ def test_every_key_of_an_input_file_is_described():
     assert listed | {"Limits"} == {name for name, one in keys.SECTIONS.items() if "properties" in one}
     assert all(f"| `{key}` | " in told for name in listed for key in keys.SECTIONS[name]["properties"])
     assert "| `normal_force` | Normal force. | N | > 0 | required |" in told
-    assert "| `points` | Number of radii at which a function of the radius is given. |  |" in told
+    assert (
+        "| `points` | Number of radii at which a function of the radius is given, half of them in the worn ring. |  |"
+        in told
+    )
     assert "behind the contact, at which stresses are given. | m | a finite number |" in told
 
 
