@@ -205,7 +205,8 @@ class Scene:
         try:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
-            raise SceneError(f"{error.key.replace('.', f' {name}@')}: {error.text}") from None
+            such = f", such as {name}@{','.join(['1e-6'] * len(needed))}" if law and not at else ""
+            raise SceneError(f"{error.key.replace('.', f' {name}@')}: {error.text}{such}") from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
         for place, value in places.items():
             if not domain.contains(value):

@@ -256,7 +256,10 @@ class LoadSection(SimpleNamespace):
         """
         if self.slides is not None:
             raise self.slides
-        return self.counting(self.moved.force if self.of_displacement else self.given)
+        found = self.counting(self.moved.force if self.of_displacement else self.given)
+        if math.isnan(found.sum()):
+            raise SceneError("the force exceeds the range of numbers: some value in the input file is too extreme")
+        return found
 
     def counting(self, amplitudes: Any) -> "np.ndarray":
         """Those amplitudes that count: all of a history, or those of a table with weight > 0."""
