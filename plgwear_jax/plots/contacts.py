@@ -244,18 +244,13 @@ def blocks_picture(run: Run) -> Figure:
     for axes, name, read, style in (
         (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0, "clip_on": False}),
         (panels[1], "tangential_force", run.force_amplitude, BEST | steps),
-        (
-            panels[2],
-            "r",
-            run.contact_radius,
-            BEST | steps | {"label": "contact radius at the end of each block"},
-        ),  # the larger one sets the limits
+        (panels[2], "r", run.contact_radius, BEST | steps | {"label": "contact radius at the end of each block"}),
         (panels[2], "r", run.stick_radius, REFERENCE | steps | {"label": "stick radius at the end of each block"}),
     ):
         values = np.asarray(read(ends))
         # the volume grows from nothing, all others are those at the end of each block
         axes.plot(cycles, np.append(0.0 if name == "volume" else values[0], values), **style)
-        axes.set_ylim(0.0)
+        axes.set_ylim(0.0, 1.05 * axes.dataLim.y1 or 1.0)
         label(axes, "cycles", name, entry(name).name)
     legend_above(figure, panels[2], 2)
     letters(panels)
