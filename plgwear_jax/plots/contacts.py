@@ -127,7 +127,10 @@ def stress_picture(steady: Steady) -> Figure:
     colours = axes.contourf(x, z, np.asarray(stress.mises) / p_0, levels=_COLOURS)
     figure.colorbar(colours, ax=axes, label="von Mises stress / largest pressure", ticks=MaxNLocator(6))
     axes.contour(x, z, tension, levels=_LEVELS, colors="w", linewidths=0.7)
-    axes.plot([], color="w", linewidth=0.7, label=f"principal stress {', '.join(map(str, _LEVELS))}")
+    shares = ", ".join(map(str, _LEVELS))
+    axes.plot(
+        [], color="w", linewidth=0.7, label=f"principal stress / largest pressure\n{shares}; short: its direction"
+    )
     turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)
     turn = turn[_TICKS, _TICKS]
     axes.quiver(
@@ -139,8 +142,13 @@ def stress_picture(steady: Steady) -> Figure:
     for edge, colour, words in ((a, "k", "contact"), (c, GREEN, "stick area")):
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
     told = []
-    for name, words, marker in (("peak_tension", "tension", "D"), ("peak_mises", "von Mises stress", "o")):
-        axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **_PEAK)
+    # The larger one first: both may be at one place.
+    for name, words, marker, size in (
+        ("peak_tension", "tension", "D", 9.0),
+        ("peak_mises", "von Mises stress", "o", 5.0),
+    ):
+        place = map(float, getattr(steady, f"{name}_at"))
+        axes.plot(*place, marker, label=f"largest {words}", **_PEAK | {"markersize": size})
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
