@@ -189,8 +189,8 @@ def needed(contact, name):
     # What is unbounded at the stick-slip boundary is given beside it as well.
     own = {f"steady_{name}", "stick_radius"} if name in ("pressure", "traction") else {name} - {"contact_radius"}
     own = {"initial_pressure"} if name == "peak_initial_pressure" else own
-    # A function of the radius is given to beyond the worn ring.
-    return own | ({"worn_radius"} if "r" in enters(contact, name) else set())
+    # A function of the radius is given in the worn ring and beyond it.
+    return own | ({"stick_radius", "worn_radius"} if "r" in enters(contact, name) else set())
 
 
 def program_of(monkeypatch, given):
