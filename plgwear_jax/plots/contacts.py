@@ -97,7 +97,7 @@ def regimes_picture(
     return figure
 
 
-_PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
+_PEAK: Style = {"markeredgewidth": 0.7, "markeredgecolor": "k", "color": BLUE, "clip_on": False, "zorder": 5}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
 _TICKS = slice(10, -10, 10)  # of the places along both axes, those whose directions are drawn
 _LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
@@ -148,7 +148,7 @@ def stress_picture(steady: Steady) -> Figure:
         ("peak_mises", "von Mises stress", "o", 5.0),
     ):
         place = map(float, getattr(steady, f"{name}_at"))
-        axes.plot(*place, marker, label=f"largest {words}", **_PEAK | {"markersize": size})
+        axes.plot(*place, marker, markersize=size, label=f"largest {words}", **_PEAK)
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
