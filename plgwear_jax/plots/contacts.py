@@ -97,7 +97,8 @@ def regimes_picture(
     return figure
 
 
-_PEAK: Style = {"markeredgewidth": 0.7, "markeredgecolor": "k", "color": BLUE, "clip_on": False, "zorder": 5}
+_PEAK: Style = DOT | {"color": BLUE, "clip_on": False, "zorder": 5}
+_LARGER: Style = _PEAK | {"markersize": 9.0}
 _REACH = 1.6  # of the picture to both sides and downwards, in contact radii
 _TICKS = slice(10, -10, 10)  # of the places along both axes, those whose directions are drawn
 _LEVELS = 0.05, 0.1, 0.2, 0.4, 0.8
@@ -143,12 +144,11 @@ def stress_picture(steady: Steady) -> Figure:
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
     told = []
     # The larger one first: both may be at one place.
-    for name, words, marker, size in (
-        ("peak_tension", "tension", "D", 9.0),
-        ("peak_mises", "von Mises stress", "o", 5.0),
+    for name, words, marker, style in (
+        ("peak_tension", "tension", "D", _LARGER),
+        ("peak_mises", "von Mises stress", "o", _PEAK),
     ):
-        place = map(float, getattr(steady, f"{name}_at"))
-        axes.plot(*place, marker, markersize=size, label=f"largest {words}", **_PEAK)
+        axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **style)
         told.append(f"largest {words} {measured(name, getattr(steady, name))}")
     axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):

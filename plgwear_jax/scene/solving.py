@@ -51,12 +51,14 @@ def scene_values(
         found["edge distance"] = relative if given["distance"] is None else jnp.asarray(given["distance"])
         beside = jnp.maximum(found["edge radius"] - found["edge distance"], 0.0)
     if any("r" in laws[name].arguments for name in names):
-        apart = [jnp.linspace(0.0, 2.0 * punch, points)]
         if frets:  # half of them in the worn ring, which may be narrow, and none at its ends
             inner, outer = (jnp.max(value_of(name)) for name in ("stick_radius", "worn_radius"))
             even = max(2, points - points // 2)
-            apart = [jnp.linspace(0.0, 1.25 * outer, even), jnp.linspace(inner, outer, points - even + 2)[1:-1]]
-        given["r"] = found["radii"] = jnp.append(jnp.sort(jnp.concatenate(apart)), beside)
+            ring = jnp.linspace(inner, outer, points - even + 2)[1:-1]
+            radii = jnp.sort(jnp.append(jnp.linspace(0.0, 1.25 * outer, even), ring))
+        else:
+            radii = jnp.linspace(0.0, 2.0 * punch, points)
+        given["r"] = found["radii"] = jnp.append(radii, beside)
     for name in names:
         value, mean = value_of(name), weights is not None and "F_x" in laws[name].arguments
         found[name] = jnp.vdot(weights, value) if mean else value  # pyright: ignore[reportArgumentType]

@@ -183,6 +183,10 @@ class Steady(Solution):
         relative = (self._relative(name, x, self.contact_radius) for name, x in at.items())
         return unit * function(*relative, self._k, self.amplitude, digits=self.digits)
 
+    def _before_wear(self, unit: Array, function: Callable[..., Array], r: ArrayLike) -> Array:
+        """The same of a function that does not depend on the load."""
+        return unit * function(self._relative("r", r, self.contact_radius), self._k, digits=self.digits)
+
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
@@ -338,8 +342,7 @@ class Steady(Solution):
     @compiled
     def initial_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_0 of the surface in m before any wear, Eq. (14)."""
-        relative = self._relative("r", r, self.contact_radius)
-        return self._height * fretting.initial_displacement(relative, self._k, digits=self.digits)
+        return self._before_wear(self._height, fretting.initial_displacement, r)
 
     @compiled
     def steady_displacement(self, r: ArrayLike) -> Array:
@@ -359,8 +362,7 @@ class Steady(Solution):
     @compiled
     def initial_pressure(self, r: ArrayLike) -> Array:
         """Pressure p_0 in Pa before any wear, Eq. (13)."""
-        relative = self._relative("r", r, self.contact_radius)
-        return self._mean_pressure * fretting.initial_pressure(relative, self._k, digits=self.digits)
+        return self._before_wear(self._mean_pressure, fretting.initial_pressure, r)
 
     @compiled
     def pressure(self, r: ArrayLike) -> Array:
