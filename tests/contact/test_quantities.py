@@ -17,6 +17,7 @@ from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
 from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
 
+from plgwear_jax import FrettingContact, PowerLawGraded
 from plgwear_jax.loads import Block, Displacement, Force
 
 RECORDED = ring_contacts.recorded()
@@ -169,3 +170,11 @@ def test_pressures_of_five_digits_carry_the_normal_force():
     """Until they become singular at the stick-slip boundary, where the sum knows less of them."""
     pressed, _ = sums(CLOSED.over_cycles(2.0, COEFFICIENT, digits=5), WEARS[:2, None])
     assert_allclose(pressed, CLOSED.normal_force, rtol=5e-4)
+
+
+def test_before_wear_closed_forms_carry_the_force_and_follow_the_indenter():
+    steady = FrettingContact(PowerLawGraded(1e11, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4).steady(0.0)
+    a = steady.contact_radius
+    assert_allclose(steady.initial_pressure(0.0), 1.6 * 10.0 / (np.pi * a * a), rtol=1e-13)  # (3 + k)/2 of the mean
+    risen = steady.initial_displacement(0.0) - steady.initial_displacement(a)
+    assert_allclose(risen, 0.5 * a * a / 5e-3, rtol=1e-12)
