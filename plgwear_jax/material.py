@@ -198,6 +198,10 @@ class HalfSpace:
         nu = field_nan_outside(self, "nu")
         return (1.0 - 0.5 * nu) / (1.0 - nu)
 
+    def seen_by(self, radius: Array) -> tuple[Array, Any, Any]:
+        """nu, the exponent of a power law, and E(z) of any other over that of the surface by z over a radius."""
+        return jnp.asarray(self.nu), None, None
+
 
 @record
 class PowerLawGraded(HalfSpace):
@@ -248,6 +252,15 @@ class PowerLawGraded(HalfSpace):
         return E0 * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
 
     modulus_at = modulus  # its name in every half-space
+
+    @property
+    def power_law(self) -> "PowerLawGraded":
+        """Itself, as a homogeneous half-space is one with k = 0."""
+        return self
+
+    def seen_by(self, radius: Array) -> tuple[Array, Any, Any]:
+        """With k."""
+        return holl_ratio(self.k) if isinstance(self.nu, str) else jnp.asarray(self.nu), jnp.asarray(self.k), None
 
     def _guarded(self) -> tuple[Array, Array, Array]:
         """(E0, z0, k), NaN where they are traced and outside their ranges."""

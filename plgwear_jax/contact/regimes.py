@@ -82,15 +82,15 @@ class _Loops(NamedTuple):
     aperture: Any
 
 
-@program(static=1, level=1)
+@program(static=2, level=1)
 def _loops_at(
-    digits: int | None, contact: Any, limit: Array, rig_stiffness: Array | None, at: Array
+    digits: int | None, closed: bool, contact: Any, limit: Array, rig_stiffness: Array | None, at: Array
 ) -> tuple[_Loops, _Loops]:
     """(The loops at the transition to gross slip, those at displacements, or at `_SHARES` of a numeric contact)."""
     at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
     begins = at_rest.gross_slip_displacement, at_rest.gross_slip_energy_ratio, at_rest.gross_slip_aperture
     onset = _Loops(limit, *(jnp.broadcast_to(x, limit.shape) for x in begins))
-    if is_closed(contact):
+    if closed:
         # Where the contact slides, some partial slip stands in: what it gives is not read.
         force = at_rest.force_at(jnp.where(at < _NEAR * onset.displacement, at, 0.5 * onset.displacement))
     else:
@@ -167,7 +167,7 @@ def slip_regimes(
     rig = 0.0 if rig_stiffness is None else 1.0 / rig_stiffness
     closed = is_closed(contact)
     onset, loops = jax.tree.map(
-        np.asarray, _loops_at(digits, of_all, limit, rig_stiffness, moves if closed else _SHARES)
+        np.asarray, _loops_at(digits, closed, of_all, limit, rig_stiffness, moves if closed else _SHARES)
     )
     unknown = np.isnan(onset.displacement)
     if unknown.any():

@@ -16,7 +16,6 @@ from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.domains import ArrayLike, concrete_only, record, static
 from plgwear_jax._core.startup.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.material import PowerLawGraded
 
 from .evaluation import (
     Evaluation,
@@ -309,7 +308,7 @@ def compared(found: Design) -> Comparison:
     quantities, edge, radii, depth = jax.tree.map(lambda *parts: np.stack(parts[::-1]), *map(tuple, each))
     marked = [one.places["z"] for one in question.limits if one.quantity == "modulus_at"]
     ends = min([0.01 * edge[1], *(0.5 * z for z in marked)]), max([10.0 * edge[1], *(2.0 * z for z in marked)])
-    depths = concrete(np.geomspace(*ends, 2 if isinstance(found.contact.material, PowerLawGraded) else _SAMPLES))
+    depths = concrete(np.geomspace(*ends, _SAMPLES))
     modulus: Any = np.stack([_moduli(one.material, np.append(at, depths)) for one, at in zip(pair, edge, strict=True)])
     quantities["modulus_at_radius"] = modulus[:, 0]
     quantities[found.objective] = np.array([found.value, found.reference_value])

@@ -20,7 +20,6 @@ from plgwear_jax._core.catalogue import PEAKS, SEARCHED, read, read_from
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._core.rules import WrongKeyError, is_after_cycles, is_linear
 from plgwear_jax._core.startup.programs import NumbersWithSlopes, program
-from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
 
 from .ask_and_tell import INFINITE, SearchPlan, plan_of
@@ -61,13 +60,7 @@ class Candidate:
         material, radius = self.varied.material, self.shared.radius
         if radius is None:
             return self.varied
-        if is_closed(self.varied):  # a_0 depends on E0/z0^k alone, Eq. (12)
-            log_stiffening = (3.0 + jnp.asarray(material.k)) * jnp.log(self.varied.steady(0.0).contact_radius / radius)
-        else:
-            from plgwear_jax.steady.held_radius import log_stiffness_for  # which closed forms do without
-
-            log_stiffening = log_stiffness_for(self.varied, radius) - material.log_stiffness()
-        return with_variables(self.varied, {"E0": material.E0 * jnp.exp(log_stiffening)})
+        return with_variables(self.varied, {"E0": material.E0 * self.varied.steady(0.0)._stiffening(radius)})
 
     # --- the states of the contact ------------------------------------------------------------------------------------
 
@@ -82,10 +75,8 @@ class Candidate:
         return phi * limit, between
 
     def _steady(self, force: Any) -> Any:
-        force = Force(force, self.question.load.load.rig_stiffness)
-        if self.shared.radius is not None and is_closed(self.varied):  # a smaller program, and exactly this radius
-            return self.varied.steady(force)._with_contact_radius(self.shared.radius)
-        return self.contact.steady(force)
+        found, radius = self.contact.steady(Force(force, self.question.load.load.rig_stiffness)), self.shared.radius
+        return found if radius is None else found._with_contact_radius(radius)
 
     @functools.cached_property
     def steady(self) -> Any:
@@ -239,7 +230,7 @@ class Evaluation(NamedTuple):
 
 def tells_states(question: Question) -> bool:
     """Whether the state of each contact at the largest amplitude is solved, and told besides the rows."""
-    return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
+    return solved_one_by_one(question) and question.horizon is None and question.scenarios is None
 
 
 def _left_out(question: Question) -> tuple[int, ...]:

@@ -33,7 +33,6 @@ from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
-from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
@@ -237,7 +236,7 @@ def read_from_runs(question: Question) -> bool:
         and question.smooth
         and question.scenarios is None
         and is_closed(contact)
-        and isinstance(contact.material, PowerLawGraded)
+        and hasattr(contact.material, "k")
         and question.bounds.keys() <= _SAME_RUNS
         and {name for name in names if is_after_cycles(name)} == {BY_THEN["wear_volume"]}
     )
@@ -345,11 +344,10 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), is_held(keywords.get("hold"))
     objective, places = objective_of(OBJECTIVE[kind] if minimise is None else minimise, kind)
     limits = limits_of(keywords.get("limits"), kind)
-    bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
-    k = contact.material.k if power else np.nan
+    bounds, k = _bounds_of(contact, vary), getattr(contact.material, "k", np.nan)
     flat = not holds_tracers(k) and bool(np.any(np.equal(k, 0.0)))
     refuse_question(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
-    if hold and not power:
+    if hold and not hasattr(contact.material, "E0"):
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
     load = None if load is None else load_of(load)
     if kind == "gross-slip" and load is not None:

@@ -135,7 +135,7 @@ class Shape(RecordFamily):
         s = 0.5 * (1.0 + k)
 
         def excess(log_c: Array) -> Array:
-            # As for `OnePower` in `surfaces.punch.punch_at`.
+            # As in `punch_at` of `surfaces.power_laws.OnePower`.
             depth, mean = Outline(shape, radius).firsts(jnp.exp(log_c), s)
             some = depth > mean
             force = jnp.log(4.0 * s) + jnp.log(jnp.where(some, depth - mean, 1.0))

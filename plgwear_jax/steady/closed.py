@@ -46,8 +46,8 @@ _THICKNESS = Domain("> 0", lambda h: h > 0.0)
 
 def one_half_space(contact: Any) -> PowerLawGraded:
     """The half-space, of two homogeneous bodies the one that deforms as both do together."""
-    if isinstance(contact.material, PowerLawGraded):
-        return contact.material
+    if contact.indenter is None:
+        return contact.material.power_law
     from plgwear_jax.surfaces import in_series  # imported here, since a power law does not need it
 
     return in_series(contact.material, contact.indenter)
@@ -153,6 +153,10 @@ class Steady(Solution):
     def _k(self) -> Any:
         """The exponent of the half-space."""
         return one_half_space(self.contact).k
+
+    def _stiffening(self, contact_radius: Array) -> Array:
+        """How many times as large E0 is where the contact has this radius in m: that depends on E0/z0^k, Eq. (12)."""
+        return (self.contact_radius / contact_radius) ** (3.0 + self._k)
 
     def _with_contact_radius(self, contact_radius: Array) -> Self:
         """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""

@@ -15,6 +15,7 @@ from jax import Array, lax
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import program, traced, with_slopes
 from plgwear_jax.partial_slip import loop_opening, softness
+from plgwear_jax.shapes import outline_of
 from plgwear_jax.shapes.shape import inwards
 from plgwear_jax.special.elementary import clamp_keep_slope, crest, ratio_where, squares_apart
 from plgwear_jax.special.jacobi import gamma
@@ -22,6 +23,7 @@ from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.stresses.field import Pressed, samples
 from plgwear_jax.surfaces.effort import effort_of
+from plgwear_jax.surfaces.power_laws import power_law
 from plgwear_jax.surfaces.punch import (
     Punch,
     along_radius,
@@ -29,10 +31,10 @@ from plgwear_jax.surfaces.punch import (
     flat_pressure,
     own_pressure,
     pressed,
-    punch_at,
     punch_under,
+    surplus,
 )
-from plgwear_jax.surfaces.ring import FEW_KINKS, beside, deepest, sunk_beside
+from plgwear_jax.surfaces.ring import FEW_KINKS, deepest, sunk_beside
 
 from .batch import as_numbers, in_turn
 from .closed import Steady
@@ -193,7 +195,7 @@ def _worn_displacement(state: State, r: Array) -> Array:
 
 
 def _unworn_displacement(state: State, r: Array) -> Array:
-    around, none = beside(state.bodies, state.unworn), 0.0 * state.further
+    around, none = state.bodies.ring_displacement(state.unworn), 0.0 * state.further
     return _worn_displacement(dataclasses.replace(state, punch=state.unworn, beside=around, further=none), r)
 
 
@@ -210,7 +212,7 @@ def _force(state: State, moved: Array, rig: Array) -> Array:
     whole = most + rig * state.friction * state.force  # in its units nothing overflows, whatever the rig
 
     def at(log_c: Array) -> tuple[Array, Array]:
-        punch = punch_at(state.bodies, log_c)
+        punch = state.bodies.punch_at(log_c)
         height = state.height(punch)
         return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
 
@@ -240,7 +242,7 @@ def energy_of(state: State) -> Array:
     parts = pieces(inner, begin, logistic((count // 2 + 8 if inner.size else count) if few else 4 * count, 12.0))
 
     def rate(log_c: Array) -> Array:
-        punch = punch_at(state.bodies, log_c)
+        punch = state.bodies.punch_at(log_c)
         force = state.height(punch) * punch.force
         less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
@@ -413,6 +415,23 @@ class NumericSteady(Steady):
     def force_at(self, displacement_amplitude: ArrayLike) -> Array:
         moved = self._argument("displacement_amplitude", displacement_amplitude)
         return _each_state("_force", self._solution, moved, self.load.rig_compliance)
+
+    def _stiffening(self, contact_radius: Array) -> Array:
+        """By a root of the half-space's stiffness, differentiable once; at k = 0 z0 would be without effect."""
+        contact = self.contact
+        load, k, log_a = contact.normal_force * contact.radius, jnp.asarray(contact.material.k), jnp.log(contact_radius)
+
+        def too_much_force(log_stiffness: Array) -> Array:
+            bodies = power_law(k, log_stiffness, contact.indenter, load, effort_of(None), outline_of(contact))
+            return surplus(bodies.punch_at(log_a), jnp.log(load))
+
+        # Under a rigid indenter it would be this one.
+        alone = jnp.log(load * (0.25 * (3.0 + k))) - (3.0 + k) * log_a
+        return jnp.exp(root_of(too_much_force, alone, 0.5) - contact.material.log_stiffness())
+
+    def _with_contact_radius(self, contact_radius: Array) -> Self:
+        """The same, which has this radius as far as its digits go."""
+        return self
 
     def _check_worn(self) -> None:
         refuse_tension(self._solution, worn=True)

@@ -15,9 +15,11 @@ from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes import outline_of, shape_of
 from plgwear_jax.special.cholesky import solve_symmetric
 from plgwear_jax.special.elementary import clamp_keep_slope
-from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series
-from plgwear_jax.surfaces.compliance import Bodies, graded, power_law
+from plgwear_jax.surfaces.any_modulus import graded
+from plgwear_jax.surfaces.bodies import AnyModulus
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
+from plgwear_jax.surfaces.power_laws import power_law
+from plgwear_jax.surfaces.punch import Bodies
 from plgwear_jax.surfaces.ring import Worn, worn
 from plgwear_jax.surfaces.tension import Least, least_pressures
 
@@ -87,13 +89,18 @@ def opens(when: str, share: Any, r: Any) -> str:
 
 def bodies_of(effort: Effort, contact: Any, force: Array) -> Bodies:
     """The bodies of one contact under a normal force."""
-    material, outline = contact.material, outline_of(contact)
-    others = contact.indenter, force * outline.radius, effort, outline
-    if isinstance(material, AnyModulus):
-        return graded(material, *others)
-    if isinstance(material, Elastic):
-        material = in_series(material, None)
-    return power_law(jnp.asarray(material.k, outline.radius.dtype), material.log_stiffness(), *others)
+    outline = outline_of(contact)
+    return _touching(contact.material, contact.indenter, force * outline.radius, effort, outline)
+
+
+@functools.singledispatch
+def _touching(material: Any, indenter: Any, load: Array, *others: Any) -> Bodies:
+    """The bodies by the half-space, of a power law or of one that is registered."""
+    law = material.power_law
+    return power_law(jnp.asarray(law.k, load.dtype), law.log_stiffness(), indenter, load, *others)
+
+
+_touching.register(AnyModulus, graded)
 
 
 def theta_of(contact: Any, bodies: Any, c: Array, flat: Array | None = None) -> Array:

@@ -11,11 +11,9 @@ from jax import Array, lax
 
 from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.startup.programs import follows, program, read_with_slopes, traced, value_of
-from plgwear_jax.material import PowerLawGraded, holl_ratio
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.stresses.field import Pressed, Stress, body_of, field
 from plgwear_jax.stresses.peaks import Peak, Wanted, highest, in_si, peak_at
-from plgwear_jax.surfaces.bodies import AnyModulus
 
 from .batch import as_numbers, in_turn, vmap_contacts
 
@@ -45,18 +43,7 @@ def _pressed_of(steady: Any) -> Pressed:
 
 def half_space_of(material: Any, radius: Array) -> tuple[Array, Array | None, Piecewise | None]:
     """The last fields of `Pressed`, from `nu` on, for contacts of these radii."""
-    nu = holl_ratio(material.k) if isinstance(material.nu, str) else jnp.asarray(material.nu)
-    nu, k, table = jnp.broadcast_to(nu, radius.shape), None, None
-
-    def in_radii(material: AnyModulus, radius: Array) -> Piecewise:
-        lengths, moduli = material.arrays()
-        return material.by_depth(lengths / radius, moduli / moduli[0])
-
-    if isinstance(material, PowerLawGraded):
-        k = jnp.broadcast_to(jnp.asarray(material.k), radius.shape)
-    elif isinstance(material, AnyModulus):
-        table = vmap_contacts(in_radii, (material, radius))
-    return nu, k, table
+    return vmap_contacts(lambda material, radius: material.seen_by(radius), (material, radius))
 
 
 @program(static=1, level=1)

@@ -60,6 +60,11 @@ class Elastic(HalfSpace):
         nu = field_nan_outside(self, "nu")
         return field_nan_outside(self, "E") / ((1.0 - nu) * (1.0 + nu))
 
+    @property
+    def power_law(self) -> PowerLawGraded:
+        """With k = 0."""
+        return PowerLawGraded(self.E, 1.0, 0.0, self.nu)
+
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = nan_outside("z", z, NOT_NEGATIVE)
@@ -91,6 +96,11 @@ class AnyModulus(HalfSpace):
         unit = 2.0**20  # 1/m: in micrometres the coefficients of cubics are numbers of float32
         found = self.by_depth(unit * length, modulus).at(unit * z)
         return found * one_or_nan(~jnp.isnan(sum(map(jnp.sum, arrays), z)))  # one modulus a layer knows no depth
+
+    def seen_by(self, radius: Array) -> tuple[Array, Any, Any]:
+        """With its moduli."""
+        lengths, moduli = self.arrays()
+        return jnp.asarray(self.nu), None, self.by_depth(lengths / radius, moduli / moduli[0])
 
 
 @record
@@ -215,8 +225,7 @@ def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) ->
     References:
         Johnson, Contact Mechanics (1985).
     """
-    if isinstance(material, Elastic):
-        material = PowerLawGraded(material.E, 1.0, 0.0, material.nu)
+    material = material.power_law
     if indenter is None:
         return material
     body = Elastic(material.E0, material.nu)  # pyright: ignore[reportArgumentType]

@@ -73,3 +73,9 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     share = materialised((power_where(beyond, distance, q) * whole).reshape(size.size, -1))
     t = (outer_c[:, None] - inwards).ravel()
     return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel(), size)
+
+
+def towards_c(finest: Array, count: int) -> Array:
+    """Edges of cells inside c, T - 1, ever finer towards c: `finest` is log(the first over the last of their steps)."""
+    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, count + 1), finest.dtype)) / jnp.expm1(finest)
+    return -apart * (2.0 - apart)

@@ -1,14 +1,26 @@
-"""A contact of fixed radius: its stiffness, and the indenter in it without singular pressure at the edge."""
+"""Two bodies that touch, and their compliance G(q) as the contact of radius c sees it.
+
+Pressures are sums of coefficients y_n times (e/c) times what is J_(2n+s)(x) x^-s in the Hankel domain, x = q c, so that
+
+    M y = moments of the depth by which they press,    M = sum over the terms g q^(k-1) of G of g c^-k times integrals,
+
+and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the displacement is Abel's integral of v(T),
+
+    w(Y) = sin(pi a)/pi * integral over T from 0 to Y of T^(a-1) (Y-T)^-a v(T),      Y = (r/c)^2,
+
+with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shapes` has G. It is computed beside it.
+"""
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
+from plgwear_jax._core.domains import record, static
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
 from plgwear_jax.shapes.shape import AbelTransform, Outline, inwards
@@ -18,7 +30,7 @@ from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
 
-from .compliance import Bodies, OnePower, OnTheLaw
+from .effort import Effort
 
 
 class Punch(NamedTuple):
@@ -40,30 +52,67 @@ class Punch(NamedTuple):
         return jnp.exp(self.log_c)
 
 
-def punch_at(bodies: Bodies, log_c: Array) -> Punch:
-    """The contact of this radius."""
-    c, s, outline, modes = jnp.exp(log_c), bodies.s, bodies.outline, bodies.effort.modes
-    if isinstance(bodies, OnePower):
-        # The moment of f is G(1) with the exponent s + 1, and that of r f' is 2 s times what G(1) with s is above it.
-        depth, mean = outline.firsts(c, s)
-        stiffness = 4.0 * jnp.pi * s * bodies.front**2 * jnp.exp(2.0 * s * log_c - bodies.log_g)
-        inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
-        return Punch(log_c, None, None, None, *inner)
-    matrix, slope = bodies.matrices(c)
-    first = jnp.asarray(np.eye(modes, 1)[:, 0], c.dtype)
-    moments, rising = outline.shape.moments(c, outline.radius, s, modes)
-    found = solve_symmetric(matrix, jnp.stack([first, moments], -1))
-    flat, indenter_solution = jnp.unstack(found, axis=1)
-    # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
-    # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
-    unit = 2.0 * jnp.pi * bodies.front**2 * c
-    forces = found[0]
-    both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
-    stiffness, held, growth, bent = jnp.unstack(both.ravel())
-    depth = (bent + unit * (flat @ rising)) / growth
-    return Punch(
-        log_c, flat, indenter_solution, matrix[-1, -1], stiffness, growth, held, depth, stiffness * depth - held
-    )
+@record
+class Bodies:
+    """What all bodies have.
+
+    A half-space with another compliance is a subclass, which has besides
+    `s`, the exponent s of the pressures at the edge;
+    `lead`, (k, log(g)) of the term that leads at large q;
+    `far(log_r)`, the logarithm of the displacement far away, up to a constant;
+    `matrices(c)`, (M, its slope by log(c)), and `of_indenter`, the part of M that is the indenter's;
+    `ring_displacement(punch)`, v beside a `Punch`;
+    `of_ring(c, width, from_c, from_1)`, what cells beside c do to each other at a held depth of the indenter, in m/Pa,
+    and their images, with arguments as of `ring.cells_of`;
+    `inward(found, sunk, from_c, from_1)`, (places 1 - T inside c that decrease, the pressures there), where what a unit
+    of pressure in each cell beside c sinks in is `sunk` in m/Pa;
+    `of_disc(b, edges)`, A in m/Pa, (cells, cells), of a whole contact up to b in m, of which no part has to stick:
+    depths, integrated over T = (r/b)^2 in each cell, with edges from 0 to 1, follow from the pressures by A p.
+    """
+
+    outline: Outline  # of the indenter
+    effort: Effort = static()  # how finely the contact is divided
+    radius: Array  # an estimate of that of the contact; of any E(z) one over the unit of q_k as well
+
+    enough = 1e-13  # as which roundings of the force count
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def never_pulls(self) -> bool:
+        """Whether such bodies only press, whatever their numbers are."""
+        return False
+
+    @property
+    def front(self) -> Any:
+        """The factor e of the pressures."""
+        return jnp.exp2(-self.s) / gamma(1.0 + self.s)
+
+    @property
+    def abel(self) -> Array:
+        """The exponent of Abel's integral: by the term which leads at large q."""
+        return self.s
+
+    def punch_at(self, log_c: Array) -> Punch:
+        """The contact of this radius."""
+        c, outline, modes = jnp.exp(log_c), self.outline, self.effort.modes
+        matrix, slope = self.matrices(c)
+        first = jnp.asarray(np.eye(modes, 1)[:, 0], c.dtype)
+        moments, rising = outline.shape.moments(c, outline.radius, self.s, modes)
+        found = solve_symmetric(matrix, jnp.stack([first, moments], -1))
+        flat, indenter_solution = jnp.unstack(found, axis=1)
+        # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
+        # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
+        unit = 2.0 * jnp.pi * self.front**2 * c
+        forces = found[0]
+        both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
+        stiffness, held, growth, bent = jnp.unstack(both.ravel())
+        depth = (bent + unit * (flat @ rising)) / growth
+        return Punch(
+            log_c, flat, indenter_solution, matrix[-1, -1], stiffness, growth, held, depth, stiffness * depth - held
+        )
 
 
 def surplus(punch: Punch, log_load: Array) -> Array:
@@ -78,13 +127,13 @@ def surplus(punch: Punch, log_load: Array) -> Array:
 def punch_under(bodies: Bodies, load: Array) -> Punch:
     """The contact under a load F_N R, whose radius is that of the unworn indenter."""
     goal, start = jnp.log(load), jnp.log(bodies.radius)
-    log_c = root_of(lambda log_c: surplus(punch_at(bodies, log_c), goal), start, 3.0, enough=bodies.enough)
+    log_c = root_of(lambda log_c: surplus(bodies.punch_at(log_c), goal), start, 3.0, enough=bodies.enough)
     # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
     # digits, and the volume fewer, which in single precision counts more.
     face = jnp.asarray(bodies.outline.shape.face, log_c.dtype)
     roundings = 32.0 if face.dtype == jnp.float64 else 8.0
     log_c = jnp.maximum(log_c, jnp.log(face) + roundings * jnp.finfo(face.dtype).eps)
-    return _carrying(punch_at(bodies, log_c), load)
+    return _carrying(bodies.punch_at(log_c), load)
 
 
 def _carrying(punch: Punch, load: Array) -> Punch:
@@ -100,7 +149,7 @@ def _punch_under_jvp(primals: Any, tangents: Any) -> tuple[Punch, Punch]:
     bodies, load = primals
     punch = punch_under(bodies, load)
     by_c = along_radius(bodies, punch)
-    _, (held, dload) = moved_along(lambda bodies, load: (punch_at(bodies, punch.log_c), load), primals, tangents)
+    _, (held, dload) = moved_along(lambda bodies, load: (bodies.punch_at(punch.log_c), load), primals, tangents)
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
     along = jax.tree.map(lambda one, other: one + moved * other, held, by_c)
     return punch, jax.jvp(_carrying, (punch, load), (along, dload))[1]
@@ -108,7 +157,7 @@ def _punch_under_jvp(primals: Any, tangents: Any) -> tuple[Punch, Punch]:
 
 def along_radius(bodies: Bodies, punch: Punch) -> Punch:
     """The slopes of a contact by log(c)."""
-    return value_with_slope(functools.partial(punch_at, bodies), punch.log_c)[1]
+    return value_with_slope(bodies.punch_at, punch.log_c)[1]
 
 
 def pressed(punch: Punch, force: Array) -> Array:
@@ -159,6 +208,16 @@ def apart(bodies: Bodies, punch: Punch) -> tuple[Array, Any]:
 def resolved(image: AbelTransform) -> bool:
     """Whether the pressures resolve the indenter, which then is a parabola."""
     return isinstance(image, Power) and image.power is None
+
+
+class OnTheLaw(NamedTuple):
+    """The indenter that touches up to c and no further, on the law of `punch.apart` alone."""
+
+    flat: Array  # y_0 of a flat punch pressed by 1
+    own: Array  # y of the indenter, as far as they resolve it
+    # T of the radii of the flat punches that it consists of, 1 - T, by how much each is pressed, and how much faster
+    # the last of them are pressed on the bodies; None where `own` says all.
+    punches: tuple[Array, Array, Array, Array] | None
 
 
 def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:

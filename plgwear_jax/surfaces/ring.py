@@ -1,10 +1,18 @@
 """The worn ring beside the stick area: what gap there is, by Abel's integral, where it ends and what it holds.
 
-In T = (r/c)^2, y = T - 1 and heights in c^2/R, with v of `compliance`,
+In T = (r/c)^2, y = T - 1 and heights in c^2/R, with v of `punch`,
 
     depth(Y) = sin(pi a)/pi * integral over T from 1 to Y of T^(a-1) (Y-T)^-a D(T),      D(T) = d - G(T) - v(T),
 
 as the same integral from 0 to 1 is that of the contact itself, where nothing is left over.
+
+In cells of constant pressure, areas in T and pressures in Pa, the ring deforms under its pressures by
+
+    H - A p,      A = A_fixed + (pi c^2/K) e e',
+
+A_fixed at a held depth of the indenter, e the gap that a flat punch of the radius c leaves and K its stiffness.
+Pressures inside c are eliminated: there the surfaces touch and no shape changes. `docs/explanation/numerics.md` has the
+equations.
 """
 
 import functools
@@ -19,16 +27,16 @@ from jax import Array, lax
 from plgwear_jax._core.domains import record, static
 from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.shape import AbelTransform, inwards
-from plgwear_jax.special.elementary import clamped, crest, in_dtype, top_of, value_with_slope
+from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.elementary import clamp_keep_slope, clamped, crest, in_dtype, top_of, value_with_slope
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 
-from .compliance import Bodies, Graded, OnePower
-from .punch import Punch, grown, on_the_law, punch_under, resolved
+from .cells import RingCells
+from .punch import Bodies, Punch, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
-_NODES = np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
-_FURTHER = 3  # nodes
+RING_NODES = np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
 FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _TAPS = 10
 _MIDDLE = 0.5 * (_TAPS - 1)
@@ -70,8 +78,8 @@ def between(v: Array, y: Array) -> Array:
 
 def _around(y: Array) -> tuple[Array, Array]:
     """(The nodes around y, their weights), each of shape (m, taps)."""
-    place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, _NODES.size - 1.0)
-    first = jnp.floor(clamped(0.0, lax.stop_gradient(place) + (1 - _TAPS // 2), _NODES.size - _TAPS))
+    place = clamped(0.0, (jnp.log(y) - _NEAREST) / _STEP, RING_NODES.size - 1.0)
+    first = jnp.floor(clamped(0.0, lax.stop_gradient(place) + (1 - _TAPS // 2), RING_NODES.size - _TAPS))
     part = (place - (first + _MIDDLE))[:, None]
     which = first.astype(np.uint32)[:, None] + np.arange(_TAPS, dtype=np.uint32)
     return which, part ** np.arange(_TAPS) @ jnp.asarray(_TO_POWERS, y.dtype)
@@ -91,38 +99,6 @@ class RingDisplacement:
         """D of the indenter pressed in further than it touches so, in c^2/R."""
         v = None if self.flat is None else further * self.flat + self.own
         return DepthDeficit(further, self.image, v, self.a, self.nodes)
-
-
-def beside(bodies: Bodies, punch: Punch) -> RingDisplacement:
-    """v of both."""
-    c, a, depth = punch.c, bodies.abel, punch.depth
-    image = bodies.outline.image(c, a)
-    fixed = a, image, bodies.effort.nodes
-    if isinstance(bodies, OnePower):
-        return RingDisplacement(*fixed)
-    y = jnp.exp(jnp.asarray(_NODES, c.dtype))
-    both = jnp.stack([punch.flat, depth * punch.flat - punch.indenter_solution], -1)
-    if isinstance(bodies, Graded):
-        first, v = bodies.beside_edge(c, y, both, on_the_law(bodies, punch), len(image.kink_positions))
-        return RingDisplacement(*fixed, first[0] + v[:, 0], v[:, 1])
-    # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
-    # indenter jumps its depth has fewer digits, which count less further out.
-    count = int(np.searchsorted(_NODES, -2.0 * math.log(bodies.effort.modes)))
-    begin = count if resolved(image) else count + _FURTHER
-    v, fallen = bodies.beside(c, y[count:], both), image.fallen(y)
-    flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
-    edge, mean = bodies.edge(c, _NODES[: begin + 1])
-    y = y[: begin + 1]
-    known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
-    mean = y * mean * (image.fallen(known) / known)
-    size = flat[0] / edge[count]
-    near = own[0] / mean[-1] * mean
-    if not resolved(image):
-        further = 2.0 * (_NODES[begin] - _NODES[begin:])
-        near = size * grown(bodies, punch, image) * mean
-        own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
-    flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
-    return RingDisplacement(*fixed, 1.0 - flat, own - fallen)
 
 
 def sine_of(a: Array) -> Array:
@@ -267,9 +243,65 @@ def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:
     unworn, punch = jax.tree.transpose(jax.tree.structure(both), None, jax.tree.map(jnp.unstack, both))
     # The force of the unworn indenter with the radius of the stick area is (1 - phi) F_N.
     rise, wears = punch.force / punch.stiffness, phi > 0.0
-    further, v = rise * phi / (1.0 - phi), beside(bodies, punch)
+    further, v = rise * phi / (1.0 - phi), bodies.ring_displacement(punch)
     # Without an amplitude there is no ring; a narrow one tells how rings begin.
     few = 4096.0 * jnp.finfo(phi.dtype).eps
     ring = ring_of(v.deficit(jnp.where(wears, further, few * rise)))
     end = jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few)
     return Worn(bodies, unworn, punch, further, v, end, jnp.where(wears, jnp.pi * ring.volume, 0.0 * phi))
+
+
+# --- in cells ---------------------------------------------------------------------------------------------------------
+
+
+def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
+    """The ring in cells; depths in c^2/R, areas in T, pressures in Pa.
+
+    Args:
+        found: The contact of the radius a_0, that of the stick radius c, and how much deeper it is in the end.
+        from_c: Edges of the cells, T - 1.
+        from_1: The same from a_0 on, T - (a_0/c)^2.
+    """
+    bodies, further, beside = found.bodies, found.further, found.beside
+    c, a, radius = found.c, beside.a, bodies.outline.radius
+    at_held_depth, (t, share, weight, size) = bodies.of_ring(c, found.width, from_c, from_1)
+    front = sine_of(a) / (1.0 - a)
+    y = clamped(jnp.finfo(t.dtype).tiny, t)
+    # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
+    # c at this depth; where the modes end, that is not quite the depth of the contact.
+    touching, flat, unworn_gap = jnp.zeros_like(further), jnp.ones_like(y), beside.image.fallen(y)
+    if beside.flat is not None:
+        touching = beside.own[0] / (1.0 - beside.flat[0])
+        v = touching * beside.flat + beside.own
+        lost, risen = jnp.unstack(between(jnp.stack([beside.flat, v]), y))
+        flat, unworn_gap = 1.0 - lost, jnp.maximum(unworn_gap + risen - v[0], 1e-3 * unworn_gap)
+    flat_punch_gap, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
+    rise = math.pi * radius / found.punch.stiffness
+    whole = at_held_depth * (radius / (c * c)) + rise * flat_punch_gap[:, None] * flat_punch_gap
+    # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
+    # line to there gives, where the modes lose more than all of it.
+    some = size > 0.0
+    last = jnp.sum(some) - 2  # and one more; behind both are empty cells
+    (before, end), (first, second) = (
+        jnp.unstack(lax.dynamic_slice(x, (last,), (2,))) for x in (gap / jnp.where(some, flat_punch_gap, 1.0), size)
+    )
+    sunk = jnp.maximum(further - touching, end + 0.25 * second / (first + second) * (end - before))
+    steady = sunk * flat_punch_gap - gap
+    # The pressure before any wear. That of the contact in modes is not known next to a kink.
+    there = (from_1[1:] <= 0.0) & (steady > 0.0)
+    matrix = jnp.where(there[:, None] & there, whole, np.eye(there.size, dtype=whole.dtype))
+    pressure = solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0]
+    return RingCells(whole, gap, steady, clamp_keep_slope(0.0, pressure), flat_punch_gap, from_c, from_1)
+
+
+def inward(found: Worn, flat_punch_gap: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
+    """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there under force control).
+
+    Args:
+        found: The contact of the radius a_0, and that of the stick radius c.
+        flat_punch_gap: As of `RingCells`.
+        from_c: Edges of the cells, T - 1.
+        from_1: The same from a_0 on.
+    """
+    sunk = -math.pi * found.c**2 / found.punch.stiffness * flat_punch_gap  # m/Pa
+    return found.bodies.inward(found, sunk, from_c, from_1)

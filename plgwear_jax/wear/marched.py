@@ -26,9 +26,8 @@ from plgwear_jax.steady.batch import as_numbers, vmap_contacts
 from plgwear_jax.steady.closed import Steady
 from plgwear_jax.steady.state import bodies_of, opens, theta_of
 from plgwear_jax.surfaces.cells import mean_heights
-from plgwear_jax.surfaces.compliance import Bodies
-from plgwear_jax.surfaces.cycles import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.punch import Bodies
 from plgwear_jax.surfaces.tension import MOST
 from plgwear_jax.wear_laws import WearLaw
 
@@ -140,7 +139,7 @@ def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     edges = jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
     radii = jnp.append(0.0, b * jnp.sqrt(edges[1:]))  # the root of 0 has no derivative
     unworn = mean_heights(bodies.outline, b, edges) * jnp.diff(edges)
-    return Disc(edges, disc_of(bodies, b, edges), unworn, jnp.pi * b * b, radii)
+    return Disc(edges, bodies.of_disc(b, edges), unworn, jnp.pi * b * b, radii)
 
 
 def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Array]:

@@ -17,8 +17,8 @@ from plgwear_jax.steady.batch import in_turn, vmap_contacts
 from plgwear_jax.steady.numeric import energy_of, over_radii_of
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, state_of, states_of
 from plgwear_jax.surfaces.cells import RingCells
-from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.ring import cells_of, inward
 
 from .curves import moment_at
 from .ring_cells import MarchResolution, Scales, edges_of, march_resolution_of

@@ -20,7 +20,7 @@ from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLaw
 from plgwear_jax.shapes import Cone, Parabola, TruncatedSphere
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.pchip import pchip
-from plgwear_jax.surfaces.cycles import through_springs
+from plgwear_jax.surfaces.any_modulus import through_springs
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.half_space import excess_compliance
 from plgwear_jax.surfaces.ring import DepthDeficit, deepest

@@ -14,8 +14,8 @@ from reduced import MANY, Reduced, first_rate, unit_of
 
 from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
 from plgwear_jax.steady.state import states_of
-from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import effort_of
+from plgwear_jax.surfaces.ring import cells_of
 from plgwear_jax.wear.closed_ring import curves_of
 from plgwear_jax.wear.ring_cells import RESOLUTIONS, MarchResolution, edges_of
 from plgwear_jax.wear.ring_curves import share_at

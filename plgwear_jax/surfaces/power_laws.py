@@ -1,15 +1,4 @@
-"""Two bodies that touch, and their compliance G(q) as the contact of radius c sees it.
-
-Pressures are sums of coefficients y_n times (e/c) times what is J_(2n+s)(x) x^-s in the Hankel domain, x = q c, so that
-
-    M y = moments of the depth by which they press,    M = sum over the terms g q^(k-1) of G of g c^-k times integrals,
-
-and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the displacement is Abel's integral of v(T),
-
-    w(Y) = sin(pi a)/pi * integral over T from 0 to Y of T^(a-1) (Y-T)^-a v(T),      Y = (r/c)^2,
-
-with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shapes` has G. It is computed beside it.
-"""
+"""Power laws E(z) under a rigid or a homogeneous indenter: terms g q^(k-1) of G(q), see `punch`."""
 
 import functools
 import math
@@ -19,20 +8,22 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
+from jax import Array
 
-from plgwear_jax._core.domains import field_nan_outside, record, static
+from plgwear_jax._core.domains import record
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.elementary import clamped, in_dtype, quotient
+from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.elementary import clamped, in_dtype
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.special.quadrature import bent
 
-from .bodies import AnyModulus, Elastic
+from .bodies import Elastic
+from .cells import NODES, Images, images_of, products_of, towards_c
 from .effort import Effort
-from .foundation import Foundation, foundation, wavenumbers
-from .half_space import excess_compliance
+from .punch import Bodies, Punch, grown, resolved
+from .ring import RING_NODES, RingDisplacement, Worn
 
 
 def _of_sign(k: Array) -> tuple[Array, Array]:
@@ -41,35 +32,63 @@ def _of_sign(k: Array) -> tuple[Array, Array]:
     return jnp.where(above, k, 0.0), jnp.where(above, k, -k)
 
 
+_DISC = {2: 32, 3: 32, 4: 48, 5: 64}  # cells inside c for so many digits
+
+
+def _cells_that_stick(from_c: Array, digits: int) -> Array:
+    """Edges of cells inside c, T - 1, and the same in r inside.
+
+    Towards c they become far finer than the first cell of the ring, or what they do to it would be too small.
+    """
+    return towards_c(math.log(400.0) - jnp.log(from_c[1]), _DISC[digits])
+
+
+class _PowerTerms(NamedTuple):
+    """Of each term, along a first axis."""
+
+    images: Images  # of the cells beside c
+    of_ring: Array  # what the images beside c do, in m/Pa
+    disc: Array  # what cells inside c do to each other
+    mixed: Array  # what cells beside c do to those inside by their images there
+
+
+class _Powers(Bodies):
+    """What one term and two have: `terms`, (k, log(g)) of each, along a first axis."""
+
+    def _power_terms(self, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array) -> _PowerTerms:
+        """Of cells beside c, as of `ring.cells_of`, and of cells inside c, whose edges `inner` are T - 1."""
+        edges = jnp.append(inner, from_c[1:]), jnp.append(inner - width, from_1[1:])
+        cells = inner.size - 1
+        count = cells * NODES
+
+        def one(k: Array, s: Array, log_g: Array) -> _PowerTerms:
+            q = 1.0 - s
+            t, share, weight, size = images_of(*edges, width, s, q)
+            # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
+            strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
+            images = Images(t[count:], share[cells:, count:], weight[count:], size[cells:])
+            of_ring = strength * products_of(images.share, images.weight)
+            inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
+            return _PowerTerms(images, of_ring, inside[:cells], inside[cells:].T)
+
+        k, log_g = self.terms
+        return jax.vmap(one)(k, 0.5 * (1.0 + k), log_g)
+
+    def inward(self, found: Worn, sunk: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
+        """By cells there."""
+        edges = _cells_that_stick(from_c, self.effort.digits)
+        _, _, disc, mixed = self._power_terms(found.c, found.width, from_c, from_1, edges)
+        pressures = solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
+        return -0.5 * (edges[1:] + edges[:-1]), pressures
+
+    def of_disc(self, b: Array, edges: Array) -> Array:
+        """The cells inside a radius with nothing beside it."""
+        none = jnp.zeros_like(b)[None]
+        return jnp.sum(self._power_terms(b, jnp.full_like(b, -1.0), none, none, edges - 1.0).disc, 0)
+
+
 @record
-class _Touching:
-    """What all bodies have."""
-
-    outline: Outline  # of the indenter
-    effort: Effort = static()  # how finely the contact is divided
-    radius: Array  # an estimate of that of the contact; of any E(z) one over the unit of q_k as well
-
-    enough = 1e-13  # as which roundings of the force count
-
-    @property
-    def never_pulls(self) -> bool:
-        """Whether such bodies only press, whatever their numbers are."""
-        return False
-
-    @property
-    def front(self: Any) -> Any:
-        """The factor e of the pressures."""
-        s = self.s
-        return jnp.exp2(-s) / gamma(1.0 + s)
-
-    @property
-    def abel(self: Any) -> Array:
-        """The exponent of Abel's integral: by the term which leads at large q."""
-        return self.s
-
-
-@record
-class OnePower(_Touching):
+class OnePower(_Powers):
     """g q^(k-1), a power law under a rigid indenter: beside the contact v is 0, and G(1) says all of what is inside."""
 
     k: Array
@@ -101,9 +120,30 @@ class OnePower(_Touching):
         """(k, log(g)) of each term, along a first axis."""
         return self.k[None], self.log_g[None]
 
+    def punch_at(self, log_c: Array) -> Punch:
+        """In closed form."""
+        # The moment of f is G(1) with the exponent s + 1, and that of r f' is 2 s times what G(1) with s is above it.
+        s = self.s
+        depth, mean = self.outline.firsts(jnp.exp(log_c), s)
+        stiffness = 4.0 * jnp.pi * s * self.front**2 * jnp.exp(2.0 * s * log_c - self.log_g)
+        inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
+        return Punch(log_c, None, None, None, *inner)
+
+    def ring_displacement(self, punch: Punch) -> RingDisplacement:
+        """0 but for the indenter."""
+        return RingDisplacement(self.s, self.outline.image(punch.c, self.s), self.effort.nodes)
+
+    def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+        """The images beside c: the pressures inside take off exactly what the images inside add."""
+        images, of_ring, *_ = self._power_terms(c, width, from_c, from_1, jnp.zeros_like(c)[None])
+        return of_ring[0], jax.tree.map(lambda x: x[0], images)
+
+
+_FURTHER = 3  # nodes
+
 
 @record
-class PowerLaw(_Touching):
+class PowerLaw(_Powers):
     """g q^(k-1) + g_h/q, a power law and a homogeneous body."""
 
     k: Array
@@ -183,6 +223,47 @@ class PowerLaw(_Touching):
         at, mean = factor[reach : reach + log_y.size][::-1] + spread
         return at, mean
 
+    def ring_displacement(self, punch: Punch) -> RingDisplacement:
+        """By the pressures, and next to c by the edge of a half-plane."""
+        c, a, depth = punch.c, self.abel, punch.depth
+        image = self.outline.image(c, a)
+        y = jnp.exp(jnp.asarray(RING_NODES, c.dtype))
+        both = jnp.stack([punch.flat, depth * punch.flat - punch.indenter_solution], -1)
+        # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
+        # indenter jumps its depth has fewer digits, which count less further out.
+        count = int(np.searchsorted(RING_NODES, -2.0 * math.log(self.effort.modes)))
+        begin = count if resolved(image) else count + _FURTHER
+        v, fallen = self.beside(c, y[count:], both), image.fallen(y)
+        flat, own = 1.0 - v[:, 0], fallen[begin:] - depth + image.first + v[begin - count :, 1]
+        edge, mean = self.edge(c, RING_NODES[: begin + 1])
+        y = y[: begin + 1]
+        known = jnp.maximum(y, jnp.finfo(c.dtype).eps ** 0.5)  # where G has risen by more than its roundings
+        mean = y * mean * (image.fallen(known) / known)
+        size = flat[0] / edge[count]
+        near = own[0] / mean[-1] * mean
+        if not resolved(image):
+            further = 2.0 * (RING_NODES[begin] - RING_NODES[begin:])
+            near = size * grown(self, punch, image) * mean
+            own = own * (1.0 + (near[-1] / own[0] - 1.0) * jnp.exp(jnp.asarray(further, c.dtype)))
+        flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
+        return RingDisplacement(a, image, self.effort.nodes, 1.0 - flat, own - fallen)
+
+    def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+        """The images beside c of each term, less what the pressures inside c take off.
+
+        Alone each term would have these take off exactly what the images inside c add. With two terms they have no
+        closed form, but of cells inside c only the difference counts.
+        """
+        inner = _cells_that_stick(from_c, self.effort.digits)
+        images, of_ring, disc, mixed = self._power_terms(c, width, from_c, from_1, inner)
+
+        def taken(disc: Array, mixed: Array) -> Array:
+            return mixed.T @ solve_symmetric(disc, mixed)
+
+        total = jnp.sum(of_ring + jax.vmap(taken)(disc, mixed), 0) - taken(disc.sum(0), mixed.sum(0))
+        first = self.k >= 0.0
+        return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
+
 
 class _Inside(NamedTuple):
     """What the pressures are in the integral over T from 0 to 1 that gives v beside the contact, by k and s alone."""
@@ -214,132 +295,6 @@ def _inside(effort: Effort, k: Array, s: Array) -> _Inside:
     first = factors * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
     front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s) / of_s
     return _Inside(density[:, None] * factors * table.T, first, front)
-
-
-class OnTheLaw(NamedTuple):
-    """The indenter that touches up to c and no further, on the law of `punch.apart` alone."""
-
-    flat: Array  # y_0 of a flat punch pressed by 1
-    own: Array  # y of the indenter, as far as they resolve it
-    # T of the radii of the flat punches that it consists of, 1 - T, by how much each is pressed, and how much faster
-    # the last of them are pressed on the bodies; None where `own` says all.
-    punches: tuple[Array, Array, Array, Array] | None
-
-
-@record
-class Graded(_Touching):
-    """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^4)."""
-
-    strength: Array  # g
-    coefficients: Array  # m_k
-    indenter: Array  # the indenter's part of g
-
-    @property
-    def front(self) -> float:
-        """The factor e of the pressures, for s = 1/2."""
-        return math.sqrt(2.0 / math.pi)
-
-    @property
-    def foundation(self) -> Foundation:
-        """Its constants."""
-        return foundation(self.effort)
-
-    @property
-    def s(self) -> Any:
-        """Edge exponent s of the pressure basis: a constant, so that NumPy computes what follows from it alone."""
-        return self.strength.dtype.type(0.5)
-
-    def far(self, log_r: Array) -> Array:
-        """The logarithm of the displacement far away, up to a constant: as on what lies below all layers."""
-        return -log_r
-
-    @property
-    def lead(self) -> tuple[Array, Array]:
-        """(k, log(g)) of the term that leads at large q."""
-        return jnp.zeros_like(self.strength), jnp.log(self.strength)
-
-    def _shares(self, c: Array) -> Array:
-        """What each m_k counts for at each x_k."""
-        q, *_ = wavenumbers(self.effort)
-        # The square of these, by which derivatives divide, has to be a number of float32.
-        fourth = np.minimum((self.foundation.x[:, None] / q) ** 4, 1e16)
-        return 1.0 / (1.0 + jnp.asarray(fourth, c.dtype) * (self.radius / c) ** 4)
-
-    def excess(self, c: Array) -> Array:
-        """m at x_k."""
-        return self._shares(c) @ self.coefficients
-
-    def matrices(self, c: Array) -> tuple[Array, Array]:
-        """(M, its slope by log(c))."""
-        shares = self._shares(c)
-        both = jnp.stack([shares, 4.0 * shares * (1.0 - shares)]) @ self.coefficients
-        parts, matrix = in_dtype(c.dtype, self.foundation.parts.T, self.foundation.matrix)
-        excess, slope = jnp.unstack(jnp.tensordot(both @ parts, matrix, (1, 2)))
-        return self.strength * (self._of_surface + excess), self.strength * slope
-
-    @property
-    def _of_surface(self) -> Array:
-        """M of 1/q."""
-        return jnp.asarray(np.diag(1.0 / (4.0 * np.arange(self.effort.modes) + 1.0)), self.strength.dtype)
-
-    @property
-    def of_indenter(self) -> Array:
-        """M of the indenter."""
-        return self.indenter * self._of_surface
-
-    def beside(self, c: Array, y: Array, coefficients: Array) -> tuple[Array, Array]:
-        """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
-        factors = jnp.tensordot(jnp.asarray(self.foundation.beside, c.dtype), coefficients, 1)
-        return self._beside(self.excess(c), y, factors)
-
-    def _beside(self, excess: Array, y: Array, factors: Array) -> tuple[Array, Array]:
-        constants = self.foundation
-        springs = constants.terms.of(excess)
-        apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
-        sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
-        fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
-        real, imaginary = jnp.unstack(springs[:, None] * factors * (self.front * self.strength))
-        return jnp.sum(real, 0), fallen @ real + (jnp.exp(-apart) * sine) @ imaginary
-
-    def beside_edge(self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int) -> tuple[Array, Array]:
-        """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
-
-        A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure
-        is that on a half-plane: its Laplace transform is that on a homogeneous body over X(p),
-
-            log(X(p)) = integral over u of p/(pi (u^2 + p^2)) log(1 + m(u)).
-
-        (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
-        """
-        constants, excess = self.foundation, self.excess(c)
-        table = jnp.asarray(constants.beside, c.dtype)
-        found, own = jnp.tensordot(table, both, 1), table @ law.own
-        h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
-        unit = 0.5 * math.sqrt(0.5 * math.pi) * law.flat
-        if law.punches is not None:
-            T, left, pressed, _ = law.punches
-
-            def waves(distance: Array) -> Array:
-                x = h[:, None] * distance
-                return jnp.exp(-x) * jnp.stack([jnp.cos(x), -jnp.sin(x)])
-
-            inner = left / (1.0 + jnp.sqrt(T))
-            exact = (waves(inner) - waves(2.0 - inner)) @ (unit * pressed)
-            found, own = found.at[:, :, 1].add(exact - own), exact
-        edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(clamped(-0.999, excess))
-        edge, own = (lax.complex(*jnp.unstack(both)) for both in (edge, own))
-        # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
-        last = np.sum(constants.x < (0.5 if kinks else 0.1) * self.effort.modes**2)
-        near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
-        near = jnp.stack([near.real, near.imag])
-        resolved = 2 if law.punches is None else 1  # of these pressures
-        size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
-        if law.punches is not None:
-            size = size * jnp.append(1.0, law.punches[3] / unit)
-        return self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
-
-
-Bodies = OnePower | PowerLaw | Graded
 
 
 def power_law(
@@ -375,25 +330,3 @@ def power_law(
 def _terms(effort: Effort, k: Array, s: Array) -> Array:
     """The matrices of the power law and of the homogeneous body, by k and s."""
     return jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
-
-
-def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: Effort, outline: Outline) -> Graded:
-    """A half-space of any E(z), and a homogeneous body or a rigid one, for a load F_N R."""
-    (lengths, moduli), nu = material.arrays(), field_nan_outside(material, "nu")
-    plane = (1.0 - nu) * (1.0 + nu)
-    surface = 2.0 * plane / moduli[0]
-    of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus
-    # An estimate of the radius: with the mean of the moduli, by logarithms.
-    middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
-    log_scale = outline.shape.log_radius(outline.radius, jnp.log(load * (middle + 0.5 * of_indenter)), 0.0 * load)
-    # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
-    step = 5.0 * effort.spacing
-    scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
-    _, seen, terms = wavenumbers(effort)
-    # In these units slopes of cubics by the depth are numbers of float32.
-    unit = material.by_depth(lengths / scale, moduli / moduli[0])
-    excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
-    # What is too thin for the largest wavenumber counts as what lies below it.
-    strength = surface * (1.0 + excess[-1]) + of_indenter
-    coefficients = terms.of((excess - excess[-1]) * (surface / strength))
-    return Graded(outline, effort, scale, strength, coefficients, of_indenter)
