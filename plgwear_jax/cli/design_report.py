@@ -10,7 +10,6 @@ from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import DESIGNED, STRESSES, entry, measured, placed
 from plgwear_jax._core.rules import OF_POWER_LAW, is_linear
 from plgwear_jax._core.words import one_line
-from plgwear_jax.contact import is_closed
 from plgwear_jax.optimise.best import doubtful, less
 from plgwear_jax.scene import Scene
 from plgwear_jax.scene.designing import forces_in_scenarios
@@ -196,10 +195,6 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[s
         if hasattr(found.contact.material, name):
             both[name] = [getattr(contact.material, name) for contact in pair]
     both |= comparison.quantities
-    if "edge_pressure" in both:  # in gross slip there is no stick-slip boundary, or it moves
-        # (k-1)/2 of the body that deforms more at the edge: at k < 0 this is an elastic indenter
-        least = -1.0 if is_closed(pair[0]) else 0.0
-        both["edge_exponent"] = [0.5 * max(k, least) - 0.5 for k in map(float, both.get("k", (0.0, 0.0)))]
     return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
 
 

@@ -222,6 +222,11 @@ class Steady(Solution):
     """
 
     @property
+    def edge_exponent(self) -> Any:
+        """(k-1)/2, that of the pressure at the stick-slip boundary, of the body that gives way most at the edge."""
+        return 0.5 * (self._k - 1.0)
+
+    @property
     def peak_initial_pressure(self) -> Array:
         """Largest pressure before any wear in Pa, Eq. (13)."""
         return self.initial_pressure(0.0)  # for every k it is the one at the centre

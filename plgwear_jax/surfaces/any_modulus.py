@@ -21,7 +21,7 @@ from .cells import Images, images_of, products_of, towards_c
 from .effort import Effort
 from .foundation import Foundation, foundation, wavenumbers
 from .half_space import excess_compliance
-from .punch import Bodies, OnTheLaw, Punch, on_the_law, pressure_inside
+from .punch import Bodies, Punch, apart, grown, pressure_inside, resolved, risen
 from .ring import RING_NODES, RingDisplacement, Worn
 
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
@@ -187,8 +187,8 @@ class Graded(Bodies):
         real, imaginary = jnp.unstack(springs[:, None] * factors * (self.front * self.strength))
         return jnp.sum(real, 0), fallen @ real + (jnp.exp(-apart) * sine) @ imaginary
 
-    def beside_edge(self, c: Array, y: Array, both: Array, law: OnTheLaw, kinks: int) -> tuple[Array, Array]:
-        """The same of pressures of the flat punch and of the indenter that touches up to c, (modes, 2).
+    def ring_displacement(self, punch: Punch) -> RingDisplacement:
+        """By springs, for the pressures of the flat punch and of the indenter that touches up to c.
 
         A spring of short waves feels nothing but the edge, nearer to it than the pressures resolve. There the pressure
         is that on a half-plane: its Laplace transform is that on a homogeneous body over X(p),
@@ -197,40 +197,39 @@ class Graded(Bodies):
 
         (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
         """
-        constants, excess = self.foundation, self.excess(c)
-        table = jnp.asarray(constants.beside, c.dtype)
-        found, own = jnp.tensordot(table, both, 1), table @ law.own
-        h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
-        unit = 0.5 * math.sqrt(0.5 * math.pi) * law.flat
-        if law.punches is not None:
-            T, left, pressed, _ = law.punches
+        c, s, outline, constants = punch.c, self.s, self.outline, self.foundation
+        image, excess, (stiffness, rest) = outline.image(c, s), self.excess(c), apart(self, punch)
+        both = jnp.stack([punch.flat, punch.depth * punch.flat - punch.indenter_solution], -1)
+        # On the law of `punch.apart` alone: y_0 of a flat punch pressed by 1, and y of the indenter.
+        flat = stiffness * punch.flat[0] / punch.stiffness
+        own = (rest - punch.indenter_solution).at[0].add(image.first * flat)
+        table, smooth = jnp.asarray(constants.beside, c.dtype), resolved(image)
+        found, own = jnp.tensordot(table, both, 1), table @ own
+        unit = 0.5 * math.sqrt(0.5 * math.pi) * flat
+        if not smooth:  # the indenter consists of flat punches, whose radii are those of T = `parts.left`
+            parts, rates = risen(outline, image, c, jnp.ones_like(c), 3 * self.effort.nodes)
+            h = jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)
 
             def waves(distance: Array) -> Array:
                 x = h[:, None] * distance
                 return jnp.exp(-x) * jnp.stack([jnp.cos(x), -jnp.sin(x)])
 
-            inner = left / (1.0 + jnp.sqrt(T))
-            exact = (waves(inner) - waves(2.0 - inner)) @ (unit * pressed)
+            inner = parts.x / (1.0 + jnp.sqrt(parts.left))
+            exact = (waves(inner) - waves(2.0 - inner)) @ (unit * parts.ended(parts.weight * rates, s))
             found, own = found.at[:, :, 1].add(exact - own), exact
         edge = jnp.asarray(constants.edge, c.dtype) @ jnp.log1p(clamped(-0.999, excess))
-        edge, own = (lax.complex(*jnp.unstack(both)) for both in (edge, own))
+        edge, own = (lax.complex(*jnp.unstack(each)) for each in (edge, own))
         # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
-        last = np.sum(constants.x < (0.5 if kinks else 0.1) * self.effort.modes**2)
+        last = np.sum(constants.x < (0.5 if len(image.kink_positions) else 0.1) * self.effort.modes**2)
         near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
         near = jnp.stack([near.real, near.imag])
-        resolved = 2 if law.punches is None else 1  # of these pressures
-        size = jnp.sqrt(quotient(*(jnp.sum(both[:, last, :resolved] ** 2, 0) for both in (found, near))))
-        if law.punches is not None:
-            size = size * jnp.append(1.0, law.punches[3] / unit)
-        return self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
-
-    def ring_displacement(self, punch: Punch) -> RingDisplacement:
-        """By springs."""
-        c, image = punch.c, self.outline.image(punch.c, self.s)
+        known = 2 if smooth else 1  # of these pressures
+        size = jnp.sqrt(quotient(*(jnp.sum(each[:, last, :known] ** 2, 0) for each in (found, near))))
+        if not smooth:
+            size = size * jnp.append(1.0, grown(self, punch, image) / unit)
         y = jnp.exp(jnp.asarray(RING_NODES, c.dtype))
-        both = jnp.stack([punch.flat, punch.depth * punch.flat - punch.indenter_solution], -1)
-        first, v = self.beside_edge(c, y, both, on_the_law(self, punch), len(image.kink_positions))
-        return RingDisplacement(self.s, image, self.effort.nodes, first[0] + v[:, 0], v[:, 1])
+        first, v = self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
+        return RingDisplacement(s, image, self.effort.nodes, first[0] + v[:, 0], v[:, 1])
 
     def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """What cells do to each other directly, and through the inside."""

@@ -210,36 +210,13 @@ def resolved(image: AbelTransform) -> bool:
     return isinstance(image, Power) and image.power is None
 
 
-class OnTheLaw(NamedTuple):
-    """The indenter that touches up to c and no further, on the law of `punch.apart` alone."""
-
-    flat: Array  # y_0 of a flat punch pressed by 1
-    own: Array  # y of the indenter, as far as they resolve it
-    # T of the radii of the flat punches that it consists of, 1 - T, by how much each is pressed, and how much faster
-    # the last of them are pressed on the bodies; None where `own` says all.
-    punches: tuple[Array, Array, Array, Array] | None
-
-
-def on_the_law(bodies: Bodies, punch: Punch) -> OnTheLaw:
-    """The indenter on the law alone."""
-    c, s, outline = punch.c, bodies.s, bodies.outline
-    image, (stiffness, rest) = outline.image(c, s), apart(bodies, punch)
-    flat = stiffness * punch.flat[0] / punch.stiffness
-    own = (rest - punch.indenter_solution).at[0].add(image.first * flat)
-    if resolved(image):
-        return OnTheLaw(flat, own, None)
-    parts, rates = _risen(outline, image, c, jnp.ones_like(c), 3 * bodies.effort.nodes)
-    faster = grown(bodies, punch, image)
-    return OnTheLaw(flat, own, (parts.left, parts.x, parts.ended(parts.weight * rates, s), faster))
-
-
 def grown(bodies: Bodies, punch: Punch, image: AbelTransform) -> Array:
     """How much faster than G the depth rises next to c: the indenter is flat punches of radii up to c."""
     rise, edge = along_radius(bodies, punch).depth, jnp.ones((1,), punch.log_c.dtype)
     return (punch.depth + 0.5 * rise) / image.rate(edge, inwards(bodies.outline.shape.kinks, punch.c)[None])[0]
 
 
-def _risen(outline: Outline, image: AbelTransform, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
+def risen(outline: Outline, image: AbelTransform, c: Array, z: Array, count: int) -> tuple[Pieces, Array]:
     """(A rule for integrals over x from 0 to 1, the slopes of G at T = 1 - z x)."""
     # The pieces follow their ends: beside a kink the slope of G is singular.
     ends = inwards(outline.shape.corners, c) / z
@@ -257,7 +234,7 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
-        parts, rates = _risen(outline, image, c, z, 100)
+        parts, rates = risen(outline, image, c, z, 100)
         terms = parts.weight * rates * jnp.exp((power - 1.0) * jnp.log(parts.left))
         # Nearer to a tip than the places are its own power counts.
         least = jnp.where(1.0 - z < parts.left[-1], 1e-6, s)
