@@ -231,12 +231,12 @@ class Graded(Bodies):
         first, v = self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
         return RingDisplacement(s, image, self.effort.nodes, first[0] + v[:, 0], v[:, 1])
 
-    def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+    def ring_compliance(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """What cells do to each other directly, and through the inside."""
         images, moved, caused = self._through_inside(c, width, from_c, from_1)
         return self._directly(c, jnp.zeros_like(c), from_c[-1], images) - moved @ caused, images
 
-    def of_disc(self, b: Array, edges: Array) -> Array:
+    def disc_compliance(self, b: Array, edges: Array) -> Array:
         """Directly alone."""
         images = images_of(edges - 1.0, edges, jnp.full_like(b, -1.0), self.s, self.s)
         return self._directly(b, edges[0] - 1.0, edges[-1] - 1.0, images)

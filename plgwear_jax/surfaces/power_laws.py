@@ -81,7 +81,7 @@ class _Powers(Bodies):
         pressures = solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
         return -0.5 * (edges[1:] + edges[:-1]), pressures
 
-    def of_disc(self, b: Array, edges: Array) -> Array:
+    def disc_compliance(self, b: Array, edges: Array) -> Array:
         """The cells inside a radius with nothing beside it."""
         none = jnp.zeros_like(b)[None]
         return jnp.sum(self._power_terms(b, jnp.full_like(b, -1.0), none, none, edges - 1.0).disc, 0)
@@ -133,7 +133,7 @@ class OnePower(_Powers):
         """0 but for the indenter."""
         return RingDisplacement(self.s, self.outline.image(punch.c, self.s), self.effort.nodes)
 
-    def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+    def ring_compliance(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """The images beside c: the pressures inside take off exactly what the images inside add."""
         images, of_ring, *_ = self._power_terms(c, width, from_c, from_1, jnp.zeros_like(c)[None])
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
@@ -248,7 +248,7 @@ class PowerLaw(_Powers):
         flat, own = jnp.append(size * edge[:count], flat), jnp.append(near[:-1], own)
         return RingDisplacement(a, image, self.effort.nodes, 1.0 - flat, own - fallen)
 
-    def of_ring(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+    def ring_compliance(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """The images beside c of each term, less what the pressures inside c take off.
 
         Alone each term would have these take off exactly what the images inside c add. With two terms they have no

@@ -62,12 +62,12 @@ class Bodies:
     `far(log_r)`, the logarithm of the displacement far away, up to a constant;
     `matrices(c)`, (M, its slope by log(c)), and `of_indenter`, the part of M that is the indenter's;
     `ring_displacement(punch)`, v beside a `Punch`;
-    `of_ring(c, width, from_c, from_1)`, what cells beside c do to each other at a held depth of the indenter, in m/Pa,
-    and their images, with arguments as of `ring.cells_of`;
+    `ring_compliance(c, width, from_c, from_1)`, (what cells beside c do to each other at a held depth of the indenter,
+    in m/Pa, their images), with arguments as of `ring.cells_of`;
     `inward(found, sunk, from_c, from_1)`, (places 1 - T inside c that decrease, the pressures there), where what a unit
     of pressure in each cell beside c sinks in is `sunk` in m/Pa;
-    `of_disc(b, edges)`, A in m/Pa, (cells, cells), of a whole contact up to b in m, of which no part has to stick:
-    depths, integrated over T = (r/b)^2 in each cell, with edges from 0 to 1, follow from the pressures by A p.
+    `disc_compliance(b, edges)`, A in m/Pa, (cells, cells), of a whole contact up to b in m, of which no part has to
+    stick: depths, integrated over T = (r/b)^2 in each cell, with edges from 0 to 1, follow from the pressures by A p.
     """
 
     outline: Outline  # of the indenter

@@ -264,7 +264,7 @@ def cells_of(found: Worn, from_c: Array, from_1: Array) -> RingCells:
     """
     bodies, further, beside = found.bodies, found.further, found.beside
     c, a, radius = found.c, beside.a, bodies.outline.radius
-    at_held_depth, (t, share, weight, size) = bodies.of_ring(c, found.width, from_c, from_1)
+    at_held_depth, (t, share, weight, size) = bodies.ring_compliance(c, found.width, from_c, from_1)
     front = sine_of(a) / (1.0 - a)
     y = clamped(jnp.finfo(t.dtype).tiny, t)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at

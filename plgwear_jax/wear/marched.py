@@ -139,7 +139,7 @@ def _disc(bodies: Bodies, grid: _Grid, count: int) -> Disc:
     edges = jnp.where((grid.stick < grid.pressed) & (stick >= 0.1 * pressed), around, wide)
     radii = jnp.append(0.0, b * jnp.sqrt(edges[1:]))  # the root of 0 has no derivative
     unworn = mean_heights(bodies.outline, b, edges) * jnp.diff(edges)
-    return Disc(edges, bodies.of_disc(b, edges), unworn, jnp.pi * b * b, radii)
+    return Disc(edges, bodies.disc_compliance(b, edges), unworn, jnp.pi * b * b, radii)
 
 
 def _in_steps(blocks: StageNumbers, grid: _Grid, count: int) -> tuple[Steps, Array]:
