@@ -88,7 +88,8 @@ class Bodies:
     @property
     def front(self) -> Any:
         """The factor e of the pressures."""
-        return jnp.exp2(-self.s) / gamma(1.0 + self.s)
+        s = self.s
+        return jnp.exp2(-s) / gamma(1.0 + s)
 
     @property
     def abel(self) -> Array:
