@@ -173,12 +173,8 @@ class Graded(Bodies):
         """M of the indenter."""
         return self.indenter * self._of_surface
 
-    def beside(self, c: Array, y: Array, coefficients: Array) -> tuple[Array, Array]:
-        """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
-        factors = jnp.tensordot(jnp.asarray(self.foundation.beside, c.dtype), coefficients, 1)
-        return self._beside(self.excess(c), y, factors)
-
     def _beside(self, excess: Array, y: Array, factors: Array) -> tuple[Array, Array]:
+        """(v at T = 1, what is added at 1 + y, (m, n)) beside the contact, for n pressures."""
         constants = self.foundation
         springs = constants.terms.of(excess)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
@@ -204,7 +200,7 @@ class Graded(Bodies):
         flat = stiffness * punch.flat[0] / punch.stiffness
         own = (rest - punch.indenter_solution).at[0].add(image.first * flat)
         table, smooth = jnp.asarray(constants.beside, c.dtype), resolved(image)
-        found, own = jnp.tensordot(table, both, 1), table @ own
+        found, own = table @ both, table @ own
         unit = 0.5 * math.sqrt(0.5 * math.pi) * flat
         if not smooth:  # the indenter consists of flat punches, whose radii are those of T = `parts.left`
             parts, rates = risen(outline, image, c, jnp.ones_like(c), 3 * self.effort.nodes)
@@ -283,9 +279,9 @@ class Graded(Bodies):
 
         Each pressure inside has the force 2 pi e^2 c = 4 c.
         """
-        modes: Any = np.eye(self.effort.modes, dtype=c.dtype)
         images = images_of(from_c, from_1, width, self.s, self.s)
-        first, more = self.beside(c, clamped(jnp.finfo(c.dtype).tiny, images.t), modes)
+        y, factors = clamped(jnp.finfo(c.dtype).tiny, images.t), jnp.asarray(self.foundation.beside, c.dtype)
+        first, more = self._beside(self.excess(c), y, factors)
         moved = (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
         return images, moved, (c * math.pi / 4.0) * solve_symmetric(self.matrices(c)[0], moved.T)
 

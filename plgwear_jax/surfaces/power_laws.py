@@ -187,15 +187,14 @@ class PowerLaw(_Powers):
         return self.homogeneous * self.homogeneous_terms
 
     def beside(self, c: Array, y: Array, coefficients: Array) -> Array:
-        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
-        flat = (slice(None), *(None,) * (coefficients.ndim - 1))
+        """v at T = 1 + y beside the contact, shape (m, n), for coefficients of shape (modes, n)."""
         strength = jnp.where(self.k >= 0.0, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
         found, lag = _tables(_inside, self.effort, self.k, self.s), 0.5 * _of_sign(self.k)[1]
         outside = jnp.asarray(bent(4 * self.effort.nodes)[1], c.dtype)
-        begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
+        begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[:, None] * (found.first @ coefficients)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
-        total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
-        return (found.front * jnp.exp(strength + (1.0 - self.abel) * jnp.log1p(y)))[flat] * total
+        total = kernel @ (found.density @ coefficients) + begin
+        return (found.front * jnp.exp(strength + (1.0 - self.abel) * jnp.log1p(y)))[:, None] * total
 
     def edge(self, c: Array, log_y: np.ndarray) -> tuple[Array, Array]:
         """1 - v beside a flat punch at the edge of a half-plane, up to a factor, and its mean from 0 to y.
