@@ -94,8 +94,6 @@ class OnePower(_Powers):
     k: Array
     log_g: Array
 
-    enough = 1e-14  # the force is known to all digits
-
     @property
     def never_pulls(self) -> bool:
         """Where r f'(r) nowhere falls."""

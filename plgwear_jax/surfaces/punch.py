@@ -74,8 +74,6 @@ class Bodies:
     effort: Effort = static()  # how finely the contact is divided
     radius: Array  # an estimate of that of the contact; of any E(z) one over the unit of q_k as well
 
-    enough = 1e-13  # as which roundings of the force count
-
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any: ...
@@ -128,7 +126,7 @@ def surplus(punch: Punch, log_load: Array) -> Array:
 def punch_under(bodies: Bodies, load: Array) -> Punch:
     """The contact under a load F_N R, whose radius is that of the unworn indenter."""
     goal, start = jnp.log(load), jnp.log(bodies.radius)
-    log_c = root_of(lambda log_c: surplus(bodies.punch_at(log_c), goal), start, 3.0, enough=bodies.enough)
+    log_c = root_of(lambda log_c: surplus(bodies.punch_at(log_c), goal), start, 3.0, enough=1e-13)
     # Next to the edge of a flat face the force falls within some roundings to none. Farther off its slope has more
     # digits, and the volume fewer, which in single precision counts more.
     face = jnp.asarray(bodies.outline.shape.face, log_c.dtype)
