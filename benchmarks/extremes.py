@@ -34,7 +34,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from plgwear_jax import fretting, gross_slip, material
-from plgwear_jax.plots.style import COLOURS, LABEL_SIZE, TICK_SIZE, page
+from plgwear_jax.plots.style import COLOURS, STYLE, page
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -359,6 +359,7 @@ def broken_lines(scans: Sequence[Scan]) -> list[str]:
 # --- the maps -------------------------------------------------------------------------------------------------------
 
 BROKEN, NOTHING = COLOURS[1], "0.82"
+LABEL_SIZE, TICK_SIZE = STYLE["font.size"], STYLE["legend.fontsize"]  # points
 NORM = BoundaryNorm(np.linspace(0.0, 16.0, 17), 256)
 # Where second derivatives lose digits; all other numbers are in the table.
 LOST = ("fretting.wear_depth", "fretting.profile", "fretting.steady_pressure")

@@ -180,7 +180,7 @@ SECTIONS = (  # titles and the models that they describe
     ("`[wear]`", ("Wear",)),
     ("`[design]`", ("Design", "Tail")),
     ("`[design] vary`", ("Vary", "VaryIndenter", "VaryShape", "Window")),
-    ("`[design] limits`", ("Allowed",)),
+    ("`[design] limits`", ("Allowed", "TwoDepths")),
     ("`[output]`", ("Output",)),
 )
 HEADS = {  # what stands above a table that is not the first one of its section
@@ -194,9 +194,10 @@ HEADS = {  # what stands above a table that is not the first one of its section
     "Vary": 'Numbers of layers and tables, as `"material.thickness[0]"` and `"material.modulus[0]"`, and these keys:',
     "VaryIndenter": "`indenter` has",
     "VaryShape": "`shape` has",
-    "Window": "`modulus`, here and under `limits`, has",
+    "Window": "`modulus` has",
     "Allowed": "Each limit has the name of a [quantity](quantities.md), in quotation marks of one after `cycles` under "
     '`[wear]`, as `"transient.wear_depth"`, or `modulus`. That of a quantity has',
+    "TwoDepths": "`modulus` has",
 }
 UNIT = re.compile(r"\bin (1/Pa|m\^3/\(N m\)|mm\^3/\(N m\)|mm\^3/J|N/m|Pa|m|N)(?=\W|$)")
 

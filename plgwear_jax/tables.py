@@ -211,23 +211,24 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
 
 # --- columns ----------------------------------------------------------------------------------------------------------
 
-# By column: the SI unit, which is that of a column without one; what is allowed; and what it is.
+# By column: the SI unit, which is that of a column without one; what is allowed; what it is; and of some the least and
+# most that there is in the SI unit, of what, and which unit is meant beyond.
 _COLUMNS = {
-    column: (unit, getattr(ranges, allowed), meaning)
-    for column, unit, allowed, meaning in text_cells("""
+    column: cells
+    for column, *cells in text_cells("""
     tangential_force  N    NUMBER    the amplitude of the force in N
     displacement      m    NUMBER    the amplitude of the displacement in m
     weight            1    NUMBER    -
     cycles            1    NUMBER    -
     normal_force      N    POSITIVE  the normal force in N
     friction          1    POSITIVE  the coefficient of friction
-    volume            m^3  NUMBER    the worn volume in m^3
+    volume            m^3  NUMBER    the worn volume in m^3       0  10  volume that a test wears  um^3
     deviation         m^3  POSITIVE  the standard deviation of the volume in m^3; leave it out if it is not known
     relative_deviation  share  POSITIVE  the standard deviation over the volume; leave it out if it is not known
-    depth             m    NUMBER    the depth below the surface
-    modulus           Pa   POSITIVE  Young's modulus
-    r                 m    NUMBER    the radius
-    height            m    NUMBER    the height above the apex
+    depth             m    NUMBER    the depth below the surface  0    0.1   depth of a coating      um
+    modulus           Pa   POSITIVE  Young's modulus              1e3  2e12  modulus of a coating    GPa
+    r                 m    NUMBER    the radius                   0    1     radius of an indenter   um
+    height            m    NUMBER    the height above the apex    0    1     height of an indenter   um
     """)
 }
 _UNITS = scales_of("""
@@ -238,14 +239,6 @@ _UNITS = scales_of("""
     share  1  1    %  1e-2
 """)
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
-# By column: the least and most that there is in its SI unit, of what, and what is meant.
-_PLAIN = {
-    "depth": (0.0, 0.1, "depth of a coating", "um"),
-    "modulus": (1e3, 2e12, "modulus of a coating", "GPa"),
-    "volume": (0.0, 10.0, "volume that a test wears", "um^3"),
-    "r": (0.0, 1.0, "radius of an indenter", "um"),
-    "height": (0.0, 1.0, "height of an indenter", "um"),
-}
 
 
 def _units_of(column: str) -> Mapping[str, float]:
@@ -300,11 +293,12 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
 
 def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
     """What reads a cell of a column in a unit of this size, None without one; a ValueError says what is wrong."""
-    domain, plain = form.domains.get(column), None if size else _PLAIN.get(column)
+    domain, si, plain = form.domains.get(column), "", []
     if domain:  # of a contact, whose depth is not that of a coating
-        si, wanted, plain = "", f"must be {domain.text}", None
+        wanted = f"must be {domain.text}"
     else:
-        si, domain, meaning = _COLUMNS[column]
+        si, allowed, meaning, *plain = _COLUMNS[column]
+        domain = getattr(ranges, allowed)
         wanted = f"must be a finite number {'>= 0' if domain is NUMBER else '> 0'}{meaning and f', {meaning}'}"
 
     def number(cell: str) -> float:
@@ -312,7 +306,7 @@ def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
         if value is None or not domain.contains(value):
             told = f"{column} = {cut(one_line(cell.strip()))}: {wanted}{_POINT if ',' in cell else ''}"
             raise ValueError(told if cell.strip() else f"{column}: missing; it {wanted}")
-        if plain and not (value == 0.0 or plain[0] <= value <= plain[1]):  # another unit is probably meant
+        if plain and not size and not (value == 0.0 or float(plain[0]) <= value <= float(plain[1])):
             unit = f"{si}, the unit of a column without one; write {column} ({plain[3]})"
             raise ValueError(f"{column} = {value:g}: is no {plain[2]} in {unit}")
         # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.

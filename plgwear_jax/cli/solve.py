@@ -94,7 +94,7 @@ def solve(
 # --- regimes ----------------------------------------------------------------------------------------------------------
 
 _AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
-_CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer
+_FORCES = 31  # normal forces of the map
 _SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the transition
 _DECADE = 10.0  # how far the default range of normal forces goes to both sides
 _NAMES = "gross_slip", "tangential_force", "energy_ratio", "loop_aperture"
@@ -138,7 +138,7 @@ def regimes(
     with computing("computing the loops"):
         import numpy as np
 
-        from plgwear_jax.contact import CRITERIA, is_closed, slip_regimes
+        from plgwear_jax.contact import CRITERIA, slip_regimes
         from plgwear_jax.loads import Force
         from plgwear_jax.scene.solving import homogeneous
 
@@ -156,7 +156,7 @@ def regimes(
             # Both ends of the transition stay well inside, and so does the load.
             inside = np.append(onsets, own)
             moves = inside.min() / 3.0, 3.0 * inside.max()
-        rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
+        rows = np.geomspace(first, last, _FORCES)
         found = slip_regimes(contact, np.geomspace(*moves, _AMPLITUDES), rows, rig_stiffness=rig)
         refuse_extremes(POSITIVE.contains(found.energy_ratio).all(), "the loops exceed")
         told = np.unique(np.append(onsets[2] * np.array(_SHARES), own))

@@ -32,7 +32,6 @@ GUIDE: Style = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT: Style = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}
 ROUGHNESS = written(SMOOTH, entry("wear_depth").unit)  # of a ground surface: shallower wear cannot be told from it
 STYLE: Any = rc_params_from_file(Path(__file__).with_name("plgwear.mplstyle"), use_default_template=False)
-LABEL_SIZE, TICK_SIZE = STYLE["font.size"], STYLE["legend.fontsize"]  # points
 
 _Given = ParamSpec("_Given")
 

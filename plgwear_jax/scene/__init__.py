@@ -126,14 +126,9 @@ class Scene:
     def life(self) -> float | None:
         """Cycles that a design is for; None for the steady state, as where the quantity has no value after cycles."""
         space = self.design_space
-        return None if space is None or space.objective not in BY_THEN else self.lasts
-
-    @property
-    def lasts(self) -> float | None:
-        """The cycles of the wear: those of a history that has its own, or of [wear]; None without."""
-        if self.wear is None:
+        if self.wear is None or space is None or space.objective not in BY_THEN:
             return None
-        own = self.load and self.load.cycles
+        own = self.load and self.load.cycles  # of a history, which count more
         return self.wear.cycles if own is None else float(own.sum())
 
     @property
@@ -336,7 +331,7 @@ class Scene:
         key, distance = edge_distance(self.design_space, output)
         places: KeyValues = {place: getattr(output, place, None) for place in WITHIN} | {"distance": distance}
         if output is not None:
-            names, points = output.quantities, output.points
+            names, points = output.quantities, int(output.points)
         else:
             given = {"F_x"} if distance is None else {"F_x", "distance"}
             left_out = STRESSES | ({"edge_intensity"} if load is not None and load.is_zero else set())

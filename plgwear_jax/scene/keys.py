@@ -118,7 +118,7 @@ class Reading(SimpleNamespace):
                     found[name] = key["default"]
             elif inner == "Allowed" and isinstance(value, list) and value and all(isinstance(x, dict) for x in value):
                 found[name] = tuple(self._values(inner, x, *here, str(i)) for i, x in enumerate(value))
-            elif inner and isinstance(value, dict) and (value or inner in ("Window", "Limits")):
+            elif inner and isinstance(value, dict) and (value or inner in ("Window", "TwoDepths", "Limits")):
                 found[name] = self._values(inner, value, *here)
             elif inner or not _allows(key, value):
                 self.refuse(here, text)
@@ -127,7 +127,7 @@ class Reading(SimpleNamespace):
                 if kinds:  # of a section among others also its name
                     found[name] = kinds[0], self._values(kinds[0], value, *here)
                 else:
-                    found[name] = value if key.get("type") == "integer" else _with_floats(value)
+                    found[name] = _with_floats(value)
         return {name: found[name] for name in keys if name in found}
 
     @contextlib.contextmanager

@@ -371,16 +371,6 @@ class WearSection(SimpleNamespace):
 # --- designs --------------------------------------------------------------------------------------------------------
 
 
-def _refuse_window(key: str, window: KeyValues) -> None:
-    """Refuse what does not go together of the moduli that can be made, at two depths or more."""
-    depths = len(window["at"])
-    if depths != len(window["between"]):
-        raise WrongKeyError(f"{key}.between", f"must hold a pair [lower, upper] for each of the {depths} depths of at")
-    if "steepness" in window and depths == 2:
-        text = "only for a free gradient, with three to eight depths; at two it is |k|"
-        raise WrongKeyError(f"{key}.steepness", text)
-
-
 class DesignSpace(SimpleNamespace):
     """The section [design]: what may vary, the constraint, what is minimised, over which loads, within which limits.
 
@@ -402,9 +392,15 @@ class DesignSpace(SimpleNamespace):
         with reading.telling("design"):
             kind, load = reading.contact.kind, reading.load
             if "modulus" in variables:
-                _refuse_window("vary.modulus", variables["modulus"])
+                window, depths = variables["modulus"], len(variables["modulus"]["at"])
+                if depths != len(window["between"]):
+                    text = f"must hold a pair [lower, upper] for each of the {depths} depths of at"
+                    raise WrongKeyError("vary.modulus.between", text)
+                if "steepness" in window and not self.free:
+                    text = "only for a free gradient, with three to eight depths; at two it is |k|"
+                    raise WrongKeyError("vary.modulus.steepness", text)
                 if not self.free:
-                    exponents_within(**variables["modulus"])
+                    exponents_within(**window)
             lasts = reading.wear is not None and self.objective in BY_THEN
             if load is not None and load.pressed and not (lasts and load.cycles is not None):
                 text = "a design cannot be combined with a history that changes the normal force or the friction"
@@ -413,11 +409,6 @@ class DesignSpace(SimpleNamespace):
                 objective = placed_quantity("minimise", self.objective, self.places, kind)
             except WrongKeyError as error:  # of a place, which is a key of the quantity
                 raise WrongKeyError(error.key.replace(".", f".{self.objective}.", 1), error.text) from None
-            if "modulus" in limits:
-                _refuse_window("limits.modulus", limits["modulus"])
-                if len(limits["modulus"]["at"]) > 2:
-                    text = "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient"
-                    raise WrongKeyError("limits.modulus.at", text)
             for name, several in self.allowed.items():
                 for one in several:
                     limited_quantity(name, one, kind)
@@ -547,9 +538,6 @@ class DesignSpace(SimpleNamespace):
 def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
     """The section [output]: names of quantities of the contact."""
     output, contact = SimpleNamespace(**values), reading.contact
-    for name in output.quantities:
-        if output.quantities.count(name) > 1:
-            raise WrongKeyError("quantities", f'"{name}" is asked for more than once')
     laws = laws_of_scene(reading)
     for name in output.quantities:
         if name not in laws:

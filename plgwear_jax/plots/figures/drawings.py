@@ -42,16 +42,12 @@ _OVER_K: Style = {"xlim": (-1.0, 1.0), "xlabel": "exponent $k$", "xticks": (-1.0
 _OVER_PHI: Style = {"xlim": (0.0, 1.0), "xlabel": r"amplitude $F_x/(\mu F_N)$"}
 _LAW = "admissible"  # Poisson's ratio is Holl's for k >= 0, and 1/2 for k < 0
 _PAIRED = EXPONENTS[:, None], AMPLITUDES  # all nine pairs of k and φ
+_of_k = "$k = {:g}$".format
 
 
 def _crowded(lower: float) -> np.ndarray:
     """A column of numbers from -1 or 0 to 1, dense towards -1 and 1, where functions have infinite slopes."""
     return np.sin(0.5 * np.pi * np.linspace(lower, 1.0, 401))[:, None]
-
-
-def _of_k(k: float) -> str:
-    """An exponent as a label."""
-    return f"$k = {k:g}$"
 
 
 def _listed(values: Any, form: str) -> str:
