@@ -5,6 +5,7 @@ imports nothing that takes time: JAX, NumPy, Matplotlib and so on are imported b
 """
 
 import io
+import os
 import sys
 import textwrap
 from typing import Annotated
@@ -13,7 +14,7 @@ import typer
 
 from plgwear_jax._version import __version__
 
-from . import cache, coating, design, figures, new, solve, sweep, wear
+from . import coating, design, figures, new, solve, sweep, wear
 from .terminal import refusing
 
 __all__ = ["app", "main"]
@@ -67,7 +68,8 @@ def plgwear(
         ),
     ] = False,
 ) -> None:
-    cache.leave_off(no_cache)
+    if no_cache:
+        os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # which leaves off this cache, too
 
 
 for _command in (

@@ -17,20 +17,12 @@ MOST = 8 * 2**20
 # If one of JAX's own variables for its cache is set, the cache is left to JAX.
 _OF_JAX = ("JAX_COMPILATION_CACHE", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE")
 
-_left_off = False
-
-
-def leave_off(wanted: bool) -> None:
-    """Switch the cache off for this process, if wanted."""
-    global _left_off
-    _left_off = wanted
-
 
 def use(one_question: bool) -> None:
     """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
 
     Args:
-        one_question: See `terminal.set_up`.
+        one_question: See `terminal.computing`.
     """
     import jax
 
@@ -38,7 +30,7 @@ def use(one_question: bool) -> None:
 
     programs.keep_in(None)
     known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
-    if _left_off or known or any(name.startswith(_OF_JAX) for name in os.environ):
+    if known or any(name.startswith(_OF_JAX) for name in os.environ):
         return
     place = _prepared()
     if place is None:

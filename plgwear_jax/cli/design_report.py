@@ -65,7 +65,16 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
             rival = f"the next best minimum, at {_named(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
-        tension = _tensions(found) if STRESSES & asked and question.by_force else None
+        tension = None
+        if STRESSES & asked and question.by_force:
+            contacts: Any = found.contact, found.reference
+            pair = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
+            its, that = (
+                f"{measured('tension', one.peak_tension)} at {_named(zip('xz', one.peak_tension_at, strict=True))}"
+                for one in pair
+            )
+            times = f"{pair[0].peak_tension / pair[1].peak_tension:.3g} times that of the reference"
+            tension = f"its peak tension, {its}, is {times}, {that}"
         report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
     report.say(doubtful(found, comparison))
     _tell_life(report, given, found)
@@ -73,18 +82,6 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         _tell_sensitivities(report, optimise.sensitivities(found))
     told = filter(None, (verdict, conflict_told))
     return told, both.get("contact_radius", (None, None))[1], "design_picture", found, comparison
-
-
-def _tensions(found: optimise.Design) -> str:
-    """The largest tension of both contacts under the largest load, and where: only where stresses are asked for."""
-    contacts: Any = found.contact, found.reference
-    best, other = both = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
-    its, that = (
-        f"{measured('tension', one.peak_tension)} at {_named(zip('xz', one.peak_tension_at, strict=True))}"
-        for one in both
-    )
-    times = f"{best.peak_tension / other.peak_tension:.3g} times that of the reference"
-    return f"its peak tension, {its}, is {times}, {that}"
 
 
 def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:
@@ -198,31 +195,20 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[s
     return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
 
 
-def _part(level: float) -> str:
-    return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
-
-
-def _slipping(given: Scene, rows: Any) -> str:
-    """Which of these rows of scenarios slip as a whole under a displacement, in words."""
-    forces = forces_in_scenarios(given)
-    if forces is None:
-        return ""
-    slip = rows[np.isnan(forces)].tolist()
-    if len(slip) in (0, rows.size):
-        return f", {'all' if slip else 'none'} in gross slip"
-    which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
-    return f", {len(slip)} in gross slip ({which})"
-
-
 def amplitudes_told(given: Scene, objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space, name = given.load, given.asked(), entry(objective).name
+    part = {0.0: "mean", 1.0: "worst"}.get(space.level, f"mean over the worst {100.0 * (1.0 - space.level):.3g} %")
     if space.scatter:
-        rows = space.scatter.row
-        said = (
-            f"the {name} is its {_part(space.level)} over them, limits are for the worst, all else is for the reference"
-        )
-        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{_slipping(given, rows)}; {said}"
+        rows, forces, slipping = space.scatter.row, forces_in_scenarios(given), ""
+        if forces is not None:  # under a displacement
+            slip = rows[np.isnan(forces)].tolist()
+            which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
+            slipping = f", {len(slip)} in gross slip ({which})"
+            if len(slip) in (0, rows.size):
+                slipping = f", {'all' if slip else 'none'} in gross slip"
+        said = f"the {name} is its {part} over them, limits are for the worst, all else is for the reference"
+        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{slipping}; {said}"
     if load is None:
         return None
     if load.cycles is not None and given.life:
@@ -232,9 +218,9 @@ def amplitudes_told(given: Scene, objective: str) -> str | None:
         return load.remark if load.displacement is None else f"{load.remark}{kept}"
     acting = load.acting(given.life is not None).amplitude
     unit = entry("displacement" if given.wears_otherwise else "tangential_force").unit
-    count, part = acting.size, _part(space.level) if space.level < 1.0 else "value at the largest"
+    part = part if space.level < 1.0 else "value at the largest"
     told = f"the {name} is its {part}, all else is for the largest, {acting.max():g} {unit}"
-    return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"
+    return f"table {one_line(load.table)}: {acting.size} amplitude{'s' if acting.size > 1 else ''}; {told}"
 
 
 def _named(values: Iterable[tuple[str, Any]]) -> str:
@@ -279,7 +265,14 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     assert given.load is not None
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
     contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
-    verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
+    load, (best, *others) = amplitudes_told(given, found.objective), found.minima
+    ended = f"the best of {len(found.minima)} minima" if others else "the same minimum"
+    some = f"{best.starts} of {found.starts} descents ended in {ended}"
+    verdict = f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"
+    if not found.converged:
+        verdict = "the search DID NOT CONVERGE; this is the best gradient that it found"
+    elif not found.certified:
+        verdict = f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
     sides = {"best": "free\ngradient", "power_law": f"power law,\nk = {found.exponent:.3g}", "reference": "reference"}
     counts, at = coating.where_it_counts(found.contact, force), profile.at
     rings = [coating.worn(contact, force) for contact in contacts]
@@ -318,18 +311,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     if found.power_law_value != found.power_law_value:  # NaN
         freedom = "no power law within these bounds keeps the limits"
     report.say(f"{less(found.saving)} {objective.name} than the reference", freedom, verdict)
-    for rival in found.minima[1:2]:
+    for rival in others[:1]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
     report.say(doubts.of_design(depths, curves[1], widest, worn[1, 0].max()))
     return [verdict], found.contact_radii[2], "free_picture", found, curves, counts, worn
-
-
-def _free_verdict(found: optimise.FreeDesign) -> str:
-    if not found.converged:
-        return "the search DID NOT CONVERGE; this is the best gradient that it found"
-    if not found.certified:
-        return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
-    best, *others = found.minima
-    other = f"the best of {len(found.minima)} minima" if others else "the same minimum"
-    some = f"{best.starts} of {found.starts} descents ended in {other}"
-    return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"

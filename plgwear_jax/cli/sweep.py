@@ -13,7 +13,7 @@ from plgwear_jax._core.catalogue import AMPLITUDES, AXES
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
 
-from .terminal import Digits, Picture, computing, interval, option, plots, read_scene, refuse, set_up, warn
+from .terminal import Digits, Picture, computing, interval, option, plots, read_scene, refuse, warn
 
 _BOUNDS = "-0.95:0.95"
 
@@ -70,13 +70,13 @@ def sweep(
     between: Any = interval("--bounds =", bounds, -1.0, 1.0)
     if bounds != _BOUNDS and not any(name.startswith("optimal_exponent.") for name in names):
         refuse(f"--bounds = {bounds}: none of {', '.join(names)} depends on it")
-    set_up(one_question=False)
-    from rich.console import Console
-    from rich.progress import Progress
+    with computing("getting ready", one_question=False):
+        from rich.console import Console
+        from rich.progress import Progress
 
-    from plgwear_jax import sweep as library
-    from plgwear_jax._core.doubts import of_contact
-    from plgwear_jax.sweep.axes import read_axis
+        from plgwear_jax import sweep as library
+        from plgwear_jax._core.doubts import of_contact
+        from plgwear_jax.sweep.axes import read_axis
 
     texts, axes = {name: text for name, text in given.items() if text is not None}, {}
     for text in axis or ():

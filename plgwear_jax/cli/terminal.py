@@ -174,29 +174,25 @@ def positive(key: str, value: float | None, what: str) -> None:
 # --- JAX and matplotlib -----------------------------------------------------------------------------------------------
 
 
-def set_up(one_question: bool) -> None:
-    """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
-
-    Args:
-        one_question: Whether the command runs few programs, each of them a `startup.programs.Program`.
-    """
-    # Imports and tracing make many objects that stay: looking for garbage among them would take a tenth of the time.
-    gc.set_threshold(200_000, 20, 20)
-    atexit.register(gc.freeze)  # skips freeing all objects at the exit, which takes as long as drawing a picture
-    import jax
-
-    from plgwear_jax._core.doubts import DoubtfulInputWarning
-
-    jax.config.update("jax_enable_x64", True)
-    warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `Report.doubt`
-    cache.use(one_question)
-
-
 @contextlib.contextmanager
 def computing(doing: str, one_question: bool = True) -> Iterator[None]:
-    """Set JAX up, and show on a terminal that something is being done; see `set_up` and `working`."""
+    """Show that something is being done, and import JAX, with double precision and the cache; see `working`.
+
+    Args:
+        doing: What is being done.
+        one_question: Whether the command runs few programs, each of them a `startup.programs.Program`.
+    """
     with working(doing):
-        set_up(one_question)
+        # Imports and tracing make many objects that stay: looking for garbage would take a tenth of the time.
+        gc.set_threshold(200_000, 20, 20)
+        atexit.register(gc.freeze)  # skips freeing all objects at the exit, which takes as long as drawing a picture
+        import jax
+
+        from plgwear_jax._core.doubts import DoubtfulInputWarning
+
+        jax.config.update("jax_enable_x64", True)
+        warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `Report.doubt`
+        cache.use(one_question)
         yield
 
 

@@ -5,7 +5,6 @@ import json
 import os
 import sys
 import zlib
-from functools import partial
 from pathlib import Path
 from unittest import mock
 
@@ -20,7 +19,6 @@ from plgwear_jax import cli
 from plgwear_jax._core.startup import programs
 from plgwear_jax.cli import cache, terminal
 
-start = partial(terminal.set_up, one_question=False)
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -122,7 +120,11 @@ def settings(monkeypatch):
         patched.setattr(jax.config, "update", found.__setitem__)
         yield found
     jax.config.update("jax_compilation_cache_dir", ours)
-    cache.leave_off(False)
+
+
+def start(one_question=False):
+    with terminal.computing("starting", one_question):
+        pass
 
 
 def test_what_is_compiled_is_kept_within_bounds(folder, settings):
@@ -138,11 +140,13 @@ def test_what_is_compiled_is_kept_within_bounds(folder, settings):
     assert Path("cache/plgwear").stat().st_mode & 0o777 == 0o700
 
 
-def test_an_option_turns_it_off(settings):
+def test_an_option_turns_it_off(settings, monkeypatch):
+    monkeypatch.setattr(os, "environ", os.environ.copy())
     for line, variables in ((("--no-cache", "schema"), {}), (("schema",), {"PLGWEAR_NO_CACHE": "1"})):
         assert CliRunner().invoke(cli.app, line, env=variables).exit_code == 0
         start()
         assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
+        del os.environ["JAX_ENABLE_COMPILATION_CACHE"]
     assert CliRunner().invoke(cli.app, ["schema"]).exit_code == 0
     start()
     assert "jax_compilation_cache_dir" in settings
@@ -201,13 +205,13 @@ def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, 
 def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypatch):
     seen = []
     monkeypatch.setattr(programs, "keep_in", lambda *given: seen.append(given))
-    terminal.set_up(one_question=True)
+    start(one_question=True)
     assert settings == {"jax_enable_x64": True} and seen == [
         (None,),
         (folder / "cache" / "plgwear" / "programs", cache.MOST),
     ]
     monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")
-    terminal.set_up(one_question=True)
+    start(one_question=True)
     assert seen[2:] == [(None,)]
 
 

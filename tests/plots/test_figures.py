@@ -15,6 +15,7 @@ from matplotlib import image
 from numpy.testing import assert_allclose
 
 from plgwear_jax import gross_slip
+from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.plots import figures
 from plgwear_jax.plots.figures import drawings
 from plgwear_jax.plots.figures.drawings import AMPLITUDES, DEPTHS, EXPONENTS, PAIRS
@@ -163,6 +164,10 @@ def run(*arguments):
     return plgwear("figures", *arguments)
 
 
+def test_the_command_knows_the_figures_without_their_module():
+    assert list(KEYS) == list(figures.FIGURES)
+
+
 @pytest.mark.usefixtures("known")
 def test_command_writes_pictures_and_a_report(here):
     found = run("--out", "drawn", "--only", "4")
@@ -187,12 +192,11 @@ def test_command_writes_pictures_and_a_report(here):
 def test_command_refuses_in_one_line_what_it_cannot_write(here):
     Path("file").write_text("mine")
     Path("full/fig-04.pdf").mkdir(parents=True)
-    allowed = ", ".join(figures.FIGURES)
     for arguments, line in (
         (("--out", "file"), "file: is a file, not a folder to write to"),
         (("--out", "no/where"), "no/where: cannot be made: No such file or directory"),
         (("--out", "full", "--only", "4"), "full/fig-04.pdf: is a folder, not a file to write to"),
-        (("--out", "new", "--only", "11"), f"--only 11: there is no such figure; allowed are {allowed}"),
+        (("--out", "new", "--only", "11"), f"--only 11: there is no such figure; allowed are {', '.join(KEYS)}"),
     ):
         found = run(*arguments)
         assert (found.exit_code, found.stdout, found.stderr) == (2, "", line + "\n")
