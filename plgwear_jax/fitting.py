@@ -266,7 +266,7 @@ def fit_wear_coefficient(
         def run_with(coefficient: Any) -> Run:
             return contact.over_cycles(held, law_of(coefficient, exponent))
 
-        final = None
+        run = final = None
         if held.lasts:
             # The time scales with the coefficient: one run tells all volumes up to its end, or up to a tenth of it
             # where it has no state at its last time.
@@ -275,20 +275,19 @@ def fit_wear_coefficient(
             logs = np.linspace(math.log(1e-12 * last / N.max()), math.log(last / N.min()), _DENSE)
             final = run.final and float(run.final.volume)
             _worn(run.volume(last))
-
-            def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-                volumes = np.asarray(run.volume(np.fmin(coefficient * cycles, last)))
-                return np.where(np.isnan(coefficient), math.nan, volumes)
         else:
-            least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
+            last, least = math.inf, _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
             # the coefficient without any change of the contact by its wear
             slow = least * target.max() / _worn(np.max(run_with(least).volume(N)))
             logs = np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES))
 
-            def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
-                wears = POSITIVE.contains(coefficient)
-                found = np.asarray(run_with(np.where(wears, coefficient, 1.0)[:, 0]).volume(cycles[:, None])).T
-                return np.where(wears, found, np.where(coefficient == 0.0, 0.0, math.nan))
+        def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+            if run is not None:
+                volumes = np.asarray(run.volume(np.fmin(coefficient * cycles, last)))
+                return np.where(np.isnan(coefficient), math.nan, volumes)
+            wears = POSITIVE.contains(coefficient)
+            found = np.asarray(run_with(np.where(wears, coefficient, 1.0)[:, 0]).volume(cycles[:, None])).T
+            return np.where(wears, found, np.where(coefficient == 0.0, 0.0, math.nan))
 
         def misfit(log: float) -> float:
             return float(np.sum(((model(log) - target) / deviations[worn]) ** 2))

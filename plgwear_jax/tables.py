@@ -171,10 +171,10 @@ def _increasing(table: Table, columns: tuple[str, ...], needed: str, text: str) 
 
 def _outwards(table: Table) -> None:
     ends = "r", "height"
-    for column in ends if table.row.size > 1 else ():
+    _increasing(table, ends, "a profile needs two radii or more", "radii and heights must increase from row to row")
+    for column in ends:
         begins = f"{column} = {table[column][0]:g} m: a profile begins with r = 0, height = 0"
         table.refuse(table[column][:1] != 0.0, lambda _, begins=begins: begins)
-    _increasing(table, ends, "a profile needs two radii or more", "radii and heights must increase from row to row")
     if not table["height"][-1]:
         raise TableError(f"{table.name}: row {table.row[-1]}: height = 0 m: the last one must be > 0")
 

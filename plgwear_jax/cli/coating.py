@@ -12,7 +12,7 @@ from plgwear_jax._core.catalogue import measured
 from plgwear_jax._core.words import one_line, read_text
 
 from .report import Column, Report, each_with_unit, fields
-from .terminal import AsJson, Picture, computing, csv_option, option, read_scene, refuse, refuse_extremes, warn
+from .terminal import AsJson, CsvFile, Picture, computing, option, read_scene, refuse, refuse_extremes, warn
 
 # A section ends with its last key: comments further down belong to the next one.
 _MATERIAL = re.compile(
@@ -51,7 +51,7 @@ def coating(
     out: Annotated[
         Path | None, option(help="A .toml file to write: the input file, with the power law as [material].")
     ] = None,
-    csv_file: Annotated[Path | None, csv_option("the table beside the fit")] = None,
+    csv_file: CsvFile = None,
 ) -> None:
     """Fit a power law to a measured modulus E(z), and show what this idealisation does to contact and wear.
 

@@ -1,6 +1,5 @@
 """The commands `plgwear design`, the best coating for an input file, and `plgwear front`, a trade-off curve."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -11,10 +10,10 @@ from plgwear_jax._core.rules import LARGER
 from .report import Column, Report, counted, each_with_unit, fields
 from .terminal import (
     AsJson,
+    CsvFile,
     Picture,
     SceneFile,
     computing,
-    csv_option,
     option,
     positive,
     read_scene,
@@ -79,7 +78,7 @@ def front(
     points: Annotated[int, typer.Option(min=2, max=10_000, help="Number of designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,
+    csv_file: CsvFile = None,
 ) -> None:
     """Show what less wear costs: the least wear for each pressure, or any two quantities.
 
@@ -96,7 +95,7 @@ def front(
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")
-    given = given if y is None else given.minimising(given.traded("--y", y))
+    given = given if y is None else given.minimising("--y", y)
     given.traded("--x", x, distance)
     report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
     with computing("looking for the best y for each x"):
@@ -130,7 +129,7 @@ def front(
     words = {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
     if given.life:
         words[found.y_name] += f" after {counted(given.life)} cycles"
-    sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
+    sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True)
     cells = (
         each_with_unit(
             found.x_name if column == x_column else column, by[shown], words.get(column), reference.get(column)

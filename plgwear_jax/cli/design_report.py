@@ -132,7 +132,7 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
     states = {name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()}
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
-    report.table(*by_rows(headings, rows, left=(0, 2, 3), wrap=(0, 3)), title="")
+    report.table(*by_rows(headings, rows, left=(0, 2, 3)), title="")
 
 
 def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:

@@ -36,8 +36,8 @@ class Column(NamedTuple):
         heading: The text above the column.
         cells: Its cells, from top to bottom.
         end: The cell in the last row, below an empty line.
-        left: Whether its cells are aligned at the left, as for words.
-        wrap: Whether long cells may continue in the next line.
+        left: Whether its cells are words, aligned at the left, which may continue in the next line.
+        wrap: Whether a long heading may continue in the next line too.
     """
 
     heading: str
@@ -98,12 +98,10 @@ def shared(name: str, values: "np.ndarray", end: float | None = None, heading: s
     return Column(f"{heading}\n{unit}" if "\n" in heading else f"{heading} ({unit})", cells, below)
 
 
-def by_rows(
-    headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,), wrap: Sequence[int] = (0,)
-) -> list[Column]:
-    """The columns of a table from its rows; `left` are those for words, of which some may `wrap`."""
+def by_rows(headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)) -> list[Column]:
+    """The columns of a table from its rows; `left` are those for words."""
     columns = enumerate(zip(headings, zip(*rows, strict=True), strict=False))  # there may be no rows
-    return [Column(heading, cells, "", place in left, place in wrap) for place, (heading, cells) in columns]
+    return [Column(heading, cells, "", place in left) for place, (heading, cells) in columns]
 
 
 def by_quantity(headings: Sequence[str], rows: Mapping[str, Any], words: Mapping[str, str] = {}) -> list[Column]:
@@ -180,7 +178,7 @@ class Report:
         for column in columns:
             justify = "left" if column.left else "right"
             lines = "\n".join((column.heading, column.end, *column.cells)).split("\n")
-            least = None if column.wrap else max(map(len, lines))
+            least = None if column.left or column.wrap else max(map(len, lines))
             table.add_column(column.heading, column.end, justify=justify, min_width=least)
         rows = [*zip(*(column.cells for column in columns), strict=True)]
         for row in rows[: _MOST if more else None]:

@@ -13,11 +13,11 @@ from plgwear_jax._core.ranges import POSITIVE
 from .report import Column, Report, by_rows, each_with_unit, fields, rounded
 from .terminal import (
     AsJson,
+    CsvFile,
     Digits,
     Picture,
     SceneFile,
     computing,
-    csv_option,
     interval,
     message,
     option,
@@ -80,7 +80,7 @@ def solve(
     report.put(quantities=known)
     if not slides:
         report.say(given.load and given.load.remark)
-    columns = by_rows(("quantity", "value", "at r", "meaning"), rows, left=(0, 2, 3), wrap=(3,))
+    columns = by_rows(("quantity", "value", "at r", "meaning"), rows, left=(0, 2, 3))
     report.table(*(column for column in columns if any(column.cells)))
     if picture and given.load:
         contact: Any = given.build_contact()
@@ -115,7 +115,7 @@ def regimes(
     ] = None,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[Path | None, csv_option("the map")] = None,
+    csv_file: CsvFile = None,
 ) -> None:
     """Show where the slip is partial and where gross, over displacement amplitude and normal force.
 

@@ -63,17 +63,13 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 @contextlib.contextmanager
 def _interrupts() -> Iterator[None]:
     """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
-    before, later, main = sys.unraisablehook, [], threading.main_thread().ident or 0
-
-    def interrupt() -> None:
-        if hasattr(signal, "pthread_kill"):  # which also ends a wait
-            signal.pthread_kill(main, signal.SIGINT)
-        else:
-            _thread.interrupt_main()
+    before, later, again = sys.unraisablehook, [], _thread.interrupt_main
+    if hasattr(signal, "pthread_kill"):  # which also ends a wait
+        again = functools.partial(signal.pthread_kill, threading.main_thread().ident or 0, signal.SIGINT)
 
     def ignored(error: Any) -> None:
         if issubclass(error.exc_type, KeyboardInterrupt):  # once more, if it is lost again
-            later.append(threading.Timer(_SOON, interrupt))
+            later.append(threading.Timer(_SOON, again))
             later[-1].start()
         else:
             before(error)
@@ -119,11 +115,6 @@ def working(doing: str) -> Iterator[None]:
 option = functools.partial(typer.Option, show_default=False)
 
 
-def csv_option(what: str) -> Any:
-    """The option that has a command write a table of this."""
-    return option("--csv", help=f"A .csv file to write {what} to, in SI units.")
-
-
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The input file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
 Digits = Annotated[
@@ -134,6 +125,7 @@ Picture = Annotated[
     Path | None,
     option(help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here."),
 ]
+CsvFile = Annotated[Path | None, option("--csv", help="A .csv file to write the numbers to, row by row, in SI units.")]
 
 
 def read_scene(scene_file: Path) -> "Scene":

@@ -5,18 +5,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from plgwear_jax._core.catalogue import entry, measured
 
 from .report import Column, Report, about, counted, fields, rounded, shared
 from .terminal import (
     AsJson,
+    CsvFile,
     Digits,
     Picture,
     SceneFile,
     computing,
-    csv_option,
     option,
     positive,
     read_scene,
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
-_REPORTED = (0.5, 0.9, 0.99)
+_REPORTED = _SHARES[2:]
 _LENGTH = 96  # numbers of cycles that are computed: always as many, so that all scenes need the same program
 
 
@@ -41,14 +39,13 @@ def wear(
     as_json: AsJson = False,
     digits: Digits = None,
     picture: Picture = None,
-    csv_file: Annotated[Path | None, csv_option("the course")] = None,
+    csv_file: CsvFile = None,
     volumes: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--fit",
             help="A CSV file of measured volumes, with the columns cycles, volume, such as volume (um^3), and if known "
             "deviation: find the wear coefficient instead.",
-            show_default=False,
         ),
     ] = None,
     deviation: Annotated[
@@ -187,7 +184,14 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             report.put(tangential_force=load.largest)
         report.put(regime=regime, life=life, **rows)
         report.say(load.remark)
-        report.table(*_course_columns(rows, steady))
+        ends, share = {}, []
+        if steady:
+            still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
+            ends = steady | still | {"contact_radius": steady["worn_radius"]}
+            share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
+        first = Column("cycles\n\n", [*map(counted, rows["cycles"])], "steady state" if steady else "")
+        volume, *others = (shared(name, rows[name], ends.get(name)) for name in _COURSE if name != "stick_radius")
+        report.table(first, volume, *share, *others)
         held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
         if steady is None:
             much = f"{measured('volume', end['volume'])} after {counted(end['cycles'])} cycles"
@@ -244,17 +248,6 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     known = np.unique([*known, *decades])[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
-
-
-def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
-    ends, last, share = {}, "", []
-    if steady:
-        still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
-        ends, last = steady | still | {"contact_radius": steady["worn_radius"]}, "steady state"
-        share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
-    cycles = Column("cycles\n\n", [*map(counted, rows["cycles"])], last)
-    volume, *others = (shared(name, rows[name], ends.get(name)) for name in _COURSE if name != "stick_radius")
-    return [cycles, volume, *share, *others]
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------

@@ -144,12 +144,10 @@ def stress_picture(steady: Steady) -> Figure:
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
     told = []
     # The larger one first: both may be at one place.
-    for name, words, marker, style in (
-        ("peak_tension", "tension", "D", _LARGER),
-        ("peak_mises", "von Mises stress", "o", _PEAK),
-    ):
-        axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=f"largest {words}", **style)
-        told.append(f"largest {words} {measured(name, getattr(steady, name))}")
+    for name, marker, style in (("peak_tension", "D", _LARGER), ("peak_mises", "o", _PEAK)):
+        words = entry(name).name.replace("peak", "largest")
+        axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=words, **style)
+        told.append(f"{words} {measured(name, getattr(steady, name))}")
     axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
     for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
         show_units(axis, "r", words, size=a)

@@ -38,7 +38,7 @@ from .style import BLUE, DASH_DOT, DASHED, DOTTED, GREEN, ORANGE, Style, page, p
 __all__ = ["MapError", "map_picture"]
 
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
-_SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
+_SEEN = 1000  # most values along a side of a picture, whose print is some 700 dots wide
 _CONTOURS = 8  # about as many lines
 _LONGEST = 50  # characters of a label, also of formulas, beside a panel
 _ALMOST = 1.0 - 1e-15
@@ -89,8 +89,7 @@ def map_picture(ds: xr.Dataset, quantity: str | None = None, *, at: Mapping[str,
         raise MapError(f"{one_line(str(quantity))}: is not in the sweep{near_or_all(str(quantity), known)}")
     variable, told = _cut(ds[name], at or {})
     is_map = variable.ndim == 2 and len(variable) > _FEW
-    most = _SEEN if is_map else _SEEN_OF_CURVE
-    seen = {dim: np.linspace(0, n - 1, min(most, n)).round().astype(int) for dim, n in variable.sizes.items()}
+    seen = {dim: np.linspace(0, n - 1, min(_SEEN, n)).round().astype(int) for dim, n in variable.sizes.items()}
     variable = variable.sortby([dim for dim in seen if _is_number(variable[dim])]).isel(seen).compute()
     figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
@@ -285,32 +284,29 @@ def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
     return lines if other else []
 
 
-def _relative(variable: xr.DataArray) -> xr.DataArray:
-    """A map of the wear volume over that of k = 0, if it has that, wherever there is any wear."""
-    if variable.name != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
-        return variable
-    base = variable.sel(k=0.0, method="nearest", drop=True)
-    ratio = (variable / base).where(base != 0.0, drop=True)
-    return ratio.assign_attrs(variable.attrs, units="1", label=r"wear volume $\Delta V/\Delta V(k=0)$")
-
-
 def _middles(axes: Axes, lines: ContourSet) -> Any:
     """Where the numbers of contours stand, (n, 2): at their middles, unless they crowd, as at the edge most of all."""
-    of_axes, places = axes.transAxes.inverted(), []
-    pieces = (axes.transData.transform_path(path).to_polygons(closed_only=False) for path in lines.get_paths())
-    for piece in map(of_axes.transform, itertools.chain.from_iterable(pieces)):
+    to_axes, places = axes.transData - axes.transAxes, []
+    pieces = (to_axes.transform_path(path).to_polygons(closed_only=False) for path in lines.get_paths())
+    for piece in itertools.chain.from_iterable(pieces):
         length = np.append(0.0, np.cumsum(np.hypot(*np.diff(piece, axis=0).T)))
-        middle = [np.interp(0.5 * length[-1], length, along) for along in piece.T]
+        middle = [np.interp(0.5 * length[-1], length, along) for along in np.transpose(piece)]
         apart = min([math.dist(middle, other) for other in places], default=1.0)
         if length[-1] > 0.15 and apart > 0.06 and np.abs(np.subtract(middle, 0.5)).max() < 0.47:
             places.append(middle)
-    return (axes.transAxes - axes.transData).transform(places) if places else []
+    return to_axes.inverted().transform(places) if places else []
 
 
-def _draw_map(axes: Axes, given: xr.DataArray) -> list[Any]:
+def _draw_map(axes: Axes, variable: xr.DataArray) -> list[Any]:
     """Draw colours, contour lines and the optimum; the entries of the legend."""
-    variable, yes_or_no = _relative(given), given.dtype.kind == "b"
-    relative, (upwards, across) = variable is not given, variable.dims
+    yes_or_no, (upwards, across) = variable.dtype.kind == "b", variable.dims
+    relative = variable.name == "wear_volume" and "k" in variable.dims and np.abs(variable.k).min() <= 1e-9
+    if relative:  # over that of k = 0, wherever there is any wear
+        base, about = (
+            variable.sel(k=0.0, method="nearest", drop=True),
+            {"label": r"wear volume $\Delta V/\Delta V(k=0)$"},
+        )
+        variable = (variable / base).where(base != 0.0, drop=True).assign_attrs(variable.attrs, units="1", **about)
     norm = LogNorm(1.0 / _MOST, _MOST) if relative else _norm(variable)
     x, y = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards])
     values, most = variable.to_numpy().astype(float), np.abs(norm.vmax or 1.0)

@@ -209,9 +209,10 @@ class Scene:
                 raise SceneError(f"{key} = {shown(given)}: {PLACES[place]} must be {text}")
         return {found: places}
 
-    def minimising(self, objective: dict[str, dict[str, float]]) -> "Scene":
-        """The scene with another quantity that is minimised, of `traded`."""
-        return dataclasses.replace(self, design_space=DesignSpace(**vars(self.asked()) | {"minimise": objective}))
+    def minimising(self, key: str, given: str) -> "Scene":
+        """The scene with another quantity that is minimised, as `traded` takes it."""
+        asked = vars(self.asked()) | {"minimise": self.traded(key, given)}
+        return dataclasses.replace(self, design_space=DesignSpace(**asked))
 
     def design(self) -> "Design":
         """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
@@ -265,7 +266,7 @@ class Scene:
         """
         from . import designing
 
-        given = self if y is None else self.minimising(self.traded("y", y))
+        given = self if y is None else self.minimising("y", y)
         asked, kind = self.traded("x", x, distance), self.contact.kind
         ((name, places),) = asked.items()
         arguments = designing.arguments_of(given, "distance", places.get("distance"))

@@ -43,16 +43,15 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
     asked["vary"] = vary
     if scatter is None:
         return asked
-    laws = None
-    if "wear_coefficient" in scatter.columns:
-        laws = law_of(scatter["wear_coefficient"], getattr(given.wear, "exponent", None))
+    own, laws = scatter.columns, None
+    if "wear_coefficient" in own:
+        laws = law_of(own["wear_coefficient"], getattr(given.wear, "exponent", None))
     # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
     forces = None if given.life is not None else forces_in_scenarios(given)
     if forces is not None and np.isnan(forces).any():
         text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
         raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
-    weight = scatter.columns.get("weight")
-    return {**asked, "scenarios": optimise.Scenarios(_in_scenarios(given, scatter), weight, laws, forces)}
+    return {**asked, "scenarios": optimise.Scenarios(_in_scenarios(given, scatter), own.get("weight"), laws, forces)}
 
 
 def keywords_of(given: "Scene") -> dict[str, Any]:

@@ -89,7 +89,12 @@ class Reading(SimpleNamespace):
         with self.telling(section):
             if not isinstance(given, dict):
                 raise WrongKeyError("", f"must be a section, written as [{section}]")
-            name = _definition_of(section, given)
+            schema, kind = _SCHEMA["properties"][section], given.get("kind")
+            if section == "contact" and not (isinstance(kind, str) and kind in QUANTITIES):
+                raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, QUANTITIES)}')
+        while "if" in schema:  # what the section means, by its keys
+            schema = schema["then" if _allows(schema["if"], given) else "else"]
+        name = _section_of(schema)
         return name, dict.fromkeys(SECTIONS[name]["properties"]) | self._values(name, given, section)
 
     def _values(self, section: str, given: Any, *path: str) -> KeyValues:
@@ -109,7 +114,17 @@ class Reading(SimpleNamespace):
         }
         for name in {**given, **keys}:  # as the file has them; what is missing comes last
             here, value = (*path, name), given.get(name)
-            key = keys[name] if name in keys else self.refuse(here, _stray(section, name))
+            if name not in keys:
+                wrong = near_or_all(
+                    name, [*schema["properties"], *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
+                )
+                stray = f"there is no such key{wrong}"
+                if section in MATERIALS and any(name in SECTIONS[other]["properties"] for other in MATERIALS):
+                    stray = (
+                        f"cannot be combined with {MATERIALS[section]}; the modulus is a power law, a table or layers"
+                    )
+                self.refuse(here, stray)
+            key = keys[name]
             inner, text = _section_of(key), f"must be {key['description']}"
             if name not in given:
                 if name in schema["required"]:
@@ -139,16 +154,6 @@ class Reading(SimpleNamespace):
             self.refuse((section, *re.findall(r"material\.\w+\[\d+\]|transient\.\w+|[^.]+", error.key)), error.text)
         except GivenError as error:
             raise OtherFileError(str(error)) from None
-
-
-def _definition_of(section: str, given: KeyValues) -> str:
-    """The name in `SECTIONS` of what a section of the file means, by its keys; a `WrongKeyError` if it says nothing."""
-    schema, kind = _SCHEMA["properties"][section], given.get("kind")
-    if section == "contact" and not (isinstance(kind, str) and kind in QUANTITIES):
-        raise WrongKeyError("kind", f'must be "fretting" or "gross-slip"{near(kind, QUANTITIES)}')
-    while "if" in schema:
-        schema = schema["then" if _allows(schema["if"], given) else "else"]
-    return _section_of(schema)
 
 
 def _section_of(schema: KeyValues) -> str:
@@ -191,14 +196,6 @@ def _validator() -> Any:
         }
     )
     return validators.extend(Draft202012Validator, {"increasing": increasing}, type_checker=types)
-
-
-def _stray(section: str, name: str) -> str:
-    """What is wrong with a key that a section does not have."""
-    if section in MATERIALS and any(name in SECTIONS[other]["properties"] for other in MATERIALS):
-        return f"cannot be combined with {MATERIALS[section]}; the modulus is a power law, a table or layers"
-    known = [*SECTIONS[section]["properties"], *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
-    return f"there is no such key{near_or_all(name, known)}"
 
 
 def json_schema() -> KeyValues:

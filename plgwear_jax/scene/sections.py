@@ -423,8 +423,34 @@ class DesignSpace(SimpleNamespace):
             refuse_question(variables, bool(self.hold), objective, limits, kind=kind, flat=flat)
             if self.free and self.scenarios is not None:
                 raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-            self._refuse_other_materials()
-            self._refuse_to_vary()
+            # all that needs a power law at once, and what to write for another material
+            material, needing = reading.material, [name for name in variables if name in (*OF_POWER_LAW, "modulus")]
+            asked = [f"vary.{name}" for name in needing]
+            asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in limits)
+            if asked and not self.free and material.kind != "power law":
+                first, *others = asked
+                as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
+                instead = ""
+                if len(needing) == len(variables):
+                    name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
+                    value = float(material.rows[name][0])
+                    instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
+                    instead += ", or three depths or more in vary.modulus"
+                text = f"needs a power law under [material], not {material.words}{as_do}"
+                raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
+            # bounds of what this contact does not have, and of what slips as a whole
+            if "nu" in variables and isinstance(material.nu, str):
+                raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
+            for name in variables:
+                if name not in (*self.numbers, "modulus"):
+                    text = f"is no number of this contact{near_or_all(name, self.numbers)}"
+                    raise WrongKeyError(f"vary.{name}", text)
+            varied = [name for name in PRESSED if name in variables]
+            if varied and load is not None and not (load.of_displacement or load.pressed):
+                lowest = (variables.get(name, [getattr(reading.contact, name)])[0] for name in PRESSED)
+                if not load.largest < math.prod(lowest):
+                    text = f"at the lowest {' and '.join(varied)} the whole contact slips"
+                    raise WrongKeyError(f"vary.{varied[0]}", text)
             if self.scatter is None and self.over is not None and (load is None or load.table is None):
                 text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
                 raise WrongKeyError("over", text)
@@ -494,42 +520,6 @@ class DesignSpace(SimpleNamespace):
     def places(self) -> Mapping[str, float]:
         """Where that is taken, in m, by name."""
         return {} if isinstance(self.minimise, str) else self.minimise[self.objective]
-
-    def _refuse_other_materials(self) -> None:
-        """Refuse all that needs a power law at once, and say what to write for this material."""
-        material = self.reading.material
-        if self.free or material.kind == "power law":
-            return
-        kept = [name for name in self.variables if name not in (*OF_POWER_LAW, "modulus")]
-        asked = [f"vary.{name}" for name in self.variables if name not in kept]
-        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.limits or ()))
-        if not asked:
-            return
-        first, *others = asked
-        as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
-        instead = ""
-        if not kept:
-            name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
-            value = float(material.rows[name][0])
-            instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
-            instead += ", or three depths or more in vary.modulus"
-        text = f"needs a power law under [material], not {material.words}{as_do}"
-        raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
-
-    def _refuse_to_vary(self) -> None:
-        """Refuse bounds of what this contact does not have, and of what slips as a whole."""
-        load = self.reading.load
-        if "nu" in self.variables and isinstance(self.reading.material.nu, str):
-            raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
-        for name in self.variables:
-            if name not in (*self.numbers, "modulus"):
-                raise WrongKeyError(f"vary.{name}", f"is no number of this contact{near_or_all(name, self.numbers)}")
-        varied = [name for name in PRESSED if name in self.variables]
-        if varied and load is not None and not (load.of_displacement or load.pressed):
-            lowest = (self.variables.get(name, [getattr(self.reading.contact, name)])[0] for name in PRESSED)
-            if not load.largest < math.prod(lowest):
-                text = f"at the lowest {' and '.join(varied)} the whole contact slips"
-                raise WrongKeyError(f"vary.{varied[0]}", text)
 
 
 # --- what is asked for ------------------------------------------------------------------------------------------------

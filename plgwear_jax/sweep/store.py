@@ -99,8 +99,7 @@ class SweepStore:
         lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
         with contextlib.ExitStack() as until:
             with self._writing():
-                lock.acquire(timeout=0)
-                until.callback(lock.release)
+                until.enter_context(lock.acquire(timeout=0))
                 until.callback(Path(lock.lock_file).unlink, missing_ok=True)  # before the release: nobody else has it
                 # what a process that was killed left unfinished
                 for part in self.path.parent.glob(f".{self.path.name}.*.part"):
