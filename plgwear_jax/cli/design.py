@@ -91,7 +91,6 @@ def front(
     Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
     """
     given = read_scene(scene_file)
-    given.asked()
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")

@@ -178,7 +178,7 @@ def regimes(
         criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
         **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
     )
-    at = np.argmin(abs(cut.displacement_amplitude - told[:, None]), axis=1)
+    at = np.searchsorted(cut.displacement_amplitude, told)
     slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
     heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
     report.table(

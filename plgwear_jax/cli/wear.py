@@ -67,7 +67,6 @@ def wear(
     Example: plgwear wear design/steel_ball.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    given.tested()
     positive("--until", until, "a depth in m")
     positive("--deviation", deviation, "a share of the volumes")
     kind = "wear" if volumes is None else "fit"

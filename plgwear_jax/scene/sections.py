@@ -548,7 +548,7 @@ def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
 def laws_of_scene(scene: Any) -> dict[str, Law]:
     """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
     load, wear = scene.load, scene.wear
-    lasts = wear is not None and wear.cycles is not None and (load is None or load.history is None)
+    lasts = wear is not None and wear.cycles is not None and load.history is None
     given = {*PLACES, "F_x", *(("cycles", "wear_coefficient") if lasts else ())}
     return {name: law for name, law in laws_of(scene.contact).items() if given.issuperset(law.arguments)}
 

@@ -49,7 +49,6 @@ def test_people_read_tables_and_programs_one_object(capsys):
                 "",
                 ["first of more words than a narrow terminal has room for, of which none may be cut", "second"],
                 "end",
-                left=True,
             ),
         )
         report.write_table({"volume": np.array([1.0, 1.0])})
