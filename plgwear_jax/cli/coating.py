@@ -86,7 +86,7 @@ def coating(
         from plgwear_jax._core.domains import RefusedError
         from plgwear_jax.scene.sections import Body, LoadSection
 
-        body = Body("surfaces.DepthGraded", "table", {**data.columns, "nu": given.material.nu}, data)
+        body = Body("surfaces.DepthGraded", "a table", {**data.columns, "nu": given.material.nu}, data)
         # A displacement needs another force on the table than on the [material] of the input file.
         load = LoadSection(**vars(given.load) | {"material": body})
         given = dataclasses.replace(given, load=load)

@@ -35,7 +35,18 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         words[objective] = lessened
     limited = {one.name: placed(one.quantity, one.places) for one in question.limits}  # what each limit limits
     both = described(found, comparison)
-    verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
+    conflict, higher = optimise.conflict(found), _if_higher(found, limited, lessened)
+    verdict = "the search converged; a global search found nothing better"
+    if not found.keeps_limits:
+        verdict = "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated"
+    elif not found.converged:
+        verdict = "the search DID NOT CONVERGE; this is the best design that it found"
+    elif not found.certified:
+        verdict = "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
+    elif found.scan_found_nothing_better:
+        verdict += " and expects nothing better (curvature is estimated, not bounded)"
+    else:
+        verdict += ", but the scan has too few points to say what lies between them"
     conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
@@ -225,19 +236,6 @@ def amplitudes_told(given: Scene, objective: str) -> str | None:
 
 def _named(values: Iterable[tuple[str, Any]]) -> str:
     return ", ".join(f"{name} = {measured(name, value)}" for name, value in values)
-
-
-def _verdict(found: optimise.Design) -> str:
-    if not found.keeps_limits:
-        return "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated"
-    if not found.converged:
-        return "the search DID NOT CONVERGE; this is the best design that it found"
-    if not found.certified:
-        return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
-    said = "the search converged; a global search found nothing better"
-    if found.scan_found_nothing_better:
-        return f"{said} and expects nothing better (curvature is estimated, not bounded)"
-    return f"{said}, but the scan has too few points to say what lies between them"
 
 
 def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:

@@ -126,7 +126,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
     """Report how the contact wears under one amplitude, or over the blocks of a history."""
     load, contact = given.tested(), given.contact
     blocks = load.cycles is not None
-    closed = given.material.kind == "power law" and contact.indenter is None and contact.shape is None
+    closed = given.material.kind == "a power law" and contact.indenter is None and contact.shape is None
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not (closed or blocks)):
         import numpy as np

@@ -23,7 +23,7 @@ from plgwear_jax._core.rules import LASTING, WrongKeyError, limit_form
 from plgwear_jax._core.words import GivenError, bare, near, near_or_all, shown
 
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
-MATERIALS = {"Material": "power law", "Tabulated": "table", "Layers": "layers"}  # what messages call them
+MATERIALS = {"Material": "a power law", "Tabulated": "a table", "Layers": "layers"}  # what messages call them
 KeyValues = dict[str, Any]  # what a section holds, by key
 _SCHEMA = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
 SECTIONS: KeyValues = _SCHEMA["$defs"]  # and the forms of values, in lower case

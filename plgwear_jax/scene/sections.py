@@ -52,17 +52,15 @@ class Body(SimpleNamespace):
 
     Attributes:
         record_name: The record of the library, with its module.
-        kind: Of a half-space "power law", "table" or "layers", else the key of this name.
+        kind: Of a half-space "a power law", "a table" or "layers", else the key of this name.
         fields: The fields of the record by name.
         file: The table that has them; None without one.
-        words: What messages call a half-space.
         rows: The rows of numbers of a half-space by name: thicknesses or depths, and moduli; none of a power law.
     """
 
     def __init__(self, record_name: str, kind: str, fields: KeyValues, file: "Table | None" = None) -> None:
         rows = {name: value for name, value in fields.items() if not isinstance(value, float | str)}
-        words = kind if kind == "layers" else f"a {kind}"
-        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file, words=words, rows=rows)
+        super().__init__(**fields, record_name=record_name, kind=kind, fields=fields, file=file, rows=rows)
 
     def numbers(self) -> Iterator[str]:
         """The names of its single numbers, also of those of an elastic indenter or a shape."""
@@ -85,8 +83,8 @@ def body_from(reading: Reading, section: str, values: KeyValues) -> Body:
         layers = len(values["thickness"])
         text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
         raise WrongKeyError("modulus", f"{text}, not {len(values['modulus'])}")
-    if section == "GrossSlip" and material.kind != "power law":
-        raise WrongKeyError("kind", f"needs a power law under [material], not {material.words}")
+    if section == "GrossSlip" and material.kind != "a power law":
+        raise WrongKeyError("kind", f"needs a power law under [material], not {material.kind}")
     if section == "Fretting" and math.isinf(values["friction"] * values["normal_force"]):
         raise WrongKeyError("friction", "times normal_force exceeds the range of numbers")
     fields, file = dict(values), None
@@ -427,7 +425,7 @@ class DesignSpace(SimpleNamespace):
             material, needing = reading.material, [name for name in variables if name in (*OF_POWER_LAW, "modulus")]
             asked = [f"vary.{name}" for name in needing]
             asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in limits)
-            if asked and not self.free and material.kind != "power law":
+            if asked and not self.free and material.kind != "a power law":
                 first, *others = asked
                 as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
                 instead = ""
@@ -436,7 +434,7 @@ class DesignSpace(SimpleNamespace):
                     value = float(material.rows[name][0])
                     instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
                     instead += ", or three depths or more in vary.modulus"
-                text = f"needs a power law under [material], not {material.words}{as_do}"
+                text = f"needs a power law under [material], not {material.kind}{as_do}"
                 raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
             # bounds of what this contact does not have, and of what slips as a whole
             if "nu" in variables and isinstance(material.nu, str):

@@ -8,6 +8,7 @@ from collections.abc import Generator, Sequence
 from pathlib import Path
 
 import distributed
+import numpy as np
 from distributed import CancelledError
 from distributed.comm.core import CommClosedError
 
@@ -31,8 +32,7 @@ def run_on_cluster(plan: SweepPlan, store: SweepStore, numbers: Sequence[int], s
     """
     if not numbers:
         return
-    some = -(-len(numbers) // _TASKS)
-    batches = [numbers[first : first + some] for first in range(0, len(numbers), some)]
+    batches = np.array_split(numbers, min(len(numbers), _TASKS))
     try:
         client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError):

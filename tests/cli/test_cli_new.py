@@ -43,7 +43,7 @@ def test_a_new_scene_is_complete(validator, kind):
 OFFERED = {
     name: (instead, place, value)
     for name, instead, place, value in text_cells("""
-    table           E0|z0|k                   material.kind                   table
+    table           E0|z0|k                   material.kind                   a table
     thickness       E0|z0|k|+modulus          material.thickness              (0.0005,)
     shape           indenter                  contact.shape.exponent          4.0
     displacement    tangential_force          load.displacement               1e-06
