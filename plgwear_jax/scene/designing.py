@@ -70,7 +70,7 @@ def keywords_of(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": {name: several if several[1:] else several[0] for name, several in space.allowed.items()},
+        "limits": space.allowed,
         **lasting,
     }
 

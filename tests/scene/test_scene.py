@@ -236,7 +236,7 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius", "minimise": "wear_volume"}
     depth, x = {"penetration": {"below": 2e-6}}, {"edge_pressure": {"distance": 1e-6}}
     pressure = {"edge_pressure": {"below": 5e8, "distance": 1e-6}}
-    assert design == asked | {"limits": pressure | depth}
+    assert design == asked | {"limits": {name: [limit] for name, limit in (pressure | depth).items()}}
     assert [front.pop("reference_y"), *front.pop("y")] == [1.0, 1.0, 1.0]
     assert front == asked | {
         "x": x,
