@@ -200,13 +200,7 @@ def scenarios(columns: Mapping[str, Domain]) -> Form:
     Args:
         columns: The columns that it may have, such as "friction" or "indenter.E", and what each allows, in SI units.
     """
-
-    def check(table: Table) -> None:
-        if [*table.columns] == ["weight"]:
-            raise TableError(f"{table.name}: has no column but weight; allowed are {', '.join(columns)}")
-        _some_weight(table)
-
-    return Form((), (("weight",), *zip(columns)), check, columns)
+    return Form((), (("weight",), *zip(columns)), _some_weight, columns)
 
 
 # --- columns ----------------------------------------------------------------------------------------------------------
@@ -271,6 +265,8 @@ def _header(cells: list[str], form: Form) -> dict[str, Callable[[str], float]]:
         if unit is not None and unit not in units:
             raise ValueError(f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}")
         found[column] = _reader(column, unit and units[unit], form)
+    if form.domains and [*found] == ["weight"]:
+        raise ValueError(f"has no column but weight; allowed are {', '.join(form.domains)}")
     for some in alternatives:
         there = [column for column in found if column in some]
         if not there and some in form.columns:

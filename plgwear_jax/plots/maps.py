@@ -286,15 +286,15 @@ def _draw_curves(axes: Axes, variable: xr.DataArray) -> list[Any]:
 
 def _middles(axes: Axes, lines: ContourSet) -> Any:
     """Where the numbers of contours stand, (n, 2): at their middles, unless they crowd, as at the edge most of all."""
-    to_axes, places = axes.transData - axes.transAxes, []
-    pieces = (to_axes.transform_path(path).to_polygons(closed_only=False) for path in lines.get_paths())
-    for piece in itertools.chain.from_iterable(pieces):
+    of_axes, places = axes.transAxes.inverted(), []
+    pieces = (axes.transData.transform_path(path).to_polygons(closed_only=False) for path in lines.get_paths())
+    for piece in map(of_axes.transform, itertools.chain.from_iterable(pieces)):
         length = np.append(0.0, np.cumsum(np.hypot(*np.diff(piece, axis=0).T)))
-        middle = [np.interp(0.5 * length[-1], length, along) for along in np.transpose(piece)]
+        middle = [np.interp(0.5 * length[-1], length, along) for along in piece.T]
         apart = min([math.dist(middle, other) for other in places], default=1.0)
         if length[-1] > 0.15 and apart > 0.06 and np.abs(np.subtract(middle, 0.5)).max() < 0.47:
             places.append(middle)
-    return to_axes.inverted().transform(places) if places else []
+    return (axes.transAxes - axes.transData).transform(places) if places else []
 
 
 def _draw_map(axes: Axes, variable: xr.DataArray) -> list[Any]:
