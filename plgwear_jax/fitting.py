@@ -171,12 +171,6 @@ class Fit:
     curve: np.ndarray
 
 
-def _worn(volume: Any) -> float:
-    if volume == 0.0:
-        raise ValueError("load: wears nothing, so that no wear coefficient can be told")
-    return float(volume)
-
-
 def _by_log(curve: Any, cycles: np.ndarray, logs: np.ndarray, known: Any = None) -> Any:
     """Volumes at the cycles of the data by log(K), a cubic between those at some log(K) and those that are known.
 
@@ -273,13 +267,15 @@ def fit_wear_coefficient(
             run = run_with(1.0)
             last = float(run.lasting_cycles) * (1.0 if isinstance(run, MarchedRun) else 0.1)
             logs = np.linspace(math.log(1e-12 * last / N.max()), math.log(last / N.min()), _DENSE)
-            final = run.final and float(run.final.volume)
-            _worn(run.volume(last))
+            final, little = run.final and float(run.final.volume), run.volume(last)
         else:
             last, least = math.inf, _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
-            # the coefficient without any change of the contact by its wear
-            slow = least * target.max() / _worn(np.max(run_with(least).volume(N)))
+            little = np.max(run_with(least).volume(N))
+            # from the coefficient without any change of the contact by its wear; if nothing wears, it does not count
+            slow = least * target.max() / float(little or 1.0)
             logs = np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES))
+        if little == 0.0:
+            raise ValueError("load: wears nothing, so that no wear coefficient can be told")
 
         def curve(coefficient: np.ndarray, cycles: np.ndarray) -> np.ndarray:
             if run is not None:

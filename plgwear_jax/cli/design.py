@@ -94,7 +94,8 @@ def front(
     if larger not in LARGER:
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")
-    given = given if y is None else given.minimising("--y", y)
+    if y is not None:
+        given = given.minimising("--y", y)
     given.traded("--x", x, distance)
     report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
     with computing("looking for the best y for each x"):

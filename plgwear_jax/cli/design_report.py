@@ -47,7 +47,19 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         verdict += " and expects nothing better (curvature is estimated, not bounded)"
     else:
         verdict += ", but the scan has too few points to say what lies between them"
-    conflict_told = conflict and _conflict_told(found, conflict, limited)
+    conflict_told = None
+    if conflict:  # which limits cannot be kept together, and what is reachable
+        kept, reached = [], []
+        for limit in question.limits:
+            if limit.name in conflict.allowed:
+                said = limited[limit.name]
+                best, allowed = (
+                    measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed)
+                )
+                kept.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
+                reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
+        cannot = "together: with the others kept," if kept[1:] else "between the bounds of what varies:"
+        conflict_told = f"limits: {' and '.join(kept)} cannot be kept {cannot} {', '.join(reached)}"
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
@@ -144,19 +156,6 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
     report.put(vary=variables, limits=states)
     headings = "varied and limited" if found.limits else "varied", called, "allowed", ""
     report.table(*by_rows(headings, rows, left=(0, 2, 3)), title="")
-
-
-def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
-    """Which limits cannot be kept together, and what is reachable."""
-    limits, reached = [], []
-    for limit in found.question.limits:
-        if limit.name in conflict.allowed:
-            said = limited[limit.name]
-            best, allowed = (measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed))
-            limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
-            reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
-    cannot = "together: with the others kept," if limits[1:] else "between the bounds of what varies:"
-    return f"limits: {' and '.join(limits)} cannot be kept {cannot} {', '.join(reached)}"
 
 
 def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:

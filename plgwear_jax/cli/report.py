@@ -229,7 +229,8 @@ class Report:
         """Print the words, and the names of the files that were written, or with --json the object."""
         if self._as_json:
             found = self._found | ({"units": self._units} if self._units else {})
-            found |= {what: str(file) for what, file in self._files.items() if what == "picture"}
+            if "picture" in self._files:
+                found["picture"] = str(self._files["picture"])
             # A number that is not finite becomes null.
             finite = json.loads(json.dumps(found, default=lambda array: array.tolist()), parse_constant=lambda _: None)
             typer.echo(json.dumps(finite))

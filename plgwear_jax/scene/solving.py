@@ -1,6 +1,7 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
 import dataclasses
+import functools
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -40,10 +41,7 @@ def scene_values(
     """
     frets, laws, solved = isinstance(contact, FrettingContact), laws_of(contact), {}
     given: dict[str, Any] = {**places}
-
-    def value_of(name: str) -> Any:
-        return read(contact, name, load, given, digits=digits, solved=solved)
-
+    value_of = functools.partial(read, contact, load=load, places=given, digits=digits, solved=solved)
     found, beside, punch = {}, jnp.asarray(0.0), jnp.asarray(contact.radius)
     if any(laws[name].unbounded_at for name in names):
         found["edge radius"] = jnp.min(value_of("stick_radius")) if frets else punch
