@@ -144,8 +144,7 @@ def regimes(
 
         contact = homogeneous(given.build_contact())
         moved = load.of_displacement and not load.pressed
-        own = load.given if moved else contact.steady(Force(load.amplitudes, rig)).displacement_amplitude
-        own = np.unique(own)
+        own = np.unique(load.given if moved else contact.steady(Force(load.amplitudes, rig)).displacement_amplitude)
         own = own[own > 0.0]
         force = float(contact.normal_force)
         first, last = forces or (force / _DECADE, force * _DECADE)
