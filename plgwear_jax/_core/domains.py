@@ -47,9 +47,9 @@ else:
 
 
 def as_array(value: Any) -> Any:
-    """A list, a tuple or a range of numbers as an array; everything else as it is.
+    """A list, a tuple or a range of numbers as an array, and whole numbers as floats; everything else as it is.
 
-    Without `jax_enable_x64` integers become floats, since JAX cuts them to 32 bits: 100 GPa in Pa would be 1.2 GPa.
+    Integers overflow: JAX cuts them to 32 bits without `jax_enable_x64`, and 100 GPa in Pa would be 1.2 GPa.
     """
     if isinstance(value, list | tuple | range):
         try:
@@ -59,8 +59,8 @@ def as_array(value: Any) -> Any:
         except jax.errors.TracerArrayConversionError:
             return jnp.asarray(value)
         value = found if found.dtype.kind in "fiub" else value
-    whole = isinstance(value, int | np.integer | np.ndarray) and np.asarray(value).dtype.kind in "iu"
-    return value * 1.0 if whole and jnp.result_type(float) == jnp.float32 else value
+    dtype = np.result_type(value) if isinstance(value, int) else getattr(value, "dtype", None)
+    return value * 1.0 if getattr(dtype, "kind", None) in ("i", "u") else value
 
 
 class RefusedError(GivenError):

@@ -145,7 +145,9 @@ def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
     assert sum(size for _, size in spy.read) == 3  # and the element outside
 
 
-WITHOUT_X64 = """
+WHOLE_NUMBERS = """
+import jax
+import jax.numpy as jnp
 import numpy as np
 from plgwear_jax import Elastic, FrettingContact, PowerLawGraded
 from plgwear_jax.contact import slip_regimes
@@ -167,11 +169,20 @@ for whole in 100 * 10**9, np.int64(100 * 10**9), [100 * 10**9, 200 * 10**9], np.
     for body in PowerLawGraded, Elastic:
         real = np.asarray(whole, float)
         np.testing.assert_allclose(results(whole, 10**10, body), results(real, 1e10, body), rtol=1e-6)
+
+def energy(kind):
+    contact = FrettingContact(PowerLawGraded(1e11, 1e-4, 0, 0.3), 5e-3, kind(100_000), friction=kind(50_000))
+    return contact.steady(8e8).energy_per_cycle
+
+for wide in False, True:
+    jax.config.update("jax_enable_x64", wide)
+    for kind in np.int32, np.uint32, jnp.int32:  # their product has more than 32 bits
+        np.testing.assert_allclose(energy(kind), energy(float), rtol=1e-6)
 """
 
 
-def test_whole_numbers_of_more_than_32_bits_are_not_cut():
-    output("-c", WITHOUT_X64, JAX_ENABLE_X64="0")
+def test_whole_numbers_are_not_cut_to_32_bits():
+    output("-c", WHOLE_NUMBERS, JAX_ENABLE_X64="0")
 
 
 # --- traced values --------------------------------------------------------------------------------------------------
