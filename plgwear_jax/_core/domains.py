@@ -204,17 +204,24 @@ _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
 
 
-def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
+def concrete_only(
+    instead: str, of: type | None = None
+) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
     """Have a function that reads its numbers refuse to be a part of another program.
 
     Args:
         instead: What does work there, as the end of the line.
+        of: What has to be among the arguments, as the first one.
     """
 
     def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+        name = getattr(function, "__name__", "")
+
         @functools.wraps(function)
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
-            refuse_traced(getattr(function, "__name__", ""), traced((args, kwargs)), instead)
+            refuse_traced(name, traced((args, kwargs)), instead)
+            if of and not any(isinstance(one, of) for one in (*args, *kwargs.values())):
+                raise TypeError(f"{name} takes a {of.__name__} as its first argument")
             with one_question():
                 return function(*args, **kwargs)
 

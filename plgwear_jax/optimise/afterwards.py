@@ -9,12 +9,12 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.catalogue import read
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, concrete_only, record
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, record
 from plgwear_jax._core.leaves import paths_of, with_leaf
 from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 
-from .best import Design, LimitState, answered, limit_states
+from .best import Design, LimitState, answered, limit_states, of_design
 from .conditions import conditions, residual_of, solved_by_elimination
 from .evaluation import Known, evaluate, plan_for
 from .question import Question, keeps, moved
@@ -33,7 +33,7 @@ class ObjectiveCurve:
     keeps_limits: Array
 
 
-@concrete_only("optimise.designs works there for contacts with closed forms")
+@of_design
 def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     """The objective of a design as one of its variables changes and the others stay, for pictures.
 
@@ -80,7 +80,7 @@ class UnderOtherLoad:
     limits: dict[str, LimitState]
 
 
-@concrete_only("optimise.designs works there for contacts with closed forms")
+@of_design
 def under_other_load(found: Design, factor: float = 1.1) -> UnderOtherLoad:
     """What a design loses if all amplitudes are `factor` times those that it was made for.
 
@@ -142,7 +142,7 @@ _LIVES = np.append(1.0, np.geomspace(1e-3, 1e5, 383))  # at which both are compa
 _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 
-@concrete_only("optimise.designs works there for contacts with closed forms")
+@of_design
 def in_steady_state(found: Design) -> InSteadyState:
     """Compare a design for a life with the best one for the steady state.
 
@@ -219,7 +219,7 @@ class Sensitivities:
 # Here x is k, nu or an exponent, and the logarithm of every other variable.
 
 
-@concrete_only("optimise.designs works there, with derivatives, for contacts with closed forms")
+@of_design
 def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its question.
 

@@ -275,7 +275,11 @@ class Comparison:
     modulus: Array
 
 
-@concrete_only("optimise.designs works there for contacts with closed forms")
+of_design = concrete_only("optimise.designs works there for contacts with closed forms", Design)
+"""A decorator of functions of a design."""
+
+
+@of_design
 def compared(found: Design) -> Comparison:
     """Compare the best contact of a design with its reference.
 

@@ -13,7 +13,7 @@ from plgwear_jax._core.rules import LARGER, WrongKeyError
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-from .best import ACTIVE, Design
+from .best import ACTIVE, Design, of_design
 from .evaluation import Known, evaluate, reference_variables, search
 from .question import (
     Bounds,
@@ -246,7 +246,7 @@ class Conflict:
     reachable: dict[str, float]
 
 
-@concrete_only("optimise.designs works there for contacts with closed forms")
+@of_design
 def conflict(found: Design) -> Conflict | None:
     """Why no design keeps the limits, by the programs that the design has compiled.
 
