@@ -37,7 +37,7 @@ from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 from .conditions import namespace
-from .scenarios import ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
+from .scenarios import LEVEL, ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
 
 Bounds = tuple[float, float]
 LoadGiven = Given | Load | Sequence[Block] | None
@@ -349,6 +349,10 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     refuse_question(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
     if hold and not hasattr(contact.material, "E0"):
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
+    level = keywords.get("level", 0.0)
+    check("level", level, LEVEL)
+    if np.ndim(level):
+        raise ValueError(f"level: takes one number, not an array of shape {np.shape(level)}")
     load = None if load is None else load_of(load)
     if kind == "gross-slip" and load is not None:
         raise ValueError("load: only a fretting contact has one")

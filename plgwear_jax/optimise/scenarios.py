@@ -218,7 +218,6 @@ def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> Scenario
         level: As of `design`.
     """
     given = given if isinstance(given, Scenarios) else Scenarios(given)
-    check("level", level, LEVEL)
     if jax.tree.structure(given.contact) != jax.tree.structure(contact):
         raise ValueError("scenarios: takes contacts of the same bodies and shape as the contact of the design")
     own_law = None if given.law is None else law_of(given.law)
