@@ -114,17 +114,7 @@ class Reading(SimpleNamespace):
         }
         for name in {**given, **keys}:  # as the file has them; what is missing comes last
             here, value = (*path, name), given.get(name)
-            if name not in keys:
-                wrong = near_or_all(
-                    name, [*schema["properties"], *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
-                )
-                stray = f"there is no such key{wrong}"
-                if section in MATERIALS and any(name in SECTIONS[other]["properties"] for other in MATERIALS):
-                    stray = (
-                        f"cannot be combined with {MATERIALS[section]}; the modulus is a power law, a table or layers"
-                    )
-                self.refuse(here, stray)
-            key = keys[name]
+            key = keys[name] if name in keys else self.refuse(here, _stray(section, name))
             inner, text = _section_of(key), f"must be {key['description']}"
             if name not in given:
                 if name in schema["required"]:
@@ -196,6 +186,17 @@ def _validator() -> Any:
         }
     )
     return validators.extend(Draft202012Validator, {"increasing": increasing}, type_checker=types)
+
+
+def _stray(section: str, name: str) -> str:
+    """What is wrong with a key that a section does not have."""
+    if section in MATERIALS and any(name in SECTIONS[other]["properties"] for other in MATERIALS):
+        return f"cannot be combined with {MATERIALS[section]}; the modulus is a power law, a table or layers"
+    known = [*SECTIONS[section]["properties"], *(map(json.dumps, ELEMENTS) if section == "Vary" else ())]
+    for one in known:  # TOML reads a point as that of a table
+        if one.startswith(f"{name}."):
+            return f'a name with a point needs quotation marks, such as "{one}"'
+    return f"there is no such key{near_or_all(name, known)}"
 
 
 def json_schema() -> KeyValues:
