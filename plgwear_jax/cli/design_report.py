@@ -304,7 +304,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
         Column("", [f"{side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )
-    freedom = f"the free gradient wears {100.0 * found.freedom:.3g} % less than the best power law within these bounds"
+    freedom = f"the free gradient wears {less(found.freedom)} than the best power law within these bounds"
     if found.power_law_value != found.power_law_value:  # NaN
         freedom = "no power law within these bounds keeps the limits"
     report.say(f"{less(found.saving)} {objective.name} than the reference", freedom, verdict)

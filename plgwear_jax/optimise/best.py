@@ -408,7 +408,9 @@ def headline(found: Any) -> str:
 
 
 def less(saving: float) -> str:
-    """How much less there is of something."""
+    """How much less there is of something; nothing is told of digits that the search does not have."""
+    if abs(saving) < 1e-5:
+        return "no less"
     return f"{100.0 * abs(saving):.3g} % {'less' if saving >= 0.0 else 'more'}"
 
 

@@ -246,9 +246,11 @@ def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, preten
         (1, True, 1, "the search converged, but only one of 20 descents ended here: THERE MAY BE A BETTER ONE"),
         (3, False, 1, "the search DID NOT CONVERGE; this is the best gradient that it found"),
     ):
-        ended = dataclasses.replace(free, minima=(free.minima[0]._replace(starts=starts),), converged=converged)
+        minima = (free.minima[0]._replace(starts=starts),)
+        ended = dataclasses.replace(free, minima=minima, converged=converged, power_law_value=free.value * (1.0 + 1e-7))
         monkeypatch.setattr(scene.Scene, "free_design", lambda given, ended=ended: ended)
         result = plgwear("design scene.toml")
         assert result.exit_code == code and said in " ".join(result.stdout.split())
+        assert "the free gradient wears no less than the best power law" in result.stdout
         assert "the wear is only 0 m deep" in result.stdout
         assert result.stderr == (f"scene.toml: {said}\n" if code else "")
