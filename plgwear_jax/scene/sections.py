@@ -329,6 +329,8 @@ class WearSection(SimpleNamespace):
     def of(cls, reading: Reading, _: str, values: KeyValues) -> Self:
         """The wear of the contact."""
         kind, contact = _one_of(values, COEFFICIENTS, "wear coefficient"), reading.contact
+        if values["exponent"] == 1.0:  # as if left out
+            values["exponent"] = None
         others = [name for name in ("exponent", "half_space_coefficient") if values[name] is not None]
         for name in others:
             if kind != "coefficient":

@@ -128,7 +128,7 @@ def test_gross_slip_names_the_row_of_a_table():
     [
         ("coefficient = 1e-14", 1e-14),
         ("coefficient_mm3_per_N_m = 1e-5, cycles = 100", 1e-14),
-        ("energy_coefficient_mm3_per_J = 1e-5", 0.4e-14),
+        ("energy_coefficient_mm3_per_J = 1e-5, exponent = 1", 0.4e-14),
     ],
 )
 def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
