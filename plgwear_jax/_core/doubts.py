@@ -102,8 +102,7 @@ def of_input(contact: Any, contact_radius: float | None, onset: float | None) ->
     about, high = ("depth", contact.depth) if hasattr(contact, "depth") else ("contact radius", contact_radius)
     if high is not None and high > SMALL * radius:
         said = f"the {about}, {written(high, 'm')}, is {high / radius:.2g} times the radius of the indenter"
-        stiff = f"E0 = {material.E0:g}" if hasattr(material, "E0") else "the modulus"
-        yield f"{said}; the formulas hold for small ones; check the units: {stiff} is in Pa, all else in m and N"
+        yield f"{said}; the formulas hold for small ones; check the units: moduli are in Pa, all else in m and N"
     elif onset is not None and (said := of_onset(onset)):
         yield said
     if hasattr(material, "depth") and contact_radius is not None:
