@@ -327,9 +327,9 @@ class MarchedRun(Run):
             if volume.ndim == 1 and found.moments.least[first] < -MOST:
                 when = f"after {found.cycles[first]:.3g} cycles"
                 raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
-            told = "the table of heights, if it has one, or the cells of the time stepping, as near gross slip"
-            narrow = f"the slip ring is narrower than {_NARROWEST} contact radii"
-            raise RefusedError(f"load: the scar grows beyond {told}, or {narrow}")
+            told = "as near gross slip or with a wear coefficient that is not in 1/Pa^exponent"
+            narrow = f"or beyond its table of heights, or the slip ring is narrower than {_NARROWEST}"
+            raise RefusedError(f"the scar grows beyond the cells of the time stepping, {told}, {narrow} contact radii")
         return found
 
     def _solved(self, given: Any) -> TestHistory:
