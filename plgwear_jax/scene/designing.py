@@ -103,7 +103,8 @@ def answer(question: str, **arguments: Any) -> Any:
     try:
         found = getattr(optimise, question)(**arguments)
     except WrongKeyError as error:
-        raise SceneError(f"[design] {error}") from None
+        # what is traded is no key of the file
+        raise SceneError(f"--{error}" if error.key == "x" else f"[design] {error}") from None
     except ValueError as error:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
     values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)
