@@ -11,7 +11,7 @@ from matplotlib import rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.ticker import AsinhLocator, LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import AsinhLocator, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.domains import concrete_only
@@ -117,9 +117,10 @@ def show_units(
     short = 1e-3 <= lower / factor < upper / factor < 1e5
     # Powers of ten leave room for few others.
     more = (1.0, 2.0, 3.0, 5.0)[:: 1 if short else 2] if upper < 100.0 * lower else (1.0,)
-    if short and upper < 4.0 * lower:  # of which such an axis would show one or none
-        more = 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0
-    axis.set_major_locator(AsinhLocator(lower, numticks=7) if both else LogLocator(subs=more))
+    locator = LogLocator(subs=more)
+    if short and upper < 7.0 * lower:  # of which such an axis would show two or none
+        locator = MaxNLocator(6, steps=(1, 2, 2.5, 5, 10))
+    axis.set_major_locator(AsinhLocator(lower, numticks=7) if both else locator)
 
     def number(x: float, _: Any) -> str:
         if short or x == 0.0:
