@@ -57,7 +57,7 @@ def as_array(value: Any) -> Any:
         except ValueError:  # rows of several lengths
             return value
         except jax.errors.TracerArrayConversionError:
-            return jnp.asarray(value)
+            return as_array(jnp.asarray(value))
         value = found if found.dtype.kind in "fiub" else value
     dtype = np.result_type(value) if isinstance(value, int) else getattr(value, "dtype", None)
     return value * 1.0 if getattr(dtype, "kind", None) in ("i", "u") else value
@@ -70,13 +70,13 @@ class RefusedError(GivenError):
 
 
 def check_real(name: str, value: ArrayLike) -> None:
-    """Raise TypeError for anything but real numbers, traced or not."""
+    """Raise TypeError for anything but real numbers, traced or not; whole ones are floats already, see `as_array`."""
     if not isinstance(value, float):
         try:
             dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
         except ValueError:
             raise ValueError(f"{name} takes numbers, in rows of one length, not {value!r}") from None
-        if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer)):
+        if not jnp.issubdtype(dtype, jnp.floating):
             raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
 
 

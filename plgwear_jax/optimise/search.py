@@ -5,7 +5,7 @@ The search itself is `ask_and_tell`. Its variables lie in [-1, 1]; here they hav
 
 import functools
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array, lax
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import NUMBER, check, check_real, one_or_nan, record, static, whole
+from plgwear_jax._core.domains import FINITE, NUMBER, check, one_or_nan, record, static, whole
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.xla import materialised
 
@@ -21,6 +21,9 @@ from .ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude
 from .conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
 
 Variables = dict[str, Array]
+
+
+_BOUNDS = "lower", "upper"
 
 
 @record
@@ -33,6 +36,8 @@ class Interval:
         scale: "linear", or "logarithmic" for a positive variable that may change by orders of magnitude.
     """
 
+    ranges: ClassVar = dict.fromkeys(_BOUNDS, FINITE)
+
     lower: ArrayLike
     upper: ArrayLike
     scale: Literal["linear", "logarithmic"] = static(default="linear")
@@ -40,12 +45,10 @@ class Interval:
     def __post_init__(self) -> None:
         if self.scale not in ("linear", "logarithmic"):
             raise ValueError(f'scale = {self.scale!r} is neither "linear" nor "logarithmic"')
-        for name in _BOUNDS:
-            check_real(name, getattr(self, name))
         if holds_tracers((self.lower, self.upper)):
             return
-        if not np.all(np.less(self.lower, self.upper) & np.isfinite(self.lower) & np.isfinite(self.upper)):
-            raise ValueError(f"[{self.lower}, {self.upper}]: the lowest value must be below the highest, both finite")
+        if not np.all(np.less(self.lower, self.upper)):
+            raise ValueError(f"[{self.lower}, {self.upper}]: the lowest value must be below the highest")
         if self.scale == "logarithmic" and not np.all(np.greater(self.lower, 0.0)):
             raise ValueError(f"[{self.lower}, {self.upper}]: on a logarithmic scale both must be positive")
 
@@ -181,9 +184,6 @@ def minimise(
     )
     found = found._replace(pair=Point._make((*implicit(function, found.pair[:-1], params), found.pair.residual)))
     return _minimum_of(found, names, params[0], upper, logarithmic)
-
-
-_BOUNDS = "lower", "upper"
 
 
 def by_name(names: Iterable[str], values: Any) -> dict[str, Any]:
