@@ -6,7 +6,7 @@ The fit is by least squares. SciPy is imported when a fit is made.
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -56,6 +56,8 @@ class Measurements:
         ValueError: A concrete number is outside its range, or the shapes do not fit together.
     """
 
+    ranges: ClassVar = {"cycles": NUMBER, "deviation": POSITIVE, "r": NOT_NEGATIVE}
+
     load: Any
     cycles: Any
     measured: Any
@@ -74,11 +76,7 @@ class Measurements:
         shapes = {np.shape(stage.load.control(1.0)[-1]) for stage in load.stages()}
         if shapes != {()}:
             raise ValueError(f"load takes one amplitude or a list of Block, not an array of {max(shapes)}")
-        check("cycles", self.cycles, NUMBER)
         check(self.what, self.measured, POSITIVE if self.relative else NUMBER)
-        check("deviation", self.deviation, POSITIVE)
-        if self.r is not None:
-            check("r", self.r, NOT_NEGATIVE)
         shape = np.shape(self.measured)
         if len(shape) != 1 or np.shape(self.cycles) != shape:
             raise ValueError(

@@ -4,13 +4,13 @@ import dataclasses
 import functools
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Unpack
+from typing import Any, ClassVar, NamedTuple, Unpack
 
 import numpy as np
 
 from plgwear_jax._core import doubts
 from plgwear_jax._core.catalogue import measured
-from plgwear_jax._core.domains import POSITIVE, check, concrete_only, record, refuse_traced
+from plgwear_jax._core.domains import POSITIVE, concrete_only, record, refuse_traced, whole
 from plgwear_jax._core.rules import refuse_question
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.contact.fretting_contact import FrettingContact, check_fretting_contact
@@ -47,6 +47,8 @@ class ModulusProfile:
             abs(k); None for no limit.
     """
 
+    ranges: ClassVar = {"upper": POSITIVE, "steepness": POSITIVE}
+
     at: Any  # an array or a list of numbers
     lower: Any
     upper: Any
@@ -64,16 +66,13 @@ class ModulusProfile:
         DepthGraded(at, lower, 0.0)  # which checks them
         if not np.all(np.diff(at) > 0.0):
             raise ValueError("at: the depths must increase")
-        check("upper", upper, POSITIVE)
         if not np.all(lower < upper):
             i = int(np.argmin(lower < upper))
             raise ValueError(
                 f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
             )
-        if self.steepness is not None:
-            check("steepness", self.steepness, POSITIVE)
-            if at[0] == 0.0:
-                raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
+        if self.steepness is not None and at[0] == 0.0:
+            raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
 
 
 class LocalMinimum(NamedTuple):
@@ -260,8 +259,7 @@ def free_design(
         ValueError: An argument is outside its range.
     """
     check_fretting_contact(contact)
-    if starts < 1:
-        raise ValueError(f"starts = {starts}: must be at least 1")
+    whole("starts", starts, 1)
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: a free gradient takes none")
     nu, hold = contact.material.nu, is_held(keywords.pop("hold", None))
