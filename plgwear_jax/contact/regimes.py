@@ -153,9 +153,7 @@ def slip_regimes(
     check_fretting_contact(contact)
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)
-    if rig_stiffness is not None:
-        check("rig_stiffness", rig_stiffness, POSITIVE)
-        rig_stiffness = float(rig_stiffness)
+    load = Force(0.0, rig_stiffness)
     moves, forces = np.asarray(displacement_amplitude, float), np.asarray(normal_force, float)
     for name, row in (("displacement_amplitude", moves), ("normal_force", forces)):
         if row.ndim != 1:
@@ -164,10 +162,10 @@ def slip_regimes(
         raise ValueError("displacement_amplitude: the amplitudes must not decrease")
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
-    rig = 0.0 if rig_stiffness is None else 1.0 / rig_stiffness
+    rig = float(load.rig_compliance)
     closed = is_closed(contact)
     onset, loops = jax.tree.map(
-        np.asarray, _loops_at(digits, closed, of_all, limit, rig_stiffness, moves if closed else _SHARES)
+        np.asarray, _loops_at(digits, closed, of_all, limit, load.rig_stiffness, moves if closed else _SHARES)
     )
     unknown = np.isnan(onset.displacement)
     if unknown.any():

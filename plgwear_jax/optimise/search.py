@@ -23,9 +23,6 @@ from .conditions import conditions, inclination, namespace, residual_of, solved_
 Variables = dict[str, Array]
 
 
-_BOUNDS = "lower", "upper"
-
-
 @record
 class Interval:
     """The range of a variable, and the scale on which it is searched.
@@ -36,7 +33,7 @@ class Interval:
         scale: "linear", or "logarithmic" for a positive variable that may change by orders of magnitude.
     """
 
-    ranges: ClassVar = dict.fromkeys(_BOUNDS, FINITE)
+    ranges: ClassVar = {"lower": FINITE, "upper": FINITE}
 
     lower: ArrayLike
     upper: ArrayLike
@@ -218,7 +215,7 @@ def _minimum_of(found: SearchResult, names: Iterable[str], *box: Any) -> Minimum
 
 def _box_of(space: Mapping[str, Interval], xp: Any, dtype: Any) -> tuple[Any, Any, np.ndarray]:
     """The lowest and highest values of the variables, each (n,), and which have a logarithmic scale."""
-    lower, upper = (xp.stack([xp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in _BOUNDS)
+    lower, upper = (xp.stack([xp.asarray(getattr(i, end), dtype) for i in space.values()]) for end in Interval.ranges)
     return lower, upper, np.array([i.scale == "logarithmic" for i in space.values()])
 
 

@@ -358,7 +358,7 @@ class WearSection(SimpleNamespace):
     def half_space_share(self) -> float:
         """The share of the half-space in all wear."""
         own = self.half_space_coefficient or 0.0
-        return own and own / (self.indenter + own)
+        return own / (self.indenter + own)
 
     @property
     def law(self) -> Any:
@@ -527,8 +527,7 @@ class DesignSpace(SimpleNamespace):
 
 def output_of(reading: Reading, _: str, values: KeyValues) -> SimpleNamespace:
     """The section [output]: names of quantities of the contact."""
-    output, contact = SimpleNamespace(**values), reading.contact
-    laws = laws_of_scene(reading)
+    output, contact, laws = SimpleNamespace(**values), reading.contact, laws_of_scene(reading)
     for name in output.quantities:
         if name not in laws:
             text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact{near_or_all(name, laws)}'
