@@ -345,7 +345,6 @@ class Scene:
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         import numpy as np
 
-        from plgwear_jax.contact import is_closed
         from plgwear_jax.loads import Force
 
         from . import solving
@@ -376,7 +375,7 @@ class Scene:
         if heights is not None and lacking:
             end = f"ends at r = {heights['r'][-1]:g} m, inside the worn radius"
             raise OtherFileError(f"{heights.name}: row {heights.row[-1]}: {end}; give heights further out")
-        if lacking and load is not None and not is_closed(contact):
+        if lacking and load is not None:
             _ = contact.steady(load.hardest, digits=digits).worn_radius  # says where it would have to pull
         found = {}
         for name in (name for name in names if name in values):
