@@ -102,7 +102,10 @@ def coating(
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     law = vars(fit.material)
-    k_within, E_within = _confidence("k", fit.exponent_interval), _confidence("E0", fit.modulus_interval)
+    k_within, E_within = (  # NaN, of which the data tell none, is not itself
+        f" ({measured(name, within)} with 95 % confidence)" if within[0] == within[0] else ""
+        for name, within in (("k", fit.exponent_interval), ("E0", fit.modulus_interval))
+    )
     if out:
         section = _SECTION.format(table=data.name, within=k_within and f"  #{k_within}", **law)
         whole = _MATERIAL.sub(lambda _: section, text, count=1)
@@ -149,8 +152,3 @@ def coating(
     report.end()
     if fit.doubt:
         warn(f"{data.name}: {fit.doubt}")
-
-
-def _confidence(name: str, interval: tuple[float, float]) -> str:
-    """An interval of confidence; empty if the data tell none."""
-    return "" if interval[0] != interval[0] else f" ({measured(name, interval)} with 95 % confidence)"
