@@ -35,31 +35,8 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         words[objective] = lessened
     limited = {one.name: placed(one.quantity, one.places) for one in question.limits}  # what each limit limits
     both = described(found, comparison)
-    conflict, higher = optimise.conflict(found), _if_higher(found, limited, lessened)
-    verdict = "the search converged; a global search found nothing better"
-    if not found.keeps_limits:
-        verdict = "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated"
-    elif not found.converged:
-        verdict = "the search DID NOT CONVERGE; this is the best design that it found"
-    elif not found.certified:
-        verdict = "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
-    elif found.scan_found_nothing_better:
-        verdict += " and expects nothing better (curvature is estimated, not bounded)"
-    else:
-        verdict += ", but the scan has too few points to say what lies between them"
-    conflict_told = None
-    if conflict:  # which limits cannot be kept together, and what is reachable
-        kept, reached = [], []
-        for limit in question.limits:
-            if limit.name in conflict.allowed:
-                said = limited[limit.name]
-                best, allowed = (
-                    measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed)
-                )
-                kept.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
-                reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
-        cannot = "together: with the others kept," if kept[1:] else "between the bounds of what varies:"
-        conflict_told = f"limits: {' and '.join(kept)} cannot be kept {cannot} {', '.join(reached)}"
+    verdict, conflict, higher = _verdict(found), optimise.conflict(found), _if_higher(found, limited, lessened)
+    conflict_told = conflict and _conflict_told(found, conflict, limited)
     load, best_called = amplitudes_told(given, objective), "best" if found.keeps_limits else "closest"
     report.say(load)
     report.compare({"best": best_called, "reference": "reference"}, both, words=words)
@@ -88,16 +65,7 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
             worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
             rival = f"the next best minimum, at {_named(found.rival.items())}, is {worse if more > 1e-9 else 'as good'}"
         asked = {question.objective, *(one.quantity for one in question.limits)}
-        tension = None
-        if STRESSES & asked and question.by_force:
-            contacts: Any = found.contact, found.reference
-            pair = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
-            its, that = (
-                f"{measured('tension', one.peak_tension)} at {_named(zip('xz', one.peak_tension_at, strict=True))}"
-                for one in pair
-            )
-            times = f"{pair[0].peak_tension / pair[1].peak_tension:.3g} times that of the reference"
-            tension = f"its peak tension, {its}, is {times}, {that}"
+        tension = _tensions(found) if STRESSES & asked and question.by_force else None
         report.say(gain, tension, verdict, rival, None if higher is None else higher["line"])
     report.say(doubtful(found, comparison))
     _tell_life(report, given, found)
@@ -105,6 +73,45 @@ def tell_design(report: Report, given: Scene, found: optimise.Design, sensitivit
         _tell_sensitivities(report, optimise.sensitivities(found))
     told = filter(None, (verdict, conflict_told))
     return told, both.get("contact_radius", (None, None))[1], "design_picture", found, comparison
+
+
+def _verdict(found: optimise.Design) -> str:
+    """How certain the design is."""
+    if not found.keeps_limits:
+        return "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated"
+    if not found.converged:
+        return "the search DID NOT CONVERGE; this is the best design that it found"
+    if not found.certified:
+        return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
+    said = "the search converged; a global search found nothing better"
+    if found.scan_found_nothing_better:
+        return f"{said} and expects nothing better (curvature is estimated, not bounded)"
+    return f"{said}, but the scan has too few points to say what lies between them"
+
+
+def _conflict_told(found: optimise.Design, conflict: optimise.Conflict, limited: dict[str, str]) -> str:
+    """Which limits cannot be kept together, and what is reachable."""
+    limits, reached = [], []
+    for limit in found.question.limits:
+        if limit.name in conflict.allowed:
+            said = limited[limit.name]
+            best, allowed = (measured(limit.quantity, x[limit.name]) for x in (conflict.reachable, conflict.allowed))
+            limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
+            reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
+    cannot = "together: with the others kept," if limits[1:] else "between the bounds of what varies:"
+    return f"limits: {' and '.join(limits)} cannot be kept {cannot} {', '.join(reached)}"
+
+
+def _tensions(found: optimise.Design) -> str:
+    """The largest tension of both contacts under the largest load, and where: only where stresses are asked for."""
+    contacts: Any = found.contact, found.reference
+    best, other = both = [contact.steady(np.max(found.load.amplitudes)) for contact in contacts]  # pyright: ignore
+    its, that = (
+        f"{measured('tension', one.peak_tension)} at {_named(zip('xz', one.peak_tension_at, strict=True))}"
+        for one in both
+    )
+    times = f"{best.peak_tension / other.peak_tension:.3g} times that of the reference"
+    return f"its peak tension, {its}, is {times}, {that}"
 
 
 def _if_higher(found: optimise.Design, limited: dict[str, str], called: str) -> dict[str, Any] | None:

@@ -423,23 +423,10 @@ class DesignSpace(SimpleNamespace):
             refuse_question(variables, bool(self.hold), objective, limits, kind=kind, flat=flat)
             if self.free and self.scenarios is not None:
                 raise WrongKeyError("scenarios", "cannot be combined with a free gradient; only a power law takes it")
-            # all that needs a power law at once, and what to write for another material
-            material, needing = reading.material, [name for name in variables if name in (*OF_POWER_LAW, "modulus")]
-            asked = [f"vary.{name}" for name in needing]
-            asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in limits)
-            if asked and not self.free and material.kind != "a power law":
-                first, *others = asked
-                as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
-                instead = ""
-                if len(needing) == len(variables):
-                    name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
-                    value = float(material.rows[name][0])
-                    instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
-                    instead += ", or three depths or more in vary.modulus"
-                text = f"needs a power law under [material], not {material.kind}{as_do}"
-                raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
+            if not self.free and reading.material.kind != "a power law":
+                self._refuse_what_needs_a_power_law()
             # bounds of what this contact does not have, and of what slips as a whole
-            if "nu" in variables and isinstance(material.nu, str):
+            if "nu" in variables and isinstance(reading.material.nu, str):
                 raise WrongKeyError("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
             for name in variables:
                 if name not in (*self.numbers, "modulus"):
@@ -455,6 +442,25 @@ class DesignSpace(SimpleNamespace):
                 text = "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
                 raise WrongKeyError("over", text)
         return self
+
+    def _refuse_what_needs_a_power_law(self) -> None:
+        """All of it at once, with what to write for another material."""
+        material = self.reading.material
+        needing = [name for name in self.variables if name in (*OF_POWER_LAW, "modulus")]
+        asked = [f"vary.{name}" for name in needing]
+        asked += ["hold"] * (self.hold is not None) + ["limits.modulus"] * ("modulus" in (self.limits or ()))
+        if not asked:
+            return
+        first, *others = asked
+        as_do = f", as {'do' if others[1:] else 'does'} {' and '.join(others)}" if others else ""
+        instead = ""
+        if len(needing) == len(self.variables):
+            name = next(name for name in ("thickness", "modulus") if len(material.rows.get(name, ())))
+            value = float(material.rows[name][0])
+            instead = f' and write vary = {{ "material.{name}[0]" = [{0.5 * value:g}, {2.0 * value:g}] }}'
+            instead += ", or three depths or more in vary.modulus"
+        text = f"needs a power law under [material], not {material.kind}{as_do}"
+        raise WrongKeyError(first, f"{text}; delete {'them' if others else 'it'}{instead}")
 
     @cached_property
     def variables(self) -> KeyValues:
