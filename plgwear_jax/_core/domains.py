@@ -220,7 +220,7 @@ def concrete_only(
         @functools.wraps(function)
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
             refuse_traced(name, traced((args, kwargs)), instead)
-            if of and not any(isinstance(one, of) for one in (*args, *kwargs.values())):
+            if of and of not in map(type, (*args, *kwargs.values())):
                 raise TypeError(f"{name} takes a {of.__name__} as its first argument")
             with one_question():
                 return function(*args, **kwargs)

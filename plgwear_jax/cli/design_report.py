@@ -170,8 +170,7 @@ def _tell_life(report: Report, given: Scene, found: optimise.Design) -> None:
     question, cycles = found.question, given.life
     if cycles is None and given.wear and given.wear.cycles:
         report.say(f"cycles: {found.objective} has no value after cycles; this is for the steady state")
-    told = question.by_force and found.keeps_limits and question.scenarios is None
-    if not told or cycles is None or question.horizon is None:
+    if question.scenarios or not (question.by_force and found.keeps_limits and cycles and question.horizon):
         return
     forever = optimise.in_steady_state(found)
     flips_at = forever.flips_at and forever.flips_at * cycles

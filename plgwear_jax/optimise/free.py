@@ -67,7 +67,7 @@ class ModulusProfile:
         if not np.all(np.diff(at) > 0.0):
             raise ValueError("at: the depths must increase")
         if not np.all(lower < upper):
-            i = int(np.argmin(lower < upper))
+            i = np.argmin(lower < upper)
             raise ValueError(
                 f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
             )

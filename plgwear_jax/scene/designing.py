@@ -45,7 +45,7 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
         return asked
     own, laws = scatter.columns, None
     if "wear_coefficient" in own:
-        laws = law_of(own["wear_coefficient"], getattr(given.wear, "exponent", None))
+        laws = law_of(own["wear_coefficient"], given.wear.exponent)  # pyright: ignore[reportOptionalMemberAccess]
     # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
     forces = None if given.life is not None else forces_in_scenarios(given)
     if forces is not None and np.isnan(forces).any():
