@@ -371,7 +371,7 @@ SHEETS = {
 
 def draw(scans: Sequence[Scan], y: str, over: str, note: str) -> Any:
     """Maps of second derivatives over the radius and another argument, the worst over the third."""
-    figure = page(18.0, 6.6, "constrained")
+    figure = page(18.0, 6.6)
     panels = figure.subplots(1, len(scans), sharey=True, squeeze=False)[0]
     for axes, one in zip(panels, scans, strict=True):
         names = one.quantity.arguments
@@ -393,11 +393,11 @@ def draw(scans: Sequence[Scan], y: str, over: str, note: str) -> Any:
         axes.set_xlabel(across.label, fontsize=LABEL_SIZE)
         if axes is panels[0]:
             axes.set_ylabel(up.label, fontsize=LABEL_SIZE)
-    place = {"location": "top", "fraction": 0.04, "aspect": 60, "pad": 0.05, "ticks": range(0, 17, 2)}
-    bar = figure.colorbar(ScalarMappable(NORM, "viridis"), ax=panels, **place)
+    colours = ScalarMappable(NORM, "viridis")
+    bar = figure.colorbar(colours, ax=panels, location="top", fraction=0.04, aspect=60, pad=0.05, ticks=range(0, 17, 2))
     bar.ax.tick_params(labelsize=TICK_SIZE)
     bar.set_label(f"correct digits of second derivatives in float64, {note}", fontsize=LABEL_SIZE)
-    handles: list[Any] = [Patch(color="none", label="each cell: a decade of the distance from the nearest mark")]
+    handles: list = [Patch(color="none", label="each cell: a decade of the distance from the nearest mark")]
     if any(np.isnan(one.digits[2]).all(one.quantity.arguments.index(over)).any() for one in scans):
         handles.append(Patch(color=NOTHING, label="nothing to compare: an edge, or no number"))
     if any(one.broken[2].any() for one in scans):
