@@ -322,7 +322,7 @@ def compared(found: Design) -> Comparison:
 # Each gives quantities, the edge of the contact before any wear, radii and wear depths there.
 
 
-_OF_RING = "contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_exponent"
+_OF_RING = "contact_radius", "stick_radius", "worn_radius", "wear_volume"
 
 
 @program(level=1)
@@ -330,7 +330,7 @@ def _ring(steady: Any, distance: Array) -> Any:
     quantities = {name: getattr(steady, name) for name in _OF_RING}
     radius, inner, outer, *_ = quantities.values()
     distance = jnp.where(jnp.isnan(distance), 0.01 * radius, distance)
-    quantities["edge_pressure"] = steady.edge_pressure(distance)
+    quantities |= {"edge_exponent": steady._edge_exponent, "edge_pressure": steady.edge_pressure(distance)}
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
     return distance, quantities, radius, radii, steady.wear_depth(radii)
 

@@ -222,7 +222,7 @@ class Steady(Solution):
     """
 
     @property
-    def edge_exponent(self) -> Any:
+    def _edge_exponent(self) -> Any:
         """(k-1)/2, that of the pressure at the stick-slip boundary, of the body that gives way most at the edge."""
         return 0.5 * (self._k - 1.0)
 

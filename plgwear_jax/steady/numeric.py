@@ -398,7 +398,7 @@ class NumericSteady(Steady):
     wear_volume = _result("wear_volume", worn=True)
     deepest_wear = _number("deepest_of", worn=True)
     edge_intensity = _number("intensity_of", worn=True)
-    edge_exponent = property(lambda self: 0.5 * (self._solution.bodies.lead[0] - 1.0))
+    _edge_exponent = property(lambda self: 0.5 * (self._solution.bodies.lead[0] - 1.0))
     peak_initial_pressure = _number("peak_of")
     energy_per_cycle = _number("energy_of")
     _energy_ratio = _number("energy_ratio_of")

@@ -21,7 +21,7 @@ LIMITS = {"contact_radius": {"above": 7.334e-5}}
 def test_an_input_file_asks_what_python_asks():
     given = scene.load(LAYERS).arguments()
     assert given["vary"] == VARY and given["load"] == Force(FORCE) and given["hold"] is None
-    assert given["limits"] == LIMITS
+    assert given["limits"] == {name: [one] for name, one in LIMITS.items()}
     material = given["contact"].material
     assert isinstance(material, Layered) and given["contact"].indenter == TUNGSTEN
     assert_array_equal(material.thickness, [5e-6, 5e-6])
