@@ -55,10 +55,12 @@ class _PowerTerms(NamedTuple):
 class _Powers(Bodies):
     """What one term and two have: `terms`, (k, log(g)) of each, along a first axis."""
 
-    def _power_terms(self, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array) -> _PowerTerms:
-        """Of cells beside c, as of `ring.cells_of`, and of cells inside c, whose edges `inner` are T - 1."""
-        edges = jnp.append(inner, from_c[1:]), jnp.append(inner - width, from_1[1:])
-        cells = inner.size - 1
+    def _power_terms(
+        self, c: Array, width: Array, from_c: Array, from_1: Array, inner: tuple[Array, Array]
+    ) -> _PowerTerms:
+        """Of cells beside c, as of `ring.cells_of`, and inside c, with the edges `inner`, T - 1 and T - 1 - width."""
+        edges = jnp.append(inner[0], from_c[1:]), jnp.append(inner[1], from_1[1:])
+        cells = inner[0].size - 1
         count = cells * NODES
 
         def one(k: Array, s: Array, log_g: Array) -> _PowerTerms:
@@ -77,14 +79,14 @@ class _Powers(Bodies):
     def inward(self, found: Worn, sunk: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         """By cells there."""
         edges = _cells_that_stick(from_c, self.effort.digits)
-        _, _, disc, mixed = self._power_terms(found.c, found.width, from_c, from_1, edges)
+        _, _, disc, mixed = self._power_terms(found.c, found.width, from_c, from_1, (edges, edges - found.width))
         pressures = solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
         return -0.5 * (edges[1:] + edges[:-1]), pressures
 
     def disc_compliance(self, b: Array, edges: Array) -> Array:
         """The cells inside a radius with nothing beside it."""
         none = jnp.zeros_like(b)[None]
-        return jnp.sum(self._power_terms(b, jnp.full_like(b, -1.0), none, none, edges - 1.0).disc, 0)
+        return jnp.sum(self._power_terms(b, jnp.full_like(b, -1.0), none, none, (edges - 1.0, edges)).disc, 0)
 
 
 @record
@@ -133,7 +135,8 @@ class OnePower(_Powers):
 
     def ring_compliance(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """The images beside c: the pressures inside take off exactly what the images inside add."""
-        images, of_ring, *_ = self._power_terms(c, width, from_c, from_1, jnp.zeros_like(c)[None])
+        none = jnp.zeros_like(c)[None]
+        images, of_ring, *_ = self._power_terms(c, width, from_c, from_1, (none, none - width))
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
 
@@ -252,7 +255,7 @@ class PowerLaw(_Powers):
         closed form, but of cells inside c only the difference counts.
         """
         inner = _cells_that_stick(from_c, self.effort.digits)
-        images, of_ring, disc, mixed = self._power_terms(c, width, from_c, from_1, inner)
+        images, of_ring, disc, mixed = self._power_terms(c, width, from_c, from_1, (inner, inner - width))
 
         def taken(disc: Array, mixed: Array) -> Array:
             return mixed.T @ solve_symmetric(disc, mixed)
