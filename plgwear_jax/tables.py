@@ -297,12 +297,14 @@ def _reader(column: str, size: Any, form: Form) -> Callable[[str], float]:
         domain = getattr(ranges, allowed)
         wanted = f"must be a finite number {'>= 0' if domain is NUMBER else '> 0'}{meaning and f', {meaning}'}"
 
+    low, high = map(float, plain[:2] or (0.0, 0.0))
+
     def number(cell: str) -> float:
         value = number_in(cell)
         if value is None or not domain.contains(value):
             told = f"{column} = {cut(one_line(cell.strip()))}: {wanted}{_POINT if ',' in cell else ''}"
             raise ValueError(told if cell.strip() else f"{column}: missing; it {wanted}")
-        if plain and not size and not (value == 0.0 or float(plain[0]) <= value <= float(plain[1])):
+        if plain and not size and not (value == 0.0 or low <= value <= high):
             unit = f"{si}, the unit of a column without one; write {column} ({plain[3]})"
             raise ValueError(f"{column} = {value:g}: is no {plain[2]} in {unit}")
         # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.

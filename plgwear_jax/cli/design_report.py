@@ -211,20 +211,26 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> dict[s
     return {name: [*map(float, both[name])] for name in dict.fromkeys([*DESIGNED, *both]) if name in both}
 
 
+def _slipping(given: Scene, rows: Any) -> str:
+    """Which of these rows of scenarios slip as a whole under a displacement, in words."""
+    forces = forces_in_scenarios(given)
+    if forces is None:
+        return ""
+    slip = rows[np.isnan(forces)].tolist()
+    if len(slip) in (0, rows.size):
+        return f", {'all' if slip else 'none'} in gross slip"
+    which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
+    return f", {len(slip)} in gross slip ({which})"
+
+
 def amplitudes_told(given: Scene, objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space, name = given.load, given.asked(), entry(objective).name
     part = {0.0: "mean", 1.0: "worst"}.get(space.level, f"mean over the worst {100.0 * (1.0 - space.level):.3g} %")
     if space.scatter:
-        rows, forces, slipping = space.scatter.row, forces_in_scenarios(given), ""
-        if forces is not None:  # under a displacement
-            slip = rows[np.isnan(forces)].tolist()
-            which = f"row{'s' if slip[1:] else ''} {', '.join(map(str, slip[:9]))}{' and others' if slip[9:] else ''}"
-            slipping = f", {len(slip)} in gross slip ({which})"
-            if len(slip) in (0, rows.size):
-                slipping = f", {'all' if slip else 'none'} in gross slip"
+        rows = space.scatter.row
         said = f"the {name} is its {part} over them, limits are for the worst, all else is for the reference"
-        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{slipping}; {said}"
+        return f"scenarios {one_line(str(space.scenarios))}: {rows.size}{_slipping(given, rows)}; {said}"
     if load is None:
         return None
     if load.cycles is not None and given.life:
@@ -268,14 +274,7 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     assert given.load is not None
     force, profile, objective = given.load.largest, found.profile, entry(found.objective)
     contacts, widest = (found.contact, found.power_law, found.reference), found.contact_radii[0]
-    load, (best, *others) = amplitudes_told(given, found.objective), found.minima
-    ended = f"the best of {len(found.minima)} minima" if others else "the same minimum"
-    some = f"{best.starts} of {found.starts} descents ended in {ended}"
-    verdict = f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"
-    if not found.converged:
-        verdict = "the search DID NOT CONVERGE; this is the best gradient that it found"
-    elif not found.certified:
-        verdict = f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
+    verdict, load = _free_verdict(found), amplitudes_told(given, found.objective)
     sides = {"best": "free\ngradient", "power_law": f"power law,\nk = {found.exponent:.3g}", "reference": "reference"}
     counts, at = coating.where_it_counts(found.contact, force), profile.at
     rings = [coating.worn(contact, force) for contact in contacts]
@@ -314,7 +313,19 @@ def tell_freely(report: Report, given: Scene, found: optimise.FreeDesign) -> tup
     if found.power_law_value != found.power_law_value:  # NaN
         freedom = "no power law within these bounds keeps the limits"
     report.say(f"{less(found.saving)} {objective.name} than the reference", freedom, verdict)
-    for rival in others[:1]:
+    for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
     report.say(doubts.of_design(depths, curves[1], widest, worn[1, 0].max()))
     return [verdict], found.contact_radii[2], "free_picture", found, curves, counts, worn
+
+
+def _free_verdict(found: optimise.FreeDesign) -> str:
+    """How certain a free gradient is."""
+    if not found.converged:
+        return "the search DID NOT CONVERGE; this is the best gradient that it found"
+    if not found.certified:
+        return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
+    best, *others = found.minima
+    other = f"the best of {len(found.minima)} minima" if others else "the same minimum"
+    some = f"{best.starts} of {found.starts} descents ended in {other}"
+    return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"

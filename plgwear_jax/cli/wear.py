@@ -183,14 +183,7 @@ def _course(given: "Scene", report: Report, until: float | None, digits: int | N
             report.put(tangential_force=load.largest)
         report.put(regime=regime, life=life, **rows)
         report.say(load.remark)
-        ends, share = {}, []
-        if steady:
-            still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
-            ends = steady | still | {"contact_radius": steady["worn_radius"]}
-            share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
-        first = Column("cycles\n\n", [*map(counted, rows["cycles"])], "steady state" if steady else "")
-        volume, *others = (shared(name, rows[name], ends.get(name)) for name in _COURSE if name != "stick_radius")
-        report.table(first, volume, *share, *others)
+        report.table(*_course_columns(rows, steady))
         held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
         if steady is None:
             much = f"{measured('volume', end['volume'])} after {counted(end['cycles'])} cycles"
@@ -247,6 +240,18 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     known = np.unique([*known, *decades])[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
+
+
+def _course_columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
+    """The course in rows, and the steady state below them where there is one."""
+    ends, share = {}, []
+    if steady:
+        still = dict.fromkeys(("volume_per_cycle", "energy_per_cycle"), 0.0)
+        ends = steady | still | {"contact_radius": steady["worn_radius"]}
+        share = [Column("share\n\n%", [*map(rounded, 100.0 * rows["volume"] / steady["volume"])], "100")]
+    cycles = Column("cycles\n\n", [*map(counted, rows["cycles"])], "steady state" if steady else "")
+    volume, *others = (shared(name, rows[name], ends.get(name)) for name in _COURSE if name != "stick_radius")
+    return [cycles, volume, *share, *others]
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------

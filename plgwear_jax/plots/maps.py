@@ -302,11 +302,9 @@ def _draw_map(axes: Axes, variable: xr.DataArray) -> list[Any]:
     yes_or_no, (upwards, across) = variable.dtype.kind == "b", variable.dims
     relative = variable.name == "wear_volume" and "k" in variable.dims and np.abs(variable.k).min() <= 1e-9
     if relative:  # over that of k = 0, wherever there is any wear
-        base, about = (
-            variable.sel(k=0.0, method="nearest", drop=True),
-            {"label": r"wear volume $\Delta V/\Delta V(k=0)$"},
-        )
-        variable = (variable / base).where(base != 0.0, drop=True).assign_attrs(variable.attrs, units="1", **about)
+        base = variable.sel(k=0.0, method="nearest", drop=True)
+        about = variable.attrs | {"units": "1", "label": r"wear volume $\Delta V/\Delta V(k=0)$"}
+        variable = (variable / base).where(base != 0.0, drop=True).assign_attrs(about)
     norm = LogNorm(1.0 / _MOST, _MOST) if relative else _norm(variable)
     x, y = _stretch(axes, "x", variable[across]), _stretch(axes, "y", variable[upwards])
     values, most = variable.to_numpy().astype(float), np.abs(norm.vmax or 1.0)

@@ -195,7 +195,7 @@ class Graded(Bodies):
         """
         c, s, outline, constants = punch.c, self.s, self.outline, self.foundation
         image, excess, (stiffness, rest) = outline.image(c, s), self.excess(c), apart(self, punch)
-        both = jnp.stack([punch.flat, punch.depth * punch.flat - punch.indenter_solution], -1)
+        both = jnp.stack([punch.flat, punch.touching], -1)
         # On the law of `punch.apart` alone: y_0 of a flat punch pressed by 1, and y of the indenter.
         flat = stiffness * punch.flat[0] / punch.stiffness
         own = (rest - punch.indenter_solution).at[0].add(image.first * flat)

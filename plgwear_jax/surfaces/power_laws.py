@@ -228,7 +228,7 @@ class PowerLaw(_Powers):
         c, a, depth = punch.c, self.abel, punch.depth
         image = self.outline.image(c, a)
         y = jnp.exp(jnp.asarray(RING_NODES, c.dtype))
-        both = jnp.stack([punch.flat, depth * punch.flat - punch.indenter_solution], -1)
+        both = jnp.stack([punch.flat, punch.touching], -1)
         # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane. Where the slope of the
         # indenter jumps its depth has fewer digits, which count less further out.
         count = int(np.searchsorted(RING_NODES, -2.0 * math.log(self.effort.modes)))

@@ -51,6 +51,11 @@ class Punch(NamedTuple):
         """The radius in m."""
         return jnp.exp(self.log_c)
 
+    @property
+    def touching(self) -> Array:
+        """y of the indenter that touches up to c and no further."""
+        return self.depth * self.flat - self.indenter_solution
+
 
 @record
 class Bodies:
@@ -251,7 +256,7 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
 
 def own_pressures(punch: Punch) -> Array:
     """y of the indenter that touches up to c and no further."""
-    return _without_edge(punch.depth * punch.flat - punch.indenter_solution)
+    return _without_edge(punch.touching)
 
 
 def _without_edge(y: Array) -> Array:

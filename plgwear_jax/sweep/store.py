@@ -105,17 +105,22 @@ class SweepStore:
                 for part in self.path.parent.glob(f".{self.path.name}.*.part"):
                     shutil.rmtree(part, ignore_errors=True)
                 self.remove_partial()
-                if not os.path.lexists(self.path):
+                if os.path.lexists(self.path):
+                    self._refuse_other()
+                else:
                     self._create()
-                there, here = _manifest_at(self.path, self.name), json.loads(self._plan.manifest)
-                for key in dict.fromkeys([*there, *here]):
-                    old, new = (manifest.get(key, "absent") for manifest in (there, here))
-                    if old != new and key != "version":  # the version of the formulas decides
-                        old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
-                        said = f"holds another sweep: {key} there is {old}, here {new}"
-                        raise SweepError(f"{self.name}: {said}; name another folder")
                 missing = self._missing()
             yield missing
+
+    def _refuse_other(self) -> None:
+        """Refuse a sweep that differs from the one in the store, and name the difference."""
+        there, here = _manifest_at(self.path, self.name), json.loads(self._plan.manifest)
+        for key in dict.fromkeys([*there, *here]):
+            old, new = (manifest.get(key, "absent") for manifest in (there, here))
+            if old != new and key != "version":  # the version of the formulas decides
+                old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
+                said = f"holds another sweep: {key} there is {old}, here {new}"
+                raise SweepError(f"{self.name}: {said}; name another folder")
 
     def _missing(self) -> list[int]:
         return [number for number in range(len(self._plan.places)) if not self.has(number)]
