@@ -19,7 +19,7 @@ from plgwear_jax._core.domains import (
     check,
     field_nan_outside,
     nan_outside,
-    one_or_nan,
+    nan_unless,
     real_dtype,
     record,
 )
@@ -164,7 +164,7 @@ class Force(Load):
     def control(self, limit: Any) -> Control:
         """F_x is constant."""
         amplitude = field_nan_outside(self, "tangential_force")
-        return Control(0.0, 1.0, amplitude * one_or_nan(PARTIAL_SLIP.contains(amplitude / limit)))
+        return Control(0.0, 1.0, nan_unless(PARTIAL_SLIP.contains(amplitude / limit), amplitude))
 
 
 class Displacement(Load):

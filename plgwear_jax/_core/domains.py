@@ -148,12 +148,14 @@ def nan_outside(name: str, value: ArrayLike, domain: Domain) -> Array:
     check(name, value, domain)
     if not isinstance(value, Tracer):
         return jnp.asarray(value)
-    return value * one_or_nan(domain.contains(value))
+    return nan_unless(domain.contains(value), value)
 
 
-def one_or_nan(inside: Array) -> Array:
+def nan_unless(inside: Array, value: Array) -> Array:
+    """The value, or NaN."""
     # Multiplied by NaN, derivatives become NaN too; with `where` they would become zero.
-    return jnp.where(inside, 1.0, jnp.nan)
+    factors = 1.0, jnp.nan
+    return value * jnp.where(inside, *factors if value.weak_type else np.array(factors, jnp.result_type(value, 0.0)))
 
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
-from .domains import Domain, as_argument, as_array, check_all, check_digits, one_or_nan, real_dtype
+from .domains import Domain, as_argument, as_array, check_all, check_digits, nan_unless, real_dtype
 from .startup.programs import Program, follows, moved_along, with_slopes
 from .xla import materialised, one_kernel, separate_kernels
 
@@ -54,7 +54,7 @@ def formula(
             together |= {i: functools.partial(_value_and_slope, function, i) for i in map(names.index, joint)}
             result = _by_forward_mode(function, alone, together)(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
-            return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+            return nan_unless(functools.reduce(jnp.logical_and, inside), result)
 
         program, signature = _program(run, kernel), inspect.signature(kernel)
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import NUMBER, check, nan_outside, one_or_nan, record
+from plgwear_jax._core.domains import NUMBER, check, nan_outside, nan_unless, record
 from plgwear_jax._core.startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP
@@ -157,11 +157,9 @@ def _designs_in_a_batch(question: Question, level: Array) -> Designs:
             axis_name=BATCH,
         )
         worn = shared.scale > 0.0
-        defined = one_or_nan(worn)
+        told: Any = found.variables, jnp.exp(found.value) * shared.scale, -jnp.expm1(found.value)
         return Designs(
-            variables={name: defined * variable for name, variable in found.variables.items()},
-            value=defined * jnp.exp(found.value) * shared.scale,
-            saving=defined * -jnp.expm1(found.value),
+            *jax.tree.map(functools.partial(nan_unless, worn), told),
             converged=found.converged & worn,
             certified=found.certified & worn,
             scan_found_nothing_better=found.scan_found_nothing_better & worn,

@@ -22,7 +22,7 @@ from plgwear_jax._core.domains import (
     check_all,
     check_bounds,
     check_digits,
-    one_or_nan,
+    nan_unless,
     record,
 )
 from plgwear_jax._core.startup.programs import follows, program, traced, with_slopes
@@ -177,8 +177,7 @@ def _many_optimal_exponents(digits: int | None, phi: Array, *bounds_and_life: Ar
     lower, upper = (jnp.broadcast_to(x, shape) for x in (lower, upper))
     valid = valid & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
     found = _exponent_of(in_chunks(best, shape, lower, upper, *given))
-    # As a factor NaN makes derivatives NaN too.
-    return jax.tree.map(lambda x: x & valid if x.dtype == bool else one_or_nan(valid).astype(x.dtype) * x, found)
+    return jax.tree.map(lambda x: x & valid if x.dtype == bool else nan_unless(valid, x), found)
 
 
 def _exponent_of(found: Minimum) -> OptimalExponent:
@@ -285,8 +284,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 def _critical(lower: Array, upper: Array) -> Array:
     """The three amplitudes for each pair of bounds, shape (3, ...)."""
     lower, upper = jnp.broadcast_arrays(lower, upper)
-    # As a factor NaN makes derivatives NaN too.
-    allowed = one_or_nan(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper))
+    allowed = _CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper)
     # At -1 and 1 the formulas cannot be evaluated, but at the numbers next to them.
     least = float(jnp.finfo(lower.dtype).epsneg) - 1.0
     lower, upper = clamp_keep_slope(least, lower), -clamp_keep_slope(least, -upper)
@@ -304,4 +302,4 @@ def _critical(lower: Array, upper: Array) -> Array:
         # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
         return signs * (by_k @ weights) * (1.0 - phi) / (phi * phi)
 
-    return allowed * (begins + first_at(rising, k, jnp.zeros_like(first), widths))
+    return nan_unless(allowed, begins + first_at(rising, k, jnp.zeros_like(first), widths))

@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array, lax
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import FINITE, NUMBER, check, one_or_nan, record, static, whole
+from plgwear_jax._core.domains import FINITE, NUMBER, check, nan_unless, record, static, whole
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.xla import materialised
 
@@ -166,7 +166,7 @@ def minimise(
         return converted(by_name(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
-    params = (lower * one_or_nan(jnp.all(valid)).astype(dtype), upper, closed_over)
+    params = (nan_unless(jnp.all(valid), lower), upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
     plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)._replace(axis=axis_name)
     # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.

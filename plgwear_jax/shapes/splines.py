@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array, lax
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import NUMBER, Numbers, check_columns, one_or_nan, record
+from plgwear_jax._core.domains import NUMBER, Numbers, check_columns, nan_unless, record
 from plgwear_jax.special.pchip import Piecewise, horner, pchip
 
 from .shape import AbelTransform, Shape, kink_positions_at, with_first
@@ -226,7 +226,7 @@ class Profile(_Splined):
         """The shape, with NaN for traced tables that do not increase."""
         r, heights = jnp.asarray(self.r), jnp.asarray(self.heights)
         right = _right("r", r) & _right("heights", heights)
-        return Profile(r, heights * one_or_nan(right)[..., None])
+        return Profile(r, nan_unless(right[..., None], heights))
 
     @property
     def kinks(self) -> Any:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from .elementary import clamped, ratio_where
 
@@ -41,35 +41,26 @@ def horner(coefficients: Sequence[Array], x: Array) -> Array:
     return functools.reduce(lambda value, more: more + x * value, reversed(coefficients))
 
 
-def _ratio(above: Array | float, below: Array) -> Array:
-    return ratio_where(below != 0.0, above, below)
-
-
-def _end(h: Array, beyond: Array, slope: Array, next_slope: Array) -> Array:
-    """The slope at the end of a segment, from its last interval and the one before, if there is one."""
-    three = _ratio((2.0 * h + beyond) * slope - h * next_slope, h + beyond)
-    three = jnp.where(three * slope <= 0.0, 0.0, three)
-    steep = (slope * next_slope < 0.0) & (abs(three) > 3.0 * abs(slope))
-    return jnp.where(beyond > 0.0, jnp.where(steep, 3.0 * slope, three), slope)
-
-
 def pchip(x: Array, y: Array) -> Piecewise:
     """Fritsch and Butland's interpolant without overshoot (PCHIP) of y at x, both of shape (n,).
 
     x increases; where it is given twice, y jumps.
     """
-    h = jnp.diff(x)
-    chord = _ratio(jnp.diff(y), h)
-    before, after = jnp.append(0.0, h), jnp.append(h, 0.0)  # of each point
-    left, right = jnp.append(0.0, chord), jnp.append(chord, 0.0)
-    one, two = 2.0 * after + before, after + 2.0 * before
-    alike = left * right > 0.0
-    mean = _ratio((one + two) * jnp.where(alike, left * right, 0.0), one * right + two * left)
-    # At both ends of each interval, by what lies beyond the other one where a segment ends there.
-    beyond = jnp.stack([after[1:], before[:-1]])
-    ends = _end(h, beyond, chord, jnp.stack([right[1:], left[:-1]]))
-    inner = jnp.stack([before[:-1], after[1:]]) > 0.0
-    begin, end = jnp.unstack(jnp.where(inner, jnp.stack([mean[:-1], mean[1:]]), ends))
-    over = _ratio(1.0, h)
-    bend, third = (3.0 * chord - 2.0 * begin - end) * over, (begin + end - 2.0 * chord) * over * over
-    return Piecewise(x, jnp.stack([y, *(jnp.append(slope, 0.0) for slope in (begin, bend, third))]))
+    # Shapes are (1, n-1), and (2, n-1) of both ends of each interval.
+    length, rise = jnp.unstack(jnp.diff(jnp.stack([x, y])[:, None]))
+    h = jnp.where(length > 0.0, length, 1.0)  # nobody reads what an interval without length has
+    chord, none = rise / h, np.zeros((), h.dtype)
+    # The intervals before and after each one; where a segment ends there is none, or one without length.
+    own = jnp.stack([length, chord])
+    beside = jnp.concatenate([lax.pad(own, none, [(0, 0, 0), (0, 0, 0), (i, -i, 0)]) for i in (1, -1)], 1)
+    (near, slope), (far, beyond) = jnp.unstack(beside), jnp.unstack(beside[:, ::-1])
+    # The slopes at both ends of an interval: inside a segment a harmonic mean of the chords, or 0 at an extremum; at
+    # its end by three points, or 0, or at most three chords, or that of the only interval.
+    mean = (2.0 * h + near) * chord + (h + 2.0 * near) * slope
+    mean = ratio_where(slope * chord > 0.0, 3.0 * (h + near) * slope * chord, mean)
+    three, steep = ((2.0 * h + far) * chord - h * beyond) / (h + far), 3.0 * chord
+    three = jnp.where(three * chord > 0.0, jnp.where(abs(three) < abs(steep), three, steep), 0.0)
+    begin, end = jnp.split(jnp.where(near > 0.0, mean, jnp.where(far > 0.0, three, chord)), 2)
+    bend, third = (steep - 2.0 * begin - end) / h, (begin + end - 2.0 * chord) / (h * h)
+    slopes = lax.pad(jnp.concatenate([begin, bend, third]), none, [(0, 0, 0), (0, 1, 0)])
+    return Piecewise(x, jnp.concatenate([y[None], slopes]))

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 
 from .elementary import clamp_keep_slope, clamped, ratio_where, value_with_slope
@@ -32,22 +33,21 @@ def root_of(
             x, low, high, before, value_before, count, _ = state
             value = function(x)
             below, run = value < 0.0, x - before
-            low, high = jnp.where(below, x, low), jnp.where(below, high, x)
+            low, high = lax.select(below, x, low), lax.select(below, high, x)
             rate = jnp.where(run != 0.0, (value - value_before) / run, slope)  # nothing here is differentiated
-            step = jnp.where(rate > 0.0, -value / rate, -jnp.sign(value) * farthest)
-            step = clamped(-farthest, step, farthest)
+            step = clamped(-farthest, -value / clamped(jnp.finfo(dtype).tiny, rate), farthest)
             ahead, middle, size = x + step, 0.5 * (low + high), 1.0 + abs(x)
             outside = (ahead <= low) | (ahead >= high)
             # Where the function jumps, or only rounding is left, the bounds meet, and no step from there is short.
             met = high - low < 4.0 * jnp.finfo(dtype).eps * size
             arrived = (abs(step) < enough * size) | ~jnp.isfinite(value)
             halves = (outside | (count > _SECANTS)) & ~arrived & jnp.isfinite(middle)
-            return jnp.where(halves, middle, ahead), low, high, x, value, count + 1, met | arrived
+            return lax.select(halves, middle, ahead), low, high, x, value, count + 1, met | arrived
 
-        bound = jnp.full_like(start, jnp.inf)
-        begin = (start, -bound, bound, start, bound, jnp.int32(0), jnp.bool_(False))
+        bound = dtype.type(jnp.inf)
+        begin: Any = start, -bound, bound, start, bound, np.int32(0), np.False_
         found = lax.while_loop(lambda state: ~state[-1] & (state[-2] < _MOST), body, begin)
-        return jnp.where(found[-1] & jnp.isfinite(found[4]), found[0], jnp.nan)
+        return lax.select(found[-1] & jnp.isfinite(found[4]), found[0], jnp.full_like(start, jnp.nan))
 
     return lax.custom_root(
         function,

@@ -23,7 +23,7 @@ from plgwear_jax._core.domains import (
     check,
     field_nan_outside,
     nan_outside,
-    one_or_nan,
+    nan_unless,
 )
 from plgwear_jax._core.doubts import doubt, of_onset, own_numbers
 from plgwear_jax._core.formula import compiled
@@ -449,7 +449,7 @@ class Steady(Solution):
         from .stressed import peak_stress_of
 
         inside = 16.0 * jnp.finfo(dtype_of(self.contact)).eps
-        high = high * (1.0 - inside) * one_or_nan(high > low)
+        high = nan_unless(high > low, high * (1.0 - inside))
         return peak_stress_of(self, "mises", low * (1.0 + inside), high).value
 
     def _peak(self, name: str) -> "Peak":

@@ -32,6 +32,7 @@ from plgwear_jax.surfaces.punch import (
     own_pressure,
     pressed,
     punch_under,
+    stiffness_apart,
     surplus,
 )
 from plgwear_jax.surfaces.ring import FEW_KINKS, deepest, sunk_beside
@@ -303,8 +304,9 @@ def gross_slip_energy_ratio_of(state: State) -> Array:
     image = outline.image(c, s)
     parts = pieces(1.0 - inwards(outline.shape.corners, c), c, logistic(100, 26.0))
     lifted = image.first + image.fallen(-jnp.minimum(parts.left, 1.0 - jnp.finfo(c.dtype).eps))  # T is not 0
-    alone, rest = apart(bodies, punch)
-    own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
+    first, rest = apart(bodies, punch)
+    weight = parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))
+    own = stiffness_apart(punch, first) * s * (weight @ (lifted * lifted))
     if rest is not None:
         moments, _ = outline.shape.moments(c, outline.radius, s, bodies.effort.modes)
         own = own + punch.stiffness / punch.flat[0] * (moments @ rest)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax._core.domains import ArrayLike, RefusedError, field_nan_outside, one_or_nan, record
+from plgwear_jax._core.domains import ArrayLike, RefusedError, field_nan_outside, nan_unless, record
 from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.startup.programs import holds_tracers, program, traced, value_of, with_slopes
 from plgwear_jax._core.xla import materialised
@@ -133,10 +133,10 @@ def state_of(effort: Effort, contact: Any, tangential_force: Array) -> State:
         before, after = before & (found.unworn.c <= reach), after & (found.c * jnp.sqrt(1.0 + found.end) <= reach)
     if not (bodies.never_pulls and reach is None):
         numbers = jnp.stack([found.further, found.end, found.volume])
-        further, end, volume = jnp.unstack(one_or_nan(after) * numbers)
+        further, end, volume = jnp.unstack(nan_unless(after, numbers))
         # All that is read of a state depends on one of these.
         numbers = jnp.stack([force, phi, found.unworn.log_c, found.punch.log_c, end])
-        force, phi, unworn, punch, end = jnp.unstack(materialised(one_or_nan(before)) * numbers)
+        force, phi, unworn, punch, end = jnp.unstack(materialised(nan_unless(before, numbers)))
         unworn, punch = found.unworn._replace(log_c=unworn), found.punch._replace(log_c=punch)
         found = dataclasses.replace(found, unworn=unworn, punch=punch, further=further, end=end, volume=volume)
     tangential, a_0, c = friction * theta, found.unworn.c, found.c

@@ -173,15 +173,16 @@ class Graded(Bodies):
         """M of the indenter."""
         return self.indenter * self._of_surface
 
-    def _beside(self, excess: Array, y: Array, factors: Array) -> tuple[Array, Array]:
+    def _beside(self, excess: Array, y: Array | np.ndarray, factors: Array) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, n)) beside the contact, for n pressures."""
         constants = self.foundation
         springs = constants.terms.of(excess)
-        apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
-        sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
-        fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
+        xp: Any = np if isinstance(y, np.ndarray) else jnp
+        apart = (y / (xp.sqrt(1.0 + y) + 1.0))[:, None] * xp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
+        less, half = xp.exp(-apart), xp.sin(0.5 * apart)
+        fallen = xp.expm1(-apart) - 2.0 * less * half * half  # exp(-x) cos(x) - 1
         real, imaginary = jnp.unstack(springs[:, None] * factors * (self.front * self.strength))
-        return jnp.sum(real, 0), fallen @ real + (jnp.exp(-apart) * sine) @ imaginary
+        return jnp.sum(real, 0), fallen @ real + (less * xp.sin(apart)) @ imaginary
 
     def ring_displacement(self, punch: Punch) -> RingDisplacement:
         """By springs, for the pressures of the flat punch and of the indenter that touches up to c.
@@ -194,10 +195,9 @@ class Graded(Bodies):
         (Wiener and Hopf: `docs/explanation/numerics.md`, "Elastic indenters and any E(z)".)
         """
         c, s, outline, constants = punch.c, self.s, self.outline, self.foundation
-        image, excess, (stiffness, rest) = outline.image(c, s), self.excess(c), apart(self, punch)
+        image, excess, (flat, rest) = outline.image(c, s), self.excess(c), apart(self, punch)
         both = jnp.stack([punch.flat, punch.touching], -1)
-        # On the law of `punch.apart` alone: y_0 of a flat punch pressed by 1, and y of the indenter.
-        flat = stiffness * punch.flat[0] / punch.stiffness
+        # On the law of `punch.apart` alone, as `flat`.
         own = (rest - punch.indenter_solution).at[0].add(image.first * flat)
         table, smooth = jnp.asarray(constants.beside, c.dtype), resolved(image)
         found, own = table @ both, table @ own
@@ -217,15 +217,17 @@ class Graded(Bodies):
         edge, own = (lax.complex(*jnp.unstack(each)) for each in (edge, own))
         # The edge of a half-plane has no kink beside it; without kinks it is more exact earlier than the sum.
         last = np.sum(constants.x < (0.5 if len(image.kink_positions) else 0.1) * self.effort.modes**2)
-        near = jnp.exp(-edge)[:, None] * jnp.stack([jnp.ones_like(own), own], -1)
+        edge = jnp.exp(-edge)
+        near = jnp.stack([edge, edge * own], -1)
         near = jnp.stack([near.real, near.imag])
         known = 2 if smooth else 1  # of these pressures
         size = jnp.sqrt(quotient(*(jnp.sum(each[:, last, :known] ** 2, 0) for each in (found, near))))
         if not smooth:
             size = size * jnp.append(1.0, grown(self, punch, image) / unit)
-        y = jnp.exp(jnp.asarray(RING_NODES, c.dtype))
-        first, v = self._beside(excess, y, jnp.append(found[:, :last], size * near[:, last:], 1))
-        return RingDisplacement(s, image, self.effort.nodes, first[0] + v[:, 0], v[:, 1])
+        factors = jnp.append(found[:, :last], size * near[:, last:], 1)
+        first, v = self._beside(excess, np.exp(RING_NODES, dtype=c.dtype), factors)
+        of_flat, of_own = jnp.unstack(v, axis=1)
+        return RingDisplacement(s, image, self.effort.nodes, first[0] + of_flat, of_own)
 
     def ring_compliance(self, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
         """What cells do to each other directly, and through the inside."""
@@ -290,7 +292,8 @@ def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: 
     """A half-space of any E(z), and a homogeneous body or a rigid one, for a load F_N R."""
     (lengths, moduli), nu = material.arrays(), field_nan_outside(material, "nu")
     plane = (1.0 - nu) * (1.0 + nu)
-    surface = 2.0 * plane / moduli[0]
+    first = moduli[0]
+    surface = 2.0 * plane / first
     of_indenter = jnp.zeros_like(surface) if indenter is None else 2.0 / indenter.plane_modulus
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
@@ -300,9 +303,10 @@ def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: 
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     _, seen, terms = wavenumbers(effort)
     # In these units slopes of cubics by the depth are numbers of float32.
-    unit = material.by_depth(lengths / scale, moduli / moduli[0])
+    unit = material.by_depth(lengths / scale, moduli / first)
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
-    strength = surface * (1.0 + excess[-1]) + of_indenter
-    coefficients = terms.of((excess - excess[-1]) * (surface / strength))
+    thin = excess[-1]
+    strength = surface * (1.0 + thin) + of_indenter
+    coefficients = terms.of((excess - thin) * (surface / strength))
     return Graded(outline, effort, scale, strength, coefficients, of_indenter)

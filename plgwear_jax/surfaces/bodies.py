@@ -19,7 +19,7 @@ from plgwear_jax._core.domains import (
     check_columns,
     field_nan_outside,
     nan_outside,
-    one_or_nan,
+    nan_unless,
     record,
 )
 from plgwear_jax._core.formula import compiled
@@ -68,7 +68,7 @@ class Elastic(HalfSpace):
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
         z = nan_outside("z", z, NOT_NEGATIVE)
-        return field_nan_outside(self, "E") * one_or_nan(~jnp.isnan(z))
+        return nan_unless(~jnp.isnan(z), field_nan_outside(self, "E"))
 
 
 class AnyModulus(HalfSpace):
@@ -95,7 +95,8 @@ class AnyModulus(HalfSpace):
         length, modulus = (array.astype(dtype) for array in arrays)
         unit = 2.0**20  # 1/m: in micrometres the coefficients of cubics are numbers of float32
         found = self.by_depth(unit * length, modulus).at(unit * z)
-        return found * one_or_nan(~jnp.isnan(sum(map(jnp.sum, arrays), z)))  # one modulus a layer knows no depth
+        # One modulus a layer knows no depth.
+        return nan_unless(~jnp.isnan(sum(map(jnp.sum, arrays), z)), found)
 
     def seen_by(self, radius: Array) -> tuple[Array, Any, Any]:
         """With its moduli."""
@@ -153,7 +154,8 @@ class DepthGraded(AnyModulus):
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
         """PCHIP between the depths, NaN where they do not increase."""
-        return pchip(one * one_or_nan(jnp.all(jnp.diff(one) >= 0.0)), other)
+        # Of differences a program may make something else than 0 where a depth is given twice.
+        return pchip(nan_unless(jnp.all(one[1:] >= one[:-1]), one), other)
 
 
 @record

@@ -39,22 +39,25 @@ def depths_for(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, bool]:
     if len(modulus.coefficients) == 1:
         return modulus.start[:, None], True
     # The first interval is what lies above the table.
-    ends = jnp.minimum(jnp.append(0.0, modulus.start)[:, None], _DEEP / q)
-    moduli = modulus.coefficients[0]
-    depth, logs = lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
-    change, count = jnp.diff(logs, axis=0), moduli.size
-    weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.maximum(jnp.diff(depth, axis=0), 0.0))
-    shares = jnp.cumsum((weight * (change * change + _LEAST)) ** 0.2, 0)
+    none, moduli = q.dtype.type(0.0), modulus.coefficients[0]
+    ends, count = jnp.minimum(lax.pad(modulus.start, none, [(1, 0, 0)])[:, None], _DEEP / q), moduli.size
+    depth, logs = lax.stop_gradient((ends * q, jnp.log(moduli)))
+    change = lax.pad(logs[1:] - logs[:-1], none, [(1, 0, 0)])[:, None]
+    top, bottom = depth[:-1], depth[1:]
+    weight = -jnp.exp(-2.0 * top) * jnp.expm1(-2.0 * jnp.maximum(bottom - top, 0.0))  # roundings may be negative
+    shares = lax.cumsum((weight * (change * change + _LEAST)) ** 0.2)
     more = _PARTS[digits] + (_EACH[digits] - 1) * count
     # The edge at which an interval begins: each has a part at least.
-    first = jnp.floor(more * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
-    first = jnp.concatenate([jnp.zeros_like(q)[None], first])
-    edge = np.arange(more + count + 1)[:, None]
-    interval = jnp.minimum(jnp.sum(edge >= first[1:, None], 0), count - 1).astype(np.uint32)  # none from behind
+    edge = np.arange(more + count + 1, dtype=q.dtype)[:, None]
+    first = jnp.floor(more * shares / shares[-1] + 1e-3) + edge[1 : count + 1]
+    first = lax.pad(first, none, [(1, 0, 0), (0, 0, 0)])
+    interval = jnp.sum(edge >= first[1:-1, None], 0, dtype=np.uint32)  # none from behind
     # Within an interval parts grow with the modulus and with the depth, by a ratio of linear functions.
-    bend = jnp.exp(0.3 * change) * ((1.0 + depth[1:]) / (1.0 + depth[:-1])) ** 0.6
-    several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
-    begin, length, start, parts, bend = jnp.unstack(jnp.stack(several)[:, interval, np.arange(q.size)])
+    bend = jnp.exp(0.3 * change) * ((1.0 + bottom) / (1.0 + top)) ** 0.6
+    both = jnp.stack([ends, first])
+    begins = both[:, :-1]
+    several = jnp.concatenate([begins, both[:, 1:] - begins, bend[None]])
+    begin, start, length, parts, bend = jnp.unstack(several[:, interval, np.arange(q.size, dtype=np.uint32)])
     share = (edge - start) / parts
     return begin + length * share / (share + bend * (1.0 - share)), False
 
@@ -67,7 +70,7 @@ def _layers(between: Callable[[Array, Array], Array], edges: Array, even: bool, 
     Parts of an `even` modulus need no other division than their own.
     """
     shares = jnp.asarray([[0.0], [1.0]] if even else [[0.0, 0.0], [0.0, 0.5], [1.0, 1.0]], q.dtype)[..., None]
-    parts = (jnp.append(edges[1:], edges[-1:], 0) - edges)[:, None, None]
+    parts = lax.pad(edges[1:] - edges[:-1], edges.dtype.type(0.0), [(0, 1, 0), (0, 0, 0)])[:, None, None]
     bounds = edges[:, None, None] + shares * parts
     low, high = (x.reshape(-1, 1, 1, 1, *bounds.shape[2:]) for x in (bounds[:, :-1], bounds[:, 1:]))
     h = jnp.minimum((high - low) * q, _THICK)
@@ -89,7 +92,8 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     h, s = _layers(modulus.between, edges, even, q)
     s = modulus.coefficients[0, 0] * s  # mu(0)/mu: no depth is above z = 0
     total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, nu, h))[0] / (1.0 - nu)
-    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
+    least, most = total[0], total[-1]
+    return most + (most - least) / 3.0 - 1.0
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------
@@ -126,7 +130,7 @@ def _layer_matrices(s: Array, nu: Array, h: Array, planes: int = 1) -> tuple[Arr
     once = jnp.exp(-h)
     left = once * once * h
     spread = (left * of_left + left * h * of_squared - jnp.expm1(-2.0 * h) * of_lost) / s
-    spread = spread * jnp.stack([1.0 / (1.0 - nu), jnp.ones_like(nu)])[:planes, None, None]
+    spread = spread * jnp.stack([1.0 / (1.0 - nu), nu.dtype.type(1.0)][:planes])[:, None, None]
     return (own + nu * own_by_nu) * (s - jnp.append(s[1:], s[-1:], 0)), spread, once * (one + h * turn)
 
 
@@ -144,7 +148,7 @@ def _upwards(step: Array, spread: Array, phi: Array) -> tuple[Array, tuple[Array
         y = y + step
         rest = one - _matrix_product(spread, y)
         swapped = (2.0 * one - 1.0) * rest[::-1, ::-1].swapaxes(0, 1)  # the adjugate
-        down = _matrix_product(swapped, phi.swapaxes(0, 1)) / (rest[0, 0] * rest[1, 1] - rest[0, 1] * rest[1, 0])
+        down = _matrix_product(swapped, phi.swapaxes(0, 1)) / jnp.sum(rest[0] * swapped[:, 0], 0)
         return _matrix_product(phi, _matrix_product(y, down)), (y, down)
 
     return lax.scan(through, jnp.zeros_like(spread[0]), (step, spread, phi), reverse=True)

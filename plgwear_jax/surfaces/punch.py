@@ -25,7 +25,7 @@ from plgwear_jax._core.startup.programs import moved_along
 from plgwear_jax.shapes.powers import Power
 from plgwear_jax.shapes.shape import AbelTransform, Outline, inwards
 from plgwear_jax.special.cholesky import solve_symmetric
-from plgwear_jax.special.elementary import value_with_slope
+from plgwear_jax.special.elementary import in_dtype, value_with_slope
 from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import Pieces, logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -110,7 +110,7 @@ class Bodies:
         # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
         # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
         unit = 2.0 * jnp.pi * self.front**2 * c
-        forces = found[0]
+        forces = first @ found
         both = unit * jnp.stack([forces, forces - (slope @ flat) @ found])
         stiffness, held, growth, bent = jnp.unstack(both.ravel())
         depth = (bent + unit * (flat @ rising)) / growth
@@ -193,20 +193,26 @@ def _integrated(s: Array, half: float) -> Array | float:
     return gamma(s) / gamma(s + half) * math.pi**-half if half else 1.0
 
 
-def apart(bodies: Bodies, punch: Punch) -> tuple[Array, Any]:
-    """(The stiffness of the flat punch on a power law alone, y of the indenter less that on the power law).
+def apart(bodies: Bodies, punch: Punch) -> tuple[Any, Any]:
+    """(y_0 of the flat punch on a power law alone, y of the indenter less that on it); None if there is no other term.
 
     The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
     It answers a slope that jumps in closed form, and what is left is smoother.
     """
     if punch.flat is None:
-        return punch.stiffness, None
+        return None, None
     s = bodies.s
-    order = jnp.asarray(2.0 * np.arange(punch.flat.size), s.dtype) + s
-    yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
+    n = np.arange(punch.flat.size, dtype=s.dtype)
+    # Its matrix, which is diagonal.
+    yielding = punch.last * (2.0 * n[-1] + s) / (2.0 * n + s)
     shape, radius = bodies.outline
-    moments, _ = shape.moments(punch.c, radius, s, order.size)
-    return punch.stiffness / (punch.flat[0] * yielding[0]), punch.indenter_solution - moments / yielding
+    moments, _ = shape.moments(punch.c, radius, s, n.size)
+    return 1.0 / yielding[0], punch.indenter_solution - moments / yielding
+
+
+def stiffness_apart(punch: Punch, first: Any) -> Array:
+    """The stiffness of the flat punch on that power law alone, by the first result of `apart`."""
+    return punch.stiffness if first is None else punch.stiffness * first / punch.flat[0]
 
 
 def resolved(image: AbelTransform) -> bool:
@@ -234,7 +240,7 @@ def risen(outline: Outline, image: AbelTransform, c: Array, z: Array, count: int
 def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> Array:
     """The pressure of the indenter that touches up to c and no further, over c^2/R, as `flat_pressure` gives it."""
     c, s, outline = punch.c, bodies.s, bodies.outline
-    (alone, rest), image, power = apart(bodies, punch), outline.image(c, s), s + half
+    (first, rest), image, power = apart(bodies, punch), outline.image(c, s), s + half
 
     def at(z: Array) -> Array:
         # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
@@ -246,10 +252,11 @@ def own_pressure(bodies: Bodies, punch: Punch, z: Array, half: float = 0.0) -> A
 
     # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
     rise = image.first / power if resolved(image) else lax.map(jax.checkpoint(at), z)
-    found = alone * s / (jnp.pi * c * c) * _integrated(s, half) * jnp.exp(power * jnp.log(z)) * rise
+    front = stiffness_apart(punch, first) * s / (jnp.pi * c * c) * _integrated(s, half)
+    found = front * jnp.exp(power * jnp.log(z)) * rise
     if rest is None:
         return found
-    less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
+    less = rest.at[0].add(image.first * first)
     y = _without_edge(punch.depth * punch.flat - less)
     return found + pressure_inside(bodies, y, z, half) / c
 
@@ -263,8 +270,8 @@ def _without_edge(y: Array) -> Array:
     """Pressures without what is singular at the edge, taken off the last ones, which leave force and middle alone."""
     # By a flat punch the roundings at the edge would be in the whole contact.
     n = np.arange(y.size)
-    sign, share = jnp.asarray((-1.0) ** n, y.dtype), jnp.asarray(n**2 / np.sum(n**2), y.dtype)
-    return y - (y @ sign) * sign * share
+    sign, share = in_dtype(y.dtype, (-1.0) ** n, (-1.0) ** n * n**2 / np.sum(n**2))
+    return y - (y @ sign) * share
 
 
 def pressure_inside(bodies: Bodies, y: Array, inside: Array, half: float = 0.0) -> Array:

@@ -66,8 +66,8 @@ class DepthDeficit:
 
     def depth(self, y: Array) -> Array:
         """The depth at a number y."""
-        places, own = _counts(self, y)
-        return own[0] @ self.at(places)
+        places, own, _ = _counts(self, y)
+        return own @ self.at(places)
 
 
 def between(v: Array, y: Array) -> Array:
@@ -106,8 +106,8 @@ def sine_of(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _counts(deficit: DepthDeficit, y: Array) -> tuple[Array, Array]:
-    """Places between 0 and a number y, the last one y, and how much D counts there, (2, places).
+def _counts(deficit: DepthDeficit, y: Array) -> tuple[Array, Array, Array]:
+    """Places between 0 and a number y, the last one y, and how much D counts there, each of shape (places,).
 
     It counts for the depth at y, and for the integral of the depth over T up to 1 + y.
     """
@@ -115,10 +115,12 @@ def _counts(deficit: DepthDeficit, y: Array) -> tuple[Array, Array]:
     # Of a power law alone, whose integrands are known to all digits, the rule goes as far as these do.
     alone = (160, 36.0) if len(kinks) < FEW_KINKS else (100, 26.0)
     rule = pieces(kinks / y, a, logistic(*alone) if deficit.v is None else logistic(deficit.nodes))
-    places, (weight, last) = jnp.append(y * rule.x, y), rule.singular(1.0 - a)
-    further = jnp.append(y / (1.0 - a) * rule.left * weight, 0.0)
-    front = sine_of(a) * jnp.exp((1.0 - a) * jnp.log(y) + (a - 1.0) * jnp.log1p(places))
-    return places, front * jnp.stack([jnp.append(weight, last), further])
+    power = 1.0 - a
+    weights = lax.pad(*rule.singular(power), [(0, 1, 0)])
+    x, left = (lax.pad(each, y.dtype.type(end), [(0, 1, 0)]) for each, end in ((rule.x, 1.0), (rule.left, 0.0)))
+    places = y * x
+    weights = sine_of(a) * jnp.exp(power * (jnp.log(y) - jnp.log1p(places))) * weights
+    return places, weights, weights * left * (y / power)
 
 
 def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further: Array, y: Array) -> Array:
@@ -137,7 +139,7 @@ def sunk_beside(bodies: Bodies, punch: Punch, around: RingDisplacement, further:
         sunk = sine_of(a) * (sunk + last * (punch.depth + further) * jnp.exp(-a * jnp.log1p(y)))
         if deficit.v is None:
             return sunk
-        places, (own, _) = _counts(deficit, y)
+        places, own, _ = _counts(deficit, y)
         return sunk + own @ (level + between(deficit.v, places))
 
     here, beyond = (bodies.far(punch.log_c + 0.5 * jnp.log1p(x)) for x in (known, y))
@@ -154,16 +156,16 @@ class Ring(NamedTuple):
 @jax.custom_jvp
 def ring_of(deficit: DepthDeficit) -> Ring:
     """The ring of what is lacking."""
-    near = jnp.full((1,), 0.01, deficit.a.dtype)
+    near: Any = np.full(1, 0.01, deficit.a.dtype)
     (fall,) = deficit.image.fallen(near) / near  # about the slope of G at T = 1
     start = jnp.log(jnp.maximum(deficit.near / fall, jnp.finfo(near.dtype).eps))
 
     def excess(log_y: Array) -> Array:
-        places, (own, _) = _counts(deficit, jnp.exp(log_y))
+        places, own, _ = _counts(deficit, jnp.exp(log_y))
         return -(own @ deficit.at(places)) / (jnp.sum(own) * fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, (_, own) = _counts(deficit, jnp.exp(log_y))
+    places, _, own = _counts(deficit, jnp.exp(log_y))
     return Ring(log_y, own @ deficit.at(places))
 
 
@@ -171,8 +173,8 @@ def ring_of(deficit: DepthDeficit) -> Ring:
 def _ring_of_jvp(primals: Any, tangents: Any) -> tuple[Ring, Ring]:
     # Depth and volume are sums over D at places that move with the edge, where the depth stays 0.
     def sums(deficit: DepthDeficit, log_y: Array) -> Array:
-        places, own = _counts(deficit, jnp.exp(log_y))
-        return own @ deficit.at(places)
+        places, *own = _counts(deficit, jnp.exp(log_y))
+        return jnp.stack(own) @ deficit.at(places)
 
     (deficit,), ring = primals, ring_of(*primals)
     log_y = ring.log_y
@@ -246,9 +248,9 @@ def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:
     further, v = rise * phi / (1.0 - phi), bodies.ring_displacement(punch)
     # Without an amplitude there is no ring; a narrow one tells how rings begin.
     few = 4096.0 * jnp.finfo(phi.dtype).eps
-    ring = ring_of(v.deficit(jnp.where(wears, further, few * rise)))
+    ring = ring_of(v.deficit(lax.select(wears, further, few * rise)))
     end = jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few)
-    return Worn(bodies, unworn, punch, further, v, end, jnp.where(wears, jnp.pi * ring.volume, 0.0 * phi))
+    return Worn(bodies, unworn, punch, further, v, end, lax.select(wears, jnp.pi * ring.volume, 0.0 * phi))
 
 
 # --- in cells ---------------------------------------------------------------------------------------------------------

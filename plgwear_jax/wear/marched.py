@@ -15,7 +15,7 @@ from plgwear_jax._core.domains import (
     RefusedError,
     field_nan_outside,
     nan_outside,
-    one_or_nan,
+    nan_unless,
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._core.sequential import sequential_forward_mode
@@ -73,7 +73,7 @@ class TestHistory(NamedTuple):
         """The moments, NaN beyond what is known."""
         moment = moment_at(self.cycles, cycles, within=True)
         late = moment.late > ROUNDINGS * jnp.finfo(cycles.dtype).eps * cycles
-        return moment._replace(part=moment.part * one_or_nan(~late | (self.beyond <= 0.0)))
+        return moment._replace(part=nan_unless(~late | (self.beyond <= 0.0), moment.part))
 
     def number(self, name: str, cycles: Array) -> Array:
         """One number of the history, such as its contact radius."""
@@ -309,7 +309,7 @@ class MarchedRun(Run):
             )
             held = stage.load.control(mu * force)
             if stage.load.holds_force and self.load.lasts:
-                held = held._replace(value=held.value * one_or_nan(FOLLOWED.contains(held.value / (mu * force))))
+                held = held._replace(value=nan_unless(FOLLOWED.contains(held.value / (mu * force)), held.value))
             rows.append((stage.cycles, force, mu, *held))
         return StageNumbers(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
