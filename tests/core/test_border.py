@@ -165,10 +165,12 @@ def loop(rig_stiffness):
 
 np.testing.assert_allclose(loop(10**10), loop(1e10), rtol=1e-6)
 
-for whole in 100 * 10**9, np.int64(100 * 10**9), [100 * 10**9, 200 * 10**9], np.array([100 * 10**9]):
+one, two = 100 * 10**9, [100 * 10**9, 200 * 10**9]
+for same in (one, np.int64(one)), (two, np.array(two)):
     for body in PowerLawGraded, Elastic:
-        real = np.asarray(whole, float)
-        np.testing.assert_allclose(results(whole, 10**10, body), results(real, 1e10, body), rtol=1e-6)
+        expected = results(np.asarray(same[0], float), 1e10, body)
+        for whole in same:
+            np.testing.assert_allclose(results(whole, 10**10, body), expected, rtol=1e-6)
 
 def energy(kind):
     contact = FrettingContact(PowerLawGraded(1e11, 1e-4, 0, 0.3), 5e-3, kind(100_000), friction=kind(50_000))
@@ -304,17 +306,26 @@ def test_a_negative_length_is_refused(cls):
                 ask(build(cls), name, **{key: np.array([0.0, -1.0])})
 
 
-@parametrize("contact", [build(FrettingContact), build(GrossSlipContact), contact_of(LAYERS, STEEL)])
-def test_infinitely_far_away_all_but_the_profile_ends(contact):
+def ended(contact, r):
+    """All that ends far away."""
     names = {name for name, keys in quantities(type(contact)).items() if keys == ["r"]}
-    assert "profile" not in names or ask(contact, "profile", r=math.inf) == math.inf
+    return jnp.stack([ask(contact, name, r=r) for name in sorted(names - {"profile"})])
 
-    def ended(contact, r):
-        return jnp.stack([ask(contact, name, r=r) for name in sorted(names - {"profile"})])
 
+UNDER_STEEL = contact_of(LAYERS, STEEL)
+
+
+@parametrize("contact", [build(FrettingContact), build(GrossSlipContact), UNDER_STEEL])
+def test_infinitely_far_away_all_but_the_profile_ends(contact):
+    assert isinstance(contact, GrossSlipContact) or ask(contact, "profile", r=math.inf) == math.inf
     assert_array_equal(ended(contact, math.inf), 0.0)
     assert np.all(np.isnan(functions.by_numpy(ended)(*jax.tree.map(jnp.asarray, (contact, math.nan)))))
-    assert not any(map(np.any, jax.tree.leaves(jax.grad(lambda contact: jnp.sum(ended(contact, math.inf)))(contact))))
+
+
+@parametrize("contact", [build(FrettingContact), build(GrossSlipContact), compiled_case(UNDER_STEEL)])
+def test_infinitely_far_away_nothing_changes(contact):
+    slopes = jax.grad(lambda contact: jnp.sum(ended(contact, math.inf)))(contact)
+    assert not any(map(np.any, jax.tree.leaves(slopes)))
 
 
 TRACED = {

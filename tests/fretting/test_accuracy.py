@@ -15,7 +15,7 @@ from inputs import ROOT
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose
 
-from plgwear_jax import compiler_options, fretting, gross_slip, material
+from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.fretting import deepest, ring
 from plgwear_jax.special import gamma
 
@@ -75,10 +75,9 @@ def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype,
 
 def test_the_mixed_derivative_of_the_deepest_wear_is_that_of_differences():
     by_phi = jax.grad(fretting.deepest_wear, 1)
-    slope, mixed = (jax.jit(one, compiler_options=compiler_options()) for one in (by_phi, jax.grad(by_phi)))
     for k, phi in ((0.3, 0.6), (-0.4, 0.2)):
-        difference = (slope(k + 1e-5, phi) - slope(k - 1e-5, phi)) / 2e-5
-        assert_allclose(mixed(k, phi), difference, rtol=1e-7)
+        difference = (by_phi(k + 1e-5, phi) - by_phi(k - 1e-5, phi)) / 2e-5
+        assert_allclose(jax.grad(by_phi)(k, phi), difference, rtol=1e-7)
 
 
 # --- the worst point, hunted ----------------------------------------------------------------------------------------

@@ -113,12 +113,12 @@ def test_both_vanish_with_the_force(name, part):
 
 
 @parametrize("shape", [PowerShape(2.0), TruncatedSphere(2e-5)])
-@parametrize("name", ["energy_ratio", "loop_aperture"])
-def test_loops_of_any_shape_vanish_with_the_force(name, shape):
+def test_loops_of_any_shape_vanish_with_the_force(shape):
     def asked(force):
-        return getattr(dome(0.3, shape=shape).steady(force), name)
+        steady = dome(0.3, shape=shape).steady(force)
+        return jnp.stack([steady.energy_ratio, steady.loop_aperture])
 
-    assert_allclose(jax.grad(asked)(0.0), asked(4e-5) / 4e-5, rtol=1e-5)
+    assert_allclose(jax.jacfwd(asked)(0.0), asked(4e-5) / 4e-5, rtol=1e-5)
 
 
 @parametrize("stiffness", [0.0, -1.0, np.nan])

@@ -35,19 +35,18 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     force, weight = np.array([0.5, 1.0]), np.array([0.75, 0.25])
     limits = {"penetration": {"below": 8.5e-7}}  # which is reached where the wear is least
     asked = {"hold": HOLD, "weight": weight, "distance": 1e-6, "limits": limits}
-    curve = optimise.front(RIGID, force, {"k": (-0.9, 0.9)}, points=9, **asked)
+    curve = optimise.front(RIGID, force, {"k": (-0.9, 0.9)}, points=5, **asked)
     assert curve.ends == ("k at its upper bound", "highest indentation depth allowed")
 
-    def both(contacts):
-        wear = weight @ np.stack([contacts.steady(one).wear_volume for one in force])
-        return contacts.steady(1.0).edge_pressure(1e-6), wear
-
-    grid = held(np.linspace(-0.9, 0.9, 401))
-    kept = grid.steady(1.0).penetration <= 8.5e-7
+    # The grid, the contacts of the curve and the reference.
+    k = np.concatenate([np.linspace(-0.9, 0.9, 401), curve.variables["k"], [0.0]])
+    steady = held(k[:, None]).steady(force)
+    kept = steady.penetration[:401, 1] <= 8.5e-7
+    both = np.stack([steady.edge_pressure(1e-6)[:, 1], steady.wear_volume @ weight])
     assert not np.all(kept)
-    is_the_envelope(curve, *(values[kept] for values in both(grid)), within=0.01)
-    assert_allclose([curve.x, curve.y], both(held(curve.variables["k"])), rtol=1e-9)
-    assert_allclose([curve.reference_x, curve.reference_y], both(RIGID), rtol=1e-9)
+    is_the_envelope(curve, *both[:, :401][:, kept], within=0.01)
+    assert_allclose([curve.x, curve.y], both[:, 401:-1], rtol=1e-9)
+    assert_allclose([curve.reference_x, curve.reference_y], both[:, -1], rtol=1e-9)
 
 
 @compiled
