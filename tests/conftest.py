@@ -66,7 +66,7 @@ def prepare():
     # The caller's choice, and here the tests are the caller; the library itself never touches it.
     jax.config.update("jax_enable_x64", True)
 
-    settings.register_profile("default", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile("default", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])
     settings.register_profile("long", parent=settings.get_profile("default"), max_examples=2000)
     settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 

@@ -25,8 +25,8 @@ def sample(quantity, dtype, count):
 @functools.cache
 def values(quantity, dtype, digits):
     points = sample(quantity, dtype, 4000)
-    if digits is None or quantity.name == "fretting.wear_volume":
-        return functions.at_one_length(quantity.function)(*points, digits=digits).astype(float)
+    if digits is None:
+        return functions.values(quantity.name, *points).astype(float)
     program = functions.by_numpy(functools.partial(quantity.function, digits=digits))
     return functions.in_rounds(program, *points).astype(float)
 

@@ -315,7 +315,7 @@ def _derivatives(quantity, points, order):
     """[value, gradient, hessian] up to `order`, the last axis over their entries."""
     if quantity.name not in functions.FUNCTIONS:
         return list(functions.in_rounds(_with_gradient(quantity), *points))[: order + 1]
-    made = [functions.at_one_length(quantity.function)(*points)[:, None]]
+    made = [functions.values(quantity.name, *points)[:, None]]
     if order > 0:
         made.append(functions.derivatives(quantity.name, *points)[2])
     if order > 1:

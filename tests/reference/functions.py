@@ -4,8 +4,9 @@ Each shape of the arguments is traced and compiled anew, which takes a thousand 
 `fretting`, `gross_slip`, `partial_slip` and `material` of this module are those of the library, called with LENGTH
 numbers whatever the shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
 
-To compile derivatives takes longest. In the default run XLA does so for DIFFERENTIATED in float64; for all others NumPy
-runs the traced program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
+In the default run XLA compiles the values of COMPILED, and the derivatives of DIFFERENTIATED in float64, which take
+longest; for all others NumPy runs the traced program. In the long run, where `XLA_FLAGS` is empty, everything is
+compiled as users have it.
 """
 
 import functools
@@ -128,7 +129,7 @@ def arguments(name: str) -> tuple[str, ...]:
 
 def values(name: str, *at):
     """The function at concrete arguments of any shape, by the program for LENGTH of them."""
-    if name in COMPILED or np.result_type(*at) == np.float64:
+    if name in COMPILED:
         return at_one_length(FUNCTIONS[name])(*at)
     return in_rounds(_by_numpy(name), *at)
 
