@@ -372,10 +372,8 @@ def test_second_derivatives_are_finite_in_single_precision(name):
 
 
 @each_function
-def test_digits_are_accepted_and_the_wrong_ones_refused(name):
+def test_wrong_numbers_of_digits_are_refused(name):
     at = [GOOD[key] for key in arguments(name)]
-    if name in COMPILED:  # test_digits.py has all of them
-        assert_allclose(FUNCTIONS[name](*at, digits=5), FUNCTIONS[name](*at), rtol=1e-5)
     for wrong in (0, -1, 16, 2.5, "a", True):
         with pytest.raises((ValueError, TypeError), match="digits"):
             FUNCTIONS[name](*at, digits=wrong)

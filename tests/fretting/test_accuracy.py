@@ -4,7 +4,6 @@ import runpy
 
 import accuracy
 import functions
-import jax
 import jax.numpy as jnp
 import numpy as np
 import oracle
@@ -23,15 +22,6 @@ from plgwear_jax.special import gamma
 # There as well float32 near the edges of the contact, where it is float64's formulas again, in the bulk, which is
 # easier than the edges of the domain, and at these but for the quantities that need most digits there.
 SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.steady_pressure", "gross_slip.volume_change")
-# Second derivatives take longest to trace: those of what is minimised and limited, the others further below.
-CURVED = ("fretting.wear_volume", "fretting.worn_radius", "fretting.edge_pressure", "gross_slip.volume_change")
-# Of these a point takes the oracle a tenth of a second.
-COSTLY = (
-    "partial_slip.amplitude",
-    "material.h_N",
-    "fretting.steady_displacement",
-    "gross_slip.steady_displacement",
-)
 ROWS = [
     pytest.param(
         quantity,
@@ -56,9 +46,8 @@ def check(*asked, **how):
 
 @rows
 def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
-    order = 2 if (region, dtype) == ("bulk", "float64") and quantity.name in CURVED else 1
-    count = 16 if region == "SI" or quantity.name in COSTLY else 24
-    check(quantity, region, dtype, count, seed, order=order)
+    order = 2 if (region, dtype) == ("bulk", "float64") else 1
+    check(quantity, region, dtype, 20, seed, order=order)
 
 
 @compiled
@@ -71,13 +60,6 @@ def test_errors_of_second_derivatives_stay_within_the_promise(quantity, region, 
 @rows
 def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype, seed):
     check(quantity, region, dtype, 20_000 if dtype == "float64" else 5_000, seed + 1, processes=2)
-
-
-def test_the_mixed_derivative_of_the_deepest_wear_is_that_of_differences():
-    by_phi = jax.grad(fretting.deepest_wear, 1)
-    for k, phi in ((0.3, 0.6), (-0.4, 0.2)):
-        difference = (by_phi(k + 1e-5, phi) - by_phi(k - 1e-5, phi)) / 2e-5
-        assert_allclose(jax.grad(by_phi)(k, phi), difference, rtol=1e-7)
 
 
 # --- the worst point, hunted ----------------------------------------------------------------------------------------

@@ -74,15 +74,13 @@ def punch_and_dimensionless(k):
     """Of a punch, in the same way."""
     a, d = 2e-3, 5e-6
     steady, r = GrossSlipContact(PowerLawGraded(E0, Z0, k, 0.3), radius=a, depth=d).steady(), np.array([0.0, 0.5, 1.5])
-    found = [(steady.volume_change, gross_slip.volume_change(k) * np.pi * a**2 * d)]
+    yield steady.volume_change, gross_slip.volume_change(k) * np.pi * a**2 * d
     for name, unit in (("displacement", d), ("pressure", steady.initial_force / (np.pi * a**2))):
-        for state in ("initial", "steady"):
-            dimensionless = getattr(gross_slip, f"{state}_{name}")(r, k)
-            found.append((getattr(steady, f"{state}_{name}")(a * r), dimensionless * unit))
-    return found
+        for field in (f"initial_{name}", f"steady_{name}"):
+            yield getattr(steady, field)(a * r), getattr(gross_slip, field)(r, k) * unit
 
 
 @parametrize("k", [-0.5, 0.3])
 def test_quantities_of_a_punch_are_dimensionless_ones_in_si_units(k):
-    for both in by_numpy(punch_and_dimensionless)(np.asarray(k)):
+    for both in by_numpy(lambda k: [*punch_and_dimensionless(k)])(np.asarray(k)):
         assert_allclose(*both, **SI)

@@ -37,7 +37,7 @@ COMPILED = {
 }
 
 # Of these XLA compiles the derivatives in float64 too; displacements take longest, and the long run has them.
-DIFFERENTIATED = {"fretting.wear_volume", "fretting.stick_radius", "material.h_N"}
+DIFFERENTIATED = {"fretting.wear_volume", "material.h_N"}
 
 LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
 
@@ -129,9 +129,7 @@ def arguments(name: str) -> tuple[str, ...]:
 
 def values(name: str, *at):
     """The function at concrete arguments of any shape, by the program for LENGTH of them."""
-    if name in COMPILED:
-        return at_one_length(FUNCTIONS[name])(*at)
-    return in_rounds(_by_numpy(name), *at)
+    return at_one_length(FUNCTIONS[name])(*at) if name in COMPILED else in_rounds(_by_numpy(name), *at)
 
 
 @functools.cache
