@@ -49,7 +49,7 @@ def test_slopes_between_the_runs():
 def test_a_reference_and_wear_beyond_the_bounds_of_a_design():
     contact = dome(np.float64(0.8))
     found = optimise.design(contact, LOADS, {"k": (-0.3, 0.2)}, **LIFE)
-    k = np.array([0.8, float(found.variables["k"]), -0.7, 0.1, 0.6])
+    k = np.array([0.8, found.variables["k"], -0.7, 0.1, 0.6])
     worn = 0.5 * dome(k).over_cycles(1.0, 1e-14).volume(4e5)
     assert_allclose([found.reference_value, found.value], worn[:2], rtol=1e-6)
     course = optimise.along(found, "k", k[2:])

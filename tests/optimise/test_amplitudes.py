@@ -21,7 +21,7 @@ def stacked(bounds):
     return jnp.stack([getattr(found, name) for name in NAMES])
 
 
-BY_STEPS = by_numpy(lambda lower, upper: stacked((lower, upper)))
+BY_STEPS = by_numpy(lambda *bounds: stacked(bounds))
 
 
 def errors(found, exact):
