@@ -24,7 +24,7 @@ def sample(quantity, dtype, count):
 
 @functools.cache
 def values(quantity, dtype, digits):
-    points = sample(quantity, dtype, 4000)
+    points = sample(quantity, dtype, 1500)
     if digits is None:
         return functions.values(quantity.name, *points).astype(float)
     program = functions.by_numpy(functools.partial(quantity.function, digits=digits))

@@ -40,8 +40,9 @@ K = np.linspace(-0.6, 0.6, 601)
 def test_the_best_over_uncertain_friction_and_force(level):
     steady = scenarios_with(K, E0=held(K).material.E0).steady(FORCE)
     limits = {"penetration": {"above": steady.penetration.min(0)[450]}}  # from there on they sink in less
-    vary = {"k": (-0.6, 0.6)}
-    found = optimise.design(RIGID, FORCE, vary, hold=HOLD, limits=limits, level=level, scenarios=SCENARIOS)
+    found = optimise.design(
+        RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HOLD, limits=limits, level=level, scenarios=SCENARIOS
+    )
     is_least(found, over(steady.wear_volume[:, :451], WEIGHT, level), within=1e-4)
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material).steady(FORCE)
     assert_allclose(found.value, over(there.wear_volume, WEIGHT, level), rtol=1e-9)
