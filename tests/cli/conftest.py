@@ -6,3 +6,9 @@ import pytest
 @pytest.fixture(autouse=True)
 def _folder(here):
     pass
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pictures are made, but not put on paper, which takes more time than all else that a command does."""
+    monkeypatch.setattr("plgwear_jax.plots.save", lambda figure, path: None)

@@ -225,7 +225,7 @@ ENDS = {
 
 @compiled
 @parametrize("line", ENDS)
-def test_a_design_says_how_it_ended(folder, search, line):
+def test_a_design_says_how_it_ended(folder, search, undrawn, line):
     search.ended = ENDS[line]
     unsure = "certified" in search.ended
     for as_json in ("", "--json"):
@@ -241,7 +241,7 @@ def test_a_design_says_how_it_ended(folder, search, line):
 
 @compiled
 @cases("cli/refused.toml", "conflicts")
-def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, case):
+def test_limits_that_cannot_be_kept_are_told(folder, search, undrawn, monkeypatch, case):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
     others = "contact_radius = { above = 9e-5 }, penetration = { below = 2e-6 }"
     rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window}, {others} }}")
@@ -256,13 +256,13 @@ def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, case):
             assert case["line"] in result.stdout.splitlines()
 
 
-def test_a_design_that_breaks_limits_is_not_praised(folder, search):
+def test_a_design_that_breaks_limits_is_not_praised(folder, search, undrawn):
     search.ended = SHORT
     found = plgwear("design contact.toml").stdout
     assert "closest" in found and not [word for word in ("best", "less wear volume", "10 % higher") if word in found]
 
 
-def test_numbers_in_wrong_units_are_doubted(folder, search):
+def test_numbers_in_wrong_units_are_doubted(folder, search, undrawn):
     rewrite("E0 = 110e9", "E0 = 110")
     rewrite("z0 = 1e-4 ", "z0 = 100 ")
     lines = [
@@ -299,7 +299,7 @@ limits.contact_radius = { above = 5e-5, below = 8e-5 }
 """
 
 
-def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
+def test_limits_are_told_with_what_they_cost(folder, search, undrawn, monkeypatch):
     monkeypatch.setattr(optimise, "under_other_load", higher(0.00148, pressure=7e8))
     rewrite('hold = "contact_radius"', LIMITS)
     search.limits = {
@@ -322,7 +322,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     assert found["limits"]["edge_pressure"] == state and found["if_10_percent_higher"]["loss"] is None
 
 
-def test_moduli_are_named_by_their_depths(folder, search):
+def test_moduli_are_named_by_their_depths(folder, search, undrawn):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
     rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
     search.limits = {"modulus_at[1]_lowest": limit(9e10, 6e10, "modulus_at", True)}
@@ -337,7 +337,7 @@ def test_moduli_are_named_by_their_depths(folder, search):
         (None, "the contact is in gross slip"),
     ],
 )
-def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
+def test_a_higher_amplitude(folder, search, undrawn, monkeypatch, replacement, said):
     def slips(*_):
         raise ValueError("factor * tangential_force/(friction * normal_force) = 1.045 is outside its range")
 
@@ -346,7 +346,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, said):
 
 
 @compiled
-def test_a_table_of_loads(folder, search):
+def test_a_table_of_loads(folder, search, undrawn):
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
     rewrite(', "wear_volume", "pressure", "wear_depth"', "")
@@ -358,14 +358,14 @@ def test_a_table_of_loads(folder, search):
     assert cells(found)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
-def test_a_history_says_which_amplitude_decides(folder, search):
+def test_a_history_says_which_amplitude_decides(folder, search, undrawn):
     Path("cycles.csv").write_text("tangential_force\n0.2\n0.4\n0.1\n")
     rewrite("tangential_force = 0.32", 'history = "cycles.csv"')
     line = "history cycles.csv: 3 amplitudes; the largest, 0.4 N (row 3), decides the worn state"
     assert told("design contact.toml")["load"] == printed("design contact.toml").splitlines()[0] == line
 
 
-def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch):
+def test_sensitivities_are_told_where_there_are_any(folder, search, undrawn, monkeypatch):
     slopes = optimise.Sensitivities(
         variables={"E0": {"k": 0.0}, "tangential_force": {"k": 0.66}, "limit: distance": {"k": -3.2}},
         saving={"E0": 1e-17, "tangential_force": -0.33, "limit: distance": 1e-9},
@@ -379,7 +379,7 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert told("design contact.toml --sensitivities")["sensitivities"] == vars(slopes)
 
 
-def test_a_punch_is_designed():
+def test_a_punch_is_designed(undrawn):
     Path("slip.toml").write_text(f'{GROSS_SLIP}design = {{ vary = {{ k = [-0.9, 0.9] }}, minimise = "force_drop" }}\n')
     result, found = printed("design slip.toml"), told("design slip.toml")
     table, lines = cells(result), result.splitlines()
@@ -506,7 +506,7 @@ def test_front_json_is_one_object(folder, trade):
     }
 
 
-def test_front_that_is_not_certain_says_where(folder, trade):
+def test_front_that_is_not_certain_says_where(folder, trade, undrawn):
     trade.certified = [True, False, True]
     for as_json in ("", "--json"):
         result = plgwear(FRONT, as_json)
@@ -515,7 +515,7 @@ def test_front_that_is_not_certain_says_where(folder, trade):
         assert as_json or cells(result.stdout)["200 MPa"] == ["3 µm³", "0", "NOT CERTAIN"]
 
 
-def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
+def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade, undrawn):
     trade.same = True
     lines = printed(FRONT).splitlines()
     assert sum("100 MPa" in line for line in lines) == 1
