@@ -111,7 +111,7 @@ def test_a_history_with_cycles_is_worn_block_by_block(history, blocks, own):
     assert refused("--fit v.csv") == line
 
 
-def test_a_coefficient_in_another_unit_is_doubted():
+def test_a_coefficient_in_another_unit_is_doubted(undrawn):
     write(SCENE.replace("1e-14", "1e-5"))
     result = plgwear("--json")
     assert result.exit_code == 0
@@ -191,7 +191,7 @@ def test_refusal_of_measured_volumes(case):
     assert is_told(refused("--fit v.csv"), case)
 
 
-def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(volume):
+def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(volume, undrawn):
     write(FITTED)
     written("v.csv", "cycles,volume (um^3)", CYCLES, 1e18 * volume)
     given = "--fit v.csv --deviation 0.05 --until 5e-8"

@@ -4,14 +4,19 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from marks import compiled
 
 TESTS = Path(__file__).parents[1]
 
 
 def cases(file, kind, called="line"):
-    """A decorator that gives a test the cases of a kind in a file of tests, one by one, as the argument `case`."""
+    """A decorator that gives a test the cases of a kind in a file of tests, one by one, as the argument `case`.
+
+    The default run leaves out those that say `compiled = true`.
+    """
     found = tomllib.loads((TESTS / file).read_text("utf-8"))[kind]
-    return pytest.mark.parametrize("case", found, ids=[case[called][:60] for case in found])
+    marked = [pytest.param(case, marks=compiled if "compiled" in case else ()) for case in found]
+    return pytest.mark.parametrize("case", marked, ids=[case[called][:60] for case in found])
 
 
 def is_told(line, case, file=""):
