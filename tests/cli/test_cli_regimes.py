@@ -53,7 +53,7 @@ def test_the_map_is_told_written_and_drawn():
     assert "the energy ratio is 0.2 at 804.4 nm, 13.2 % below the transition" in table
 
 
-def test_ranges_and_a_rig_are_taken():
+def test_ranges_and_a_rig_are_taken(undrawn):
     write(SCENE.replace("displacement = 1.5e-7", "tangential_force = 3.0"))
     found = told("--normal-force 5:20 --displacement 1e-7:1e-5 --rig-stiffness 1e7")
     its = scene.load("mine.toml").build_contact()

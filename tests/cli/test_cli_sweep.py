@@ -173,7 +173,7 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
 
 @cases("cli/refused.toml", "sweep")
 def test_refusals(monkeypatch, case):
-    monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "1s", raising=True)
+    monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "0.2s", raising=True)
     Path("nan.txt").write_text("0.1\nnan\n")
     Path("taken.zarr").mkdir()
     Path("taken.zarr/notes.txt").write_text("not to be lost")
@@ -185,9 +185,16 @@ def test_refusals(monkeypatch, case):
         assert refused(MAP, *changes) == line
 
 
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    out = tmp_path_factory.mktemp("sweep") / "map.zarr"
+    sweep.sweep(["wear_volume"], k=[0.1, 0.2], phi=[0.1, 0.2], out=out)
+    return out
+
+
 @cases("cli/refused.toml", "plot")
-def test_what_cannot_be_drawn(case):
-    sweep.sweep(["wear_volume"], k=[0.1, 0.2], phi=[0.1, 0.2], out="map.zarr")
+def test_what_cannot_be_drawn(store, case):
+    Path("map.zarr").symlink_to(store)
     assert is_told(refused("plot", *case["arguments"]), case)
 
 
