@@ -1,17 +1,18 @@
 """Settings that all tests share."""
 
 import atexit
+import ctypes
 import functools
 import gc
 import importlib.machinery
 import importlib.metadata
 import os
-import resource
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
+import psutil
 import pytest
 
 # Most of the suite waits for XLA, and asks what a program answers, not how fast it is: with less optimisation it waits
@@ -133,10 +134,11 @@ def programs_not_kept():
 def memory_that_two_processes_share():
     """Programs of earlier modules are forgotten where they fill the memory; the folder of this run still has them."""
     yield
-    largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)  # bytes
-    if largest > 3e9:
+    if psutil.Process().memory_info().rss > 3e9:
         sys.modules["jax"].clear_caches()
         gc.collect()
+        if sys.platform == "linux":
+            ctypes.CDLL(None).malloc_trim(0)  # else half of it stays with the process, which would soon clear again
 
 
 @pytest.fixture
