@@ -315,13 +315,13 @@ def counted(shape, chunks):
 
 def test_only_what_is_seen_is_read_and_both_ends_are():
     k, phi = np.linspace(-0.9, 0.9, 6_000), np.linspace(0.0, 0.9, 30)
-    lazy, read = counted((6_000, 30), (1, 30))
+    lazy, read = counted((6_000, 30), (3, 30))
     ds = made(lazy, k=k, phi=phi)
     assert not read
     array = mesh(map_picture(ds)).get_array()
     assert 500 <= len(read) <= 1500 and array.shape == (len(read), 30)
     assert (array[0, 0], array[-1, -1]) == (1.0, 1.0 + (5_999 + 29) / 6_030)
-    lazy, read = counted((6_000,), (1,))
+    lazy, read = counted((6_000,), (3,))
     x, y = line(drawn(lazy, k=k))
     assert 1000 <= len(read) == x.size <= 1500
     assert (x[0], x[-1], y[-1]) == (k[0], k[-1], 1.0 + 5_999 / 6_000)
@@ -407,13 +407,11 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     assert figure.axes[1].get_ylabel() == r"worn radius $a_\infty$ (µm)"
     assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy(), rtol=1e-14)
     assert "$F_N$ = 10 N" in figure.get_suptitle()
-    for suffix in ("png", "pdf"):
-        plots.save(figure, tmp_path / f"map.{suffix}")
+    plots.save(figure, tmp_path / "map.pdf")
     assert map_picture(ds, "contact_radius").axes[0].get_ylabel() == "contact radius $a_0$ (µm)"
 
 
 @parametrize("axis", [axis for axis in AXES if AXES[axis].symbol])
 def test_labels_of_axes_are_formulas_that_can_be_drawn(axis):
-    figure = drawn(plane(K), **{axis: np.linspace(0.1, 0.2, K.size)})
-    figure.draw_without_rendering()
-    assert f"${leaf(axis).symbol}$" in figure.axes[0].get_xlabel()
+    label = drawn(plane(K), **{axis: np.linspace(0.1, 0.2, K.size)}).axes[0].xaxis.label
+    assert f"${leaf(axis).symbol}$" in label.get_text() and label.get_window_extent().width > 0.0
