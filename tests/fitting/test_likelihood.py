@@ -26,17 +26,22 @@ def by_both(x, data):
     return log_likelihood(dataclasses.replace(ONE, friction=ONE.friction * jnp.exp(x[1])), jnp.exp(x[0]), data)
 
 
-CLOSED = Measurements(FORCE, CYCLES, ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES) * NOISE, 0.05, relative=True)
+@pytest.fixture(scope="module")
+def closed():
+    volume = ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES) * NOISE
+    return Measurements(FORCE, CYCLES, volume, 0.05, relative=True)
+
+
 AT = jnp.array([np.log(COEFFICIENT), 0.0])
 
 
-def test_the_likelihood_is_that_of_normal_errors():
+def test_the_likelihood_is_that_of_normal_errors(closed):
     from scipy import stats
 
-    volume, sigma = ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), 0.05 * CLOSED.measured
-    exact = stats.norm.logpdf(CLOSED.measured, volume, sigma).sum()
-    absolute = dataclasses.replace(CLOSED, deviation=sigma, relative=False)
-    for law, data in ((COEFFICIENT, CLOSED), (Archard(COEFFICIENT), CLOSED), (COEFFICIENT, absolute)):
+    volume, sigma = ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), 0.05 * closed.measured
+    exact = stats.norm.logpdf(closed.measured, volume, sigma).sum()
+    absolute = dataclasses.replace(closed, deviation=sigma, relative=False)
+    for law, data in ((COEFFICIENT, closed), (Archard(COEFFICIENT), closed), (COEFFICIENT, absolute)):
         assert_allclose(log_likelihood(ONE, law, data), exact, rtol=1e-12)
 
 
@@ -59,20 +64,20 @@ def test_of_other_loads_laws_and_measurements(load, law, what, r):
 
 
 @compiled
-def test_derivatives_are_differences():
+def test_derivatives_are_differences(closed):
     step, value, slope = 1e-3, jax.jit(by_both), jax.jit(jax.grad(by_both))
 
     def difference(f):
-        return np.stack([(f(AT + h, CLOSED) - f(AT - h, CLOSED)) / (2.0 * step) for h in step * jnp.eye(2)])
+        return np.stack([(f(AT + h, closed) - f(AT - h, closed)) / (2.0 * step) for h in step * jnp.eye(2)])
 
-    assert_allclose(slope(AT, CLOSED), difference(value), rtol=1e-3)
-    curvature = jax.jit(jax.hessian(by_both))(AT, CLOSED)
+    assert_allclose(slope(AT, closed), difference(value), rtol=1e-3)
+    curvature = jax.jit(jax.hessian(by_both))(AT, closed)
     assert_allclose(curvature, difference(slope), rtol=1e-2, atol=1e-2 * abs(curvature).max())
-    by_deviation = jax.grad(lambda s: by_both(AT, dataclasses.replace(CLOSED, deviation=s)))(0.05)
-    z = CLOSED.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
+    by_deviation = jax.grad(lambda s: by_both(AT, dataclasses.replace(closed, deviation=s)))(0.05)
+    z = closed.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
     assert_allclose(by_deviation, np.sum(z * z - 1.0) / 0.05, rtol=1e-9)
-    some = jax.vmap(by_both, (0, None))(jnp.stack([AT, AT + 0.1]), CLOSED)
-    assert_allclose(some, [value(AT, CLOSED), value(AT + 0.1, CLOSED)], rtol=1e-9)
+    some = jax.vmap(by_both, (0, None))(jnp.stack([AT, AT + 0.1]), closed)
+    assert_allclose(some, [value(AT, closed), value(AT + 0.1, closed)], rtol=1e-9)
 
 
 @cases("fitting/refused.toml", "measurements")

@@ -383,12 +383,18 @@ READ = [path for folder in ("plgwear_jax", "design", "notebooks") for path in (R
 READ = [path for path in READ if path.suffix in (".py", ".toml", ".ipynb")]
 
 
-@parametrize("word", WORDS)
-def test_words_are_those_of_tribologists_and_promise_no_more_than_is_kept(word):
+@pytest.fixture(scope="module")
+def prose():
+    """What is read, each in one line; pages without the names of Python, keys and files."""
     names = re.compile(r"\]\([^)]*\)|`[^`\n]*`|```.*?```", re.DOTALL)
     texts = {name: names.sub("", text) for name, text in TEXTS.items()}
     texts |= {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in READ}
-    said = [name for name, text in texts.items() if re.search(rf"\b(?:{word})\b", " ".join(text.split()))]
+    return {name: " ".join(text.split()) for name, text in texts.items()}
+
+
+@parametrize("word", WORDS)
+def test_words_are_those_of_tribologists_and_promise_no_more_than_is_kept(prose, word):
+    said = [name for name, text in prose.items() if re.search(rf"\b(?:{word})\b", text)]
     assert not said, f"{WORDS[word]}, not {word}: {said}"
 
 

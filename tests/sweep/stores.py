@@ -7,7 +7,7 @@ from refusals import refusal
 
 from plgwear_jax.sweep import SweepError, sweep
 
-QUANTITIES = ["wear_volume", "wear_volume.dk", "gross_slip.force_ratio"]
+QUANTITIES = ["stick_radius", "stick_radius.dk", "gross_slip.force_ratio"]
 AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
 CHUNKS = 12
 

@@ -198,7 +198,7 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     done, points = zip(*steps, strict=True)
     assert points == (1200,) * (1 + CHUNKS) and (done[0], done[-1]) == (0, 1200) and [*done] == sorted(done)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.zarr"]
-    assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
+    assert stored.stick_radius.attrs == sweep.sweep("stick_radius", **AXES).stick_radius.attrs
 
 
 def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):

@@ -12,7 +12,7 @@ from stores import AXES, CHUNKS, QUANTITIES, Stop, files, held, into, refused
 
 from plgwear_jax.sweep import UnfinishedWarning, open_sweep
 
-VARIABLES = ["wear_volume", "wear_volume_dk", "gross_slip_force_ratio"]
+VARIABLES = ["stick_radius", "stick_radius_dk", "gross_slip_force_ratio"]
 
 
 def chunk_files(path):
@@ -77,7 +77,7 @@ def test_only_the_chunk_that_is_missing_is_computed(tmp_path, loss):
     out = tmp_path / "map.zarr"
     into(out)
     before, content, listener = files(out), held(out), Stop()
-    lost = out / "wear_volume" / "c" / "1" / "2"
+    lost = out / "stick_radius" / "c" / "1" / "2"
     lost.unlink() if loss == "gone" else lost.write_bytes(b"")
     into(out, progress=listener)
     assert listener.chunks == 1 and held(out) == content
@@ -99,11 +99,11 @@ def test_what_killed_writers_left_is_removed(tmp_path):
     out, other = tmp_path / "map.zarr", tmp_path / ".other.zarr.17.part"
     into(out)
     before = files(out)
-    for begun in (out / "wear_volume" / "c" / "0" / ".0a1b.partial", out / ".17ff.partial"):
+    for begun in (out / "stick_radius" / "c" / "0" / ".0a1b.partial", out / ".17ff.partial"):
         begun.write_bytes(b"\0" * 17)
     part = tmp_path / ".map.zarr.17.part"
-    (part / "wear_volume").mkdir(parents=True)
-    (part / "wear_volume" / "zarr.json").write_text("{")
+    (part / "stick_radius").mkdir(parents=True)
+    (part / "stick_radius" / "zarr.json").write_text("{")
     (tmp_path / ".map.zarr.lock").touch()
     other.mkdir()
     into(out)
@@ -124,7 +124,7 @@ def holding(folder, **files):
 def damaged(store, content):
     """A sweep whose first array is gone, or holds something else."""
     into(store)
-    about = store / "wear_volume" / "zarr.json"
+    about = store / "stick_radius" / "zarr.json"
     about.unlink() if content is None else about.write_text(content)
 
 
@@ -142,7 +142,7 @@ OTHERS = {
     "a broken store": (lambda path: holding(path, zarr_json="{"), NO_STORE),
     "an array": (lambda path: zarr.create_array(path, shape=(3,), dtype="f8"), NO_STORE),
     "a group": (
-        lambda path: a_group(path).create_array("wear_volume", shape=(3,), dtype="f8"),
+        lambda path: a_group(path).create_array("stick_radius", shape=(3,), dtype="f8"),
         "is a Zarr store of something else than a sweep",
     ),
     "no JSON": (lambda path: a_group(path, plgwear_sweep="no JSON"), ""),
