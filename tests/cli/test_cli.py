@@ -485,7 +485,7 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
     assert sorted(os.listdir()) == ["contact-front.png", "contact.toml", "front.csv"]
 
 
-def test_front_json_is_one_object(folder, trade):
+def test_front_json_is_one_object(folder, trade, undrawn):
     found = told(f"{FRONT} --picture front.pdf")
     assert found["reference"].pop("edge_pressure") > 0.0 and Path("front.pdf").exists()
     assert found == {

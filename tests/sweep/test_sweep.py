@@ -243,8 +243,8 @@ def test_refusals(case):
 
 
 def test_more_than_memory_holds_is_refused_with_what_to_do():
-    k, phi = np.linspace(-0.9, 0.9, 10**6), np.linspace(0.1, 0.9, 5 * 10**6)
-    assert complaint(WEAR, k=k, phi=phi) == "5000000000000 points take 4e+04 GB of memory; name a Zarr store, out"
+    k, phi, r = (np.linspace(0.1, 0.9, size) for size in (10**4, 10**4, 5 * 10**4))
+    assert complaint("profile", k=k, phi=phi, r=r) == "5000000000000 points take 4e+04 GB of memory; name a Zarr store, out"
 
 
 @parametrize(
