@@ -12,7 +12,6 @@ from marks import compiled, compiled_case, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
-from scipy import stats
 
 from plgwear_jax import fitting
 from plgwear_jax.loads import Block, Displacement
@@ -142,6 +141,8 @@ def volume():
 @parametrize("known", [True, False])
 def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
     """By the squared quantile of the normal distribution, or of Student's."""
+    from scipy import stats  # takes half a second
+
     noise = 0.05 * np.random.default_rng(1).standard_normal(volume.size)
     noisy = volume * (1.0 + noise) if known else np.abs(volume + noise * volume[-1])
     found = fitting.fit_wear_coefficient(CONTACT, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22 if known else None)
