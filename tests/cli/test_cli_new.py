@@ -93,12 +93,12 @@ def test_a_new_scene_fits_into_a_terminal():
 
 def test_what_is_there_is_not_written_over():
     Path("mine.toml").write_text("mine")
-    for file, line in {
-        "mine.toml": "mine.toml: exists already; name another file",
-        "mine.txt": "mine.txt: must end in .toml",
-        "no/mine.toml": "no/mine.toml: cannot be written: No such file or directory",
-    }.items():
-        assert refused(f"new {file}") == line
+    for file, why in text_cells("""
+        mine.toml     exists already; name another file
+        mine.txt      must end in .toml
+        no/mine.toml  cannot be written: No such file or directory
+    """):
+        assert refused(f"new {file}") == f"{file}: {why}"
     assert Path("mine.toml").read_text() == "mine"
 
 

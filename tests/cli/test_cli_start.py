@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 import plgwear_jax
 from plgwear_jax import cli
 from plgwear_jax._core.startup import programs
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.cli import cache, terminal
 
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
@@ -54,24 +55,26 @@ for line in sys.argv[1:]:
 
 def test_commands_that_compute_nothing_import_nothing_that_computes():
     Path("wrong.toml").write_text(SCENE.replace("friction", "fricton"))
-    lines = {
-        "--help": 0,
-        "--version": 0,
-        "design --help": 0,
-        "new mine.toml": 0,
-        "schema": 0,
-        "solve wrong.toml": 2,
-        "front missing.toml": 2,
-        "design contact.toml": 2,  # has no [design]
-        "design contact.toml --jsn": 2,
-        "figures --out drawn --only table-2": 2,
-        "plot map.zarr --picture map.bmp": 2,
-        "bake": 2,
-    }
+    lines = dict(
+        text_cells("""
+        --help                              0
+        --version                           0
+        design --help                       0
+        new mine.toml                       0
+        schema                              0
+        solve wrong.toml                    2
+        front missing.toml                  2
+        design contact.toml                 2
+        design contact.toml --jsn           2
+        figures --out drawn --only table-2  2
+        plot map.zarr --picture map.bmp     2
+        bake                                2
+        """)
+    )
     done = python("-c", COMMANDS, *lines)
     found = [json.loads(line) for line in done.stdout.splitlines()]
     for (line, code), (ended, imported) in zip(lines.items(), found, strict=True):
-        assert (ended, HEAVY & {*imported}) == (code, set()), line
+        assert (ended, HEAVY & {*imported}) == (int(code), set()), line
 
 
 def test_completion_imports_nothing_that_computes():

@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 import plgwear_jax
 from plgwear_jax import cli
 from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, entry
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.cli.report import Column, Report, by_quantity, each_with_unit, shared
 from plgwear_jax.cli.terminal import refusing
 
@@ -63,9 +64,11 @@ def test_people_read_tables_and_programs_one_object(capsys):
             assert lines[0] == "a line" and lines[-2:] == ["picture: a.png", "table: a.csv"]
             assert [line[16:28].split() for line in lines[3:6]] == [["worn"], ["volume"], ["µm³"]]
             assert table_rows(printed) == [
-                ["1 µm", "1", "first of more words than a narrow terminal has room for, of which none may be cut"],
-                ["2 mm", "2.0e-04", "second"],
-                ["3 nm", "0", "end"],
+                *text_cells("""
+                1 µm  1        first of more words than a narrow terminal has room for, of which none may be cut
+                2 mm  2.0e-04  second
+                3 nm  0        end
+                """)
             ]
         assert Path("a.csv").read_text() == "volume\n1.0\n1.0\n"
 
@@ -75,7 +78,12 @@ def test_quantities_are_compared_in_one_prefix(capsys):
     report = Report(Path("a.toml"), False)
     report.table(*compared, title="")
     report.end()
-    assert table_rows(capsys.readouterr().out) == [["stiffness", "2000 GPa", "110 GPa"], ["exponent k", "-0.5", "0"]]
+    assert table_rows(capsys.readouterr().out) == [
+        *text_cells("""
+        stiffness   2000 GPa  110 GPa
+        exponent k  -0.5      0
+        """)
+    ]
 
 
 def test_a_long_table_is_cut_where_that_is_said(capsys):

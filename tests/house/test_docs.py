@@ -388,7 +388,7 @@ def prose():
     """What is read, each in one line; pages without the names of Python, keys and files."""
     names = re.compile(r"\]\([^)]*\)|`[^`\n]*`|```.*?```", re.DOTALL)
     texts = {name: names.sub("", text) for name, text in TEXTS.items()}
-    texts |= {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in READ}
+    texts |= {str(path): path.read_text("utf-8") for path in READ}
     return {name: " ".join(text.split()) for name, text in texts.items()}
 
 

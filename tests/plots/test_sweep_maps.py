@@ -77,7 +77,17 @@ def ticks(axis):
 
 
 @parametrize(
-    "across, upwards", [("phi", "k"), ("k", "nu"), ("r", "k"), ("r", "phi"), ("tangential_force", "z0"), ("k", "E0")]
+    "across, upwards",
+    [
+        *text_cells("""
+    phi               k
+    k                 nu
+    r                 k
+    r                 phi
+    tangential_force  z0
+    k                 E0
+    """)
+    ],
 )
 def test_a_map_shows_the_values_in_either_order_of_its_axes(across, upwards):
     rows = {across: np.linspace(0.1, 0.4, 8), upwards: np.linspace(0.1, 0.4, 11)}

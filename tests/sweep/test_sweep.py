@@ -23,6 +23,7 @@ from stores import AXES, CHUNKS, QUANTITIES
 from plgwear_jax import GrossSlipContact, PowerLawGraded, optimise, sweep
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax._core.leaves import with_leaf
+from plgwear_jax._core.units import text_cells
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.sweep.plan import chunk_shape
 
@@ -245,15 +246,20 @@ def test_refusals(case):
 
 def test_more_than_memory_holds_is_refused_with_what_to_do():
     k, phi, r = (np.linspace(0.1, 0.9, size) for size in (10**4, 10**4, 5 * 10**4))
-    assert complaint("profile", k=k, phi=phi, r=r) == "5000000000000 points take 4e+04 GB of memory; name a Zarr store, out"
+    assert (
+        complaint("profile", k=k, phi=phi, r=r)
+        == "5000000000000 points take 4e+04 GB of memory; name a Zarr store, out"
+    )
 
 
 @parametrize(
     "module, package, what, extra",
     [
-        ("plgwear_jax.sweep", "xarray", "sweeps", "sweep"),
-        ("plgwear_jax.plots.maps", "xarray", "pictures of sweeps", "sweep"),
-        ("plgwear_jax.plots", "matplotlib", "pictures", "plots"),
+        *text_cells("""
+    plgwear_jax.sweep       xarray      sweeps              sweep
+    plgwear_jax.plots.maps  xarray      pictures of sweeps  sweep
+    plgwear_jax.plots       matplotlib  pictures            plots
+    """)
     ],
 )
 def test_what_lacks_its_extra_says_so_however_it_is_imported(monkeypatch, module, package, what, extra):
