@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from balance import sums
-from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, LIMIT, RADIUS, STEEL, Linear, contact_of, dome
+from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, LAYERS, LIMIT, RADIUS, STEEL, contact_of, dome
 from march_oracle import HISTORIES, Given, edges_to, on_power_law
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -23,7 +23,16 @@ ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
 
 
-SAME = Linear(COEFFICIENT)
+class WithThreshold(WearLaw):
+    coefficient: float
+    threshold: float
+
+    def rate(self, pressure, slip):
+        return self.coefficient * jnp.maximum(pressure - self.threshold, 0.0) * slip
+
+
+# Both laws share a program: of no threshold, and of twice the largest pressure.
+SAME, HIGH = (WithThreshold(COEFFICIENT, threshold) for threshold in (0.0, 2e9))
 THIN = Layered([2e-7], [200e9, 100e9], 0.3)  # than the cells
 
 
@@ -31,31 +40,31 @@ THIN = Layered([2e-7], [200e9, 100e9], 0.3)  # than the cells
 
 
 def errors(one, force):
-    """Of volume, last volume, contact radius and stick radius, at the times of the shares, along the first axis."""
+    """Of volume, last volume, contact radius and stick radius, at the times of the shares."""
     exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, SAME)
-    cycles = exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force)))
+    cycles = exact.cycles_to(SHARES)
     last = one.steady(force).wear_volume
     names = "volume", "contact_radius", "stick_radius"
     volume, radius, stick = (np.array([getattr(each, name)(cycles) for each in (run, exact)]) for name in names)
-    end = run.volume(np.full_like(last, 1e30)) / last - 1.0
+    end = run.volume(1e30) / last - 1.0
     return (volume[0] - volume[1]) / last, end, radius[0] / radius[1] - 1.0, stick[0] / stick[1] - 1.0
 
 
 @parametrize(
-    "ks, shares",
+    "k, phi",
     [
-        ((-0.6, 0.7), (0.8,)),
-        compiled_case((-0.94,), (0.5,)),  # whose last radius the first passes miss
-        compiled_case((-0.8, -0.6, -0.3, 0.0, 0.3, 0.5, 0.6, 0.7, 0.8), (0.02, 0.3, 0.5, 0.8, 0.98)),
+        *((-0.6, 0.8), (0.7, 0.8)),
+        compiled_case(-0.94, 0.5),  # whose last radius the first passes miss
+        *(compiled_case(k, phi) for k in (-0.8, -0.3, 0.0, 0.3, 0.5, 0.6, 0.8) for phi in (0.02, 0.3, 0.5, 0.8, 0.98)),
+        *(compiled_case(k, phi) for k in (-0.6, 0.7) for phi in (0.02, 0.3, 0.5, 0.98)),
     ],
 )
-def test_one_force_is_worn_as_in_closed_form(ks, shares):
-    k, phi = (x.ravel() for x in np.meshgrid(ks, shares))
+def test_one_force_is_worn_as_in_closed_form(k, phi):
     volume, end, radius, stick = errors(dome(k), phi * LIMIT)
-    assert max(np.max(abs(volume)), np.max(abs(end))) < ERROR
+    assert max(np.max(abs(volume)), abs(end)) < ERROR
     # There the edge moves outwards under a pressure that is too small for its cells.
-    shallow = (k < -0.7) & (phi > 0.7) | (k < -0.9)
-    assert np.all(abs(radius) < np.where(shallow, 0.16, 0.02)) and np.max(abs(stick)) < 0.005
+    shallow = (k < -0.7 and phi > 0.7) or k < -0.9
+    assert np.all(abs(radius) < (0.16 if shallow else 0.02)) and np.max(abs(stick)) < 0.005
 
 
 @compiled
@@ -67,8 +76,8 @@ def test_one_force_on_layers_is_worn_as_by_the_other_march(one):
 
 
 def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
-    cycles = [1e5 / 3.0, 1e5 / 7.0, 1e5 / 11.0, 1e6 / 13.0]
-    run = dome(0.2).over_cycles([Block(x, n) for x, n in zip((1.0, 3.0, 0.5, 2.0), cycles, strict=True)], COEFFICIENT)
+    cycles = [1e5 / 3.0, 1e5 / 7.0, 1e6 / 13.0]
+    run = ONE.over_cycles([Block(x, n) for x, n in zip((3.0, 0.5, 2.0), cycles, strict=True)], COEFFICIENT)
     ends = np.cumsum(cycles)[:, None] * (1.0 + np.array([-4.0, -1.0, 0.0, 1.0, 4.0]) * 2.0**-52)
     stick = run.stick_radius(ends)
     assert_array_equal(stick, stick[:, 2:3] + 0.0 * ends)
@@ -111,11 +120,12 @@ def test_it_wears_as_rings_do(k, history):
             return given.force * LIMIT
         return Displacement(given.displacement * onset, LIMIT / (given.rig * onset) if given.rig else None)
 
-    # Several blocks are always four, so that they share their program.
-    more = [blocks[-1]._replace(n=0.0)] * (0 if len(blocks) == 1 else 4 - len(blocks))
+    # Several blocks are always three, so that they share their program.
+    more = [blocks[-1]._replace(n=0.0)] * (0 if len(blocks) == 1 else 3 - len(blocks))
     given = [Block(load(x), MANY * x.n, FORCE * x.normal_force, FRICTION * x.friction) for x in blocks + more]
     run = one.over_cycles(given, coefficient_of(one))
-    sizes = ((100, 200), (200, 200), (100, 400))
+    n, m = (100, 200) if len(blocks) == 1 else (60, 100)
+    sizes = (n, m), (2 * n, m), (n, 2 * m)
     rough, rings, steps = (on_power_law(k, edges_to(outer, n, n)).march(blocks, m) for n, m in sizes)
     # To no length of a step.
     n, volume = rough[0], rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
@@ -128,8 +138,11 @@ def test_a_narrow_ring_of_a_heavier_block_wears_as_it_does_alone():
     one, force = dome(0.0), 2.0 * FORCE
     alone = contact_of(one.material, force=force).over_cycles(0.05 * FRICTION * force, COEFFICIENT)
     last = alone.cycles_to(0.3)
-    test = [Block(2.0, 1.0), Block(0.05 * FRICTION * force, last, force), Block(2.0, 0.0), Block(2.0, 0.0)]
-    assert_allclose(one.over_cycles(test, COEFFICIENT).volume(last + 1.0), alone.volume(last), rtol=ERROR)
+    run = one.over_cycles([Block(2.0, 1.0), Block(0.05 * FRICTION * force, last, force), Block(0.0, 5.0)], COEFFICIENT)
+    volume = run.volume(last + np.array([1.0, 6.0]))
+    assert_allclose(volume[0], alone.volume(last), rtol=ERROR)
+    # Without an amplitude nothing wears.
+    assert volume[1] == volume[0] and run.rate(last + 3.0) == 0.0
 
 
 # Volumes at a held displacement, by rings, over those at the force that it needs before any wear.
@@ -137,44 +150,42 @@ LESS = {(0.0, 0.5): 0.93, (0.0, 0.8): 0.81, (0.4, 0.5): 0.915, (-0.4, 0.3): 0.97
 
 
 def test_less_is_worn_at_a_held_displacement_since_more_sticks():
-    k, phi = np.array(list(LESS)).T[..., None]
-    run, final = Reduced(k, phi, held=True), fretting.wear_volume(k, phi)
-    times = unit_of(k, phi) * np.array([0.1, 0.3, 0.6, 1.0, 3.0, 10.0, 20.0, 50.0, 200.0, 1e6])
-    volume, sticks = run.volume(times) / final, run.stick_radius(times)
-    known = np.array([x or np.nan for x in LESS.values()])
-    assert np.all((abs(volume[:, -1] - known) < ERROR) | np.isnan(known))
-    # Nothing is put back when hardly anything wears.
-    assert np.all(np.diff(volume) >= 0.0) and np.all(run.rate(times) >= 0.0)
-    assert np.all(np.diff(run.radius(times)) >= 0.0) and np.all(
-        run.radius(times) < 1.001 * fretting.worn_radius(k, phi)
-    )
-    assert np.all(sticks > 0.995 * fretting.stick_radius(k, phi))
+    for (k, phi), known in LESS.items():
+        run, final = Reduced(k, phi, held=True), fretting.wear_volume(k, phi)
+        times = unit_of(k, phi) * np.array([0.1, 0.3, 0.6, 1.0, 3.0, 10.0, 20.0, 50.0, 200.0, 1e6])
+        volume = run.volume(times)
+        assert known is None or abs(volume[-1] / final - known) < ERROR
+        # Nothing is put back when hardly anything wears.
+        assert np.all(np.diff(volume) >= 0.0) and np.all(run.rate(times) >= 0.0)
+        radius = run.radius(times)
+        assert np.all(np.diff(radius) >= 0.0) and np.all(radius < 1.001 * fretting.worn_radius(k, phi))
+        assert np.all(run.stick_radius(times) > 0.995 * fretting.stick_radius(k, phi))
 
 
 @parametrize("k", [compiled_case(-0.5), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
-    rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
-    run, final = Reduced(k, rising, blocks=np.diff(n, prepend=0.0)), fretting.wear_volume(k, rising)
-    assert_allclose(run.volume(n) / final[-1], final / final[-1], atol=ERROR)
-    assert_allclose(run.stick_radius(n * (1.0 - 1e-6)), fretting.stick_radius(k, rising), rtol=5e-3)
-    assert_allclose(run.radius(n[-1]), fretting.worn_radius(k, 0.8), rtol=0.02)
-    mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7, 0.0]), blocks=[2.0, 1.0, 1e4, 5.0]), np.cumsum([2.0, 1.0, 1e4, 5.0])
+    given = np.array([0.4, 0.8, 0.5])
+    run, largest = Reduced(k, given, blocks=[1e4, 1e4, 1e2]), np.array([0.4, 0.8, 0.8])
+    ends, final = np.cumsum([1e4, 1e4, 1e2]), fretting.wear_volume(k, largest)
+    volume = run.volume(ends) / final[-1]
+    assert_allclose(volume, final / final[-1], atol=ERROR)
+    # After the steady state nothing is left for a smaller one.
+    assert_allclose(volume[2], volume[1], rtol=0.0, atol=1e-6)
+    assert_allclose(run.stick_radius(ends[:2] * (1.0 - 1e-6)), fretting.stick_radius(k, given[:2]), rtol=5e-3)
+    assert_allclose(run.radius(ends[1]), fretting.worn_radius(k, 0.8), rtol=0.02)
+    mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7]), blocks=[2.0, 1.0, 1e4]), np.cumsum([2.0, 1.0, 1e4])
     volume, alone = mixed.volume(n), Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6]))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
     assert mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
     assert_allclose(volume[2], alone[2], rtol=ERROR)
-    # Without an amplitude nothing wears, and after the steady state nothing is left for a smaller one.
-    assert volume[3] == volume[2] and mixed.rate(n[2] + 2.0) == 0.0
-    later = Reduced(k, np.array([0.7, 0.3, 0.5, 0.2]), blocks=[1e4, 1e2, 1e2, 1e2])
-    assert_allclose(np.diff(later.volume(np.array([1e4, 1.03e4]))), 0.0, atol=1e-6)
 
 
 # --- what is known ----------------------------------------------------------------------------------------------------
 
 
-def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
-    k = np.linspace(-0.5, 0.5, len(LESS))[:, None]  # as many runs as those above, which share their program
+@parametrize("k", [-0.5, 0.0, 0.5])
+def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar(k):
     one = dome(k)
     onset = one.steady(0.0).gross_slip_displacement
     u, coefficient = 3.0 * onset, coefficient_of(one)
@@ -183,7 +194,7 @@ def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     volume = run.volume(cycles)
     # In the end the slip is the displacement less what the surface gives way.
     share = run.rate(cycles) / (coefficient * FORCE * 4.0 * u)
-    assert np.all((share > 0.9) & (share < 1.0))
+    assert 0.9 < share < 1.0
     assert_allclose(run.volume(0.5 * cycles) / volume, 0.5, atol=0.02)
     assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
     assert_array_equal(run.stick_radius(cycles), 0.0)
@@ -227,7 +238,7 @@ def test_equal_blocks_are_one(k, load, law):
     if load != "force":
         stiffness = 3e7 if load == "rig" else None
         force = Displacement(one.steady(Force(force, stiffness)).displacement_amplitude, stiffness)
-    blocks = one.over_cycles([Block(force, cycles) for cycles in (1e5, 0.0, 1e5, 3e5)], law)
+    blocks = one.over_cycles([Block(force, cycles) for cycles in (1e5, 0.0, 4e5)], law)
     whole, cycles = one.over_cycles(force, law), np.array([0.0, 5e4, 1e5, 3e5, 5e5])
     assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * whole.volume(5e5))
     for name in ("force_amplitude", "contact_radius", "stick_radius"):
@@ -266,7 +277,7 @@ def worn(load, law=COEFFICIENT):
 
 
 NAMED = {"HELD": HELD, "GROSS": GROSS, "TWO": TWO, "MORE": [Block(2.0, 1.0), Block(4.5, 1.0)]}
-NAMED |= {"SAME": SAME, "ARCHARD": Archard}
+NAMED |= {"LONG": [Block(HELD, 2e5)], "SAME": SAME, "ARCHARD": Archard}
 ASKS = vars(loads) | {"run": worn, "steady": LAYERED.steady}
 
 
@@ -312,17 +323,6 @@ def test_a_narrow_slip_ring_is_followed_or_refused():
     for load in (Displacement(3e-7 * ONSET), Force(0.1 * force)):
         with pytest.raises(ValueError, match=r"the slip ring is narrower than 0\.0003 contact radii"):
             ONE.over_cycles(load, SAME).volume(CYCLES)
-
-
-class WithThreshold(WearLaw):
-    coefficient: float
-    threshold: float
-
-    def rate(self, pressure, slip):
-        return self.coefficient * jnp.maximum(pressure - self.threshold, 0.0) * slip
-
-
-HIGH = WithThreshold(COEFFICIENT, 2e9)  # twice the largest pressure
 
 
 @parametrize("load", [compiled_case(2.0), compiled_case(HELD), GROSS])
@@ -406,7 +406,9 @@ MOVED = [
 
 @parametrize("run, at, most", [MOVED[0], *(compiled_case(*x) for x in MOVED[1:])], ids=range(len(MOVED)))
 def test_derivatives_are_differences(run, at, most):
-    volume = jax.jit(lambda x: run(x).volume(CYCLES))
+    def volume(x):
+        return run(x).volume(CYCLES)
+
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
     near, far = [(volume(at + h) - volume(at - h)) / (2.0 * h) for h in step]
     assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
