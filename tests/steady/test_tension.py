@@ -178,17 +178,18 @@ def test_runs_in_rings_are_refused():
 
 
 @parametrize(
-    "load",
+    "load, law",
     [
-        compiled_case(Force(0.9 * LIMIT)),
-        compiled_case(Displacement(1.4e-6)),
-        [Block(0.9 * LIMIT, 1e7)],
+        compiled_case(Force(0.9 * LIMIT), PressurePower(1e-14, 1.0)),
+        compiled_case(Displacement(1.4e-6), 1e-14),
+        ([Block(0.9 * LIMIT, 1e7)], 1e-14),
     ],
     ids=("force", "displacement", "block"),
 )
-def test_marches_find_the_tension_by_themselves(load):
+def test_marches_find_the_tension_by_themselves(load, law, monkeypatch):
+    monkeypatch.setenv("PLGWEAR_STARTUP", "")  # NumPy would give up, after half of the time that the compiler takes
     with pytest.raises(ValueError, match=r"the pressure after .* cycles would be negative at r = "):
-        SKIN.over_cycles(load, PressurePower(1e-14, 1.0)).volume(1e4)
+        SKIN.over_cycles(load, law).volume(1e4)
 
 
 @compiled
