@@ -10,7 +10,7 @@ from marks import compiled, parametrize
 from numpy.testing import assert_allclose
 from refusals import refusal
 
-from plgwear_jax import FrettingContact, Layered, sweep
+from plgwear_jax import Elastic, FrettingContact, Layered, sweep
 from plgwear_jax._core.units import written
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
@@ -67,7 +67,7 @@ def test_an_interface_belongs_to_neither_part(modulus):
 
 
 def test_traced_depths_that_bound_nothing_are_nan():
-    traced = jax.jit(CONTACT.steady(2.5).peak_mises_between)
+    traced = jax.jit(dataclasses.replace(CONTACT, material=Elastic(210e9, 0.3)).steady(2.5).peak_mises_between)
     assert np.isnan([traced(2e-6, 1e-6), traced(-1e-6, 1e-6), traced(1e-6, 1e-6)]).all()
     assert np.isfinite(traced(0.0, np.inf))
 
