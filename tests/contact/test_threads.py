@@ -104,10 +104,16 @@ def wrong_answers(asked):
     return len(answers), [question for question, right in answers if not right]
 
 
+FEW = "closed forms", "layers under steel"
+
+
 def test_threads_have_the_answers_of_one_thread():
-    few = "closed forms", "layers under steel"
-    asked = 4 * questions(few, STEADY, 3) + 4 * questions(few[1:], (over_cycles,), 2)
-    assert wrong_answers(asked) == (80, [])
+    assert wrong_answers(4 * questions(FEW, STEADY, 3)) == (72, [])
+
+
+@compiled
+def test_threads_have_the_runs_of_one_thread():
+    assert wrong_answers(4 * questions(FEW, (over_cycles,), 2)) == (16, [])
 
 
 @compiled
