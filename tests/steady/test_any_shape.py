@@ -259,6 +259,7 @@ def test_narrow_rings_keep_their_digits(k, indenter, known):
     assert_allclose(of(indenter, 4), of(*known), rtol=1e-4)
 
 
+@compiled
 def test_narrow_rings_beside_a_tip_keep_their_digits():
     """The gap next to the stick area goes over into the sum of modes further out."""
     contact = contact_with(Cone(0.01), 0.3, STEEL)
@@ -406,7 +407,7 @@ def test_pressures_between_kinks_carry_the_normal_force(shape, k, rtol):
     steady = contact_with(shape, k).steady(0.0)
     edge, kinks = steady.contact_radius, np.array(by_numpy(lambda: shape.corners)())
     ends = np.r_[0.0, kinks[kinks < edge], edge]
-    x, _, weight = logistic(60, 26.0)
+    x, _, weight = logistic(60, 26.0) if rtol < 1e-3 else logistic(30, 14.0)
     length = np.diff(ends)[:, None]
     r = ends[:-1, None] + length * x
     assert_allclose(2.0 * np.pi * np.sum(length * weight * r * steady.initial_pressure(r)), FORCE, rtol=rtol)

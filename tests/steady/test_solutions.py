@@ -58,7 +58,7 @@ ASKED = {
 @parametrize(
     "contact, asked, same",
     [
-        (CLOSED, "steady", 1e-9),
+        compiled_case(CLOSED, "steady", 1e-9),
         (LAYERED, "steady", 1e-9),  # searches for radii end at a step of 1e-10
         (CLOSED, "run", 1e-10),
         compiled_case(LAYERED, "run", 1e-9),

@@ -140,7 +140,8 @@ def test_a_homogeneous_half_space_under_any_shape_is_that_of_layers_without_a_la
         FrettingContact(body, 5e-3, 10.0, 0.4, STEEL, PowerShape(4.0)).steady(2.0)
         for body in (STEEL, Layered([], [210e9], 0.3))
     )
-    assert_allclose(found.peak_mises, expected.peak_mises, rtol=1e-9)
+    if not worn:  # a peak is that before any wear
+        assert_allclose(found.peak_mises, expected.peak_mises, rtol=1e-9)
     stresses = np.array(expected.stress(x, z, worn=worn))
     assert_allclose(found.stress(x, z, worn=worn), stresses, rtol=0.0, atol=1e-9 * abs(stresses).max())
 
@@ -182,14 +183,12 @@ def test_each_digit_is_worth_its_time(worn):
 @parametrize("worn", [False, compiled_case(True)])
 def test_stresses_in_single_precision(worn):
     for known in map(graded, (0.3, -0.6)):
-        found = (
-            jax.tree.map(jnp.float32, known.contact)
-            .steady(jnp.float32(1.5))
-            .stress(*map(np.float32, PLACES), worn=worn)
-        )
-        assert found.xx.dtype == jnp.float32
-        gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / float(known.peak_initial_pressure)
-        assert_allclose(gap, 0.0, atol=2e-3)
+        single = jax.tree.map(jnp.float32, known.contact).steady(jnp.float32(1.5))
+        for z in PLACES[1][:, 0]:  # as many places at once as above, which share their program
+            found = single.stress(np.float32(PLACES[0]), np.float32(z), worn=worn)
+            assert found.xx.dtype == jnp.float32
+            gap = np.array(found) - np.array(known.stress(PLACES[0], float(z), worn=worn))
+            assert_allclose(gap / float(known.peak_initial_pressure), 0.0, atol=2e-3)
 
 
 # --- what is special at the surface -----------------------------------------------------------------------------------
