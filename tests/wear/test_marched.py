@@ -409,6 +409,8 @@ def test_derivatives_are_differences(run, at, most):
     def volume(x):
         return run(x).volume(CYCLES)
 
+    if run is by_exponent:  # where known runs are refused that outgrow their cells in the end
+        volume = jax.jit(volume)
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
     near, far = [(volume(at + h) - volume(at - h)) / (2.0 * h) for h in step]
     assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
