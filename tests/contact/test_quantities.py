@@ -23,9 +23,6 @@ from plgwear_jax.loads import Block, Displacement, Force
 RECORDED = ring_contacts.recorded()
 
 
-each_kind = parametrize("kind", KINDS)
-
-
 @functools.cache
 def asked(kind):
     known = RECORDED[kind]
@@ -75,7 +72,7 @@ def test_five_digits_of_a_steady_state_are_those_of_rings(kind):
         assert_allclose(getattr(steady, name), known["steady"][name], rtol=2e-5, err_msg=name)
 
 
-@each_kind
+@parametrize("kind", KINDS)
 def test_runs_are_those_of_rings(kind):
     contact, force, known = asked(kind)
     run, cycles = contact.over_cycles(force, COEFFICIENT), np.array(known["cycles"])

@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, KINDS
-from marks import compiled, long
+from marks import compiled, compiled_case, long, parametrize
 
 from plgwear_jax import optimise
 from plgwear_jax.loads import Displacement
@@ -104,16 +104,9 @@ def wrong_answers(asked):
     return len(answers), [question for question, right in answers if not right]
 
 
-FEW = "closed forms", "layers under steel"
-
-
-def test_threads_have_the_answers_of_one_thread():
-    assert wrong_answers(4 * questions(FEW, STEADY, 3)) == (72, [])
-
-
-@compiled
-def test_threads_have_the_runs_of_one_thread():
-    assert wrong_answers(4 * questions(FEW, (over_cycles,), 2)) == (16, [])
+@parametrize("asked, count", [(STEADY, 72), compiled_case((over_cycles,), 24)], ids=["steady", "over cycles"])
+def test_threads_have_the_answers_of_one_thread(asked, count):
+    assert wrong_answers(4 * questions(("closed forms", "layers under steel"), asked, 3)) == (count, [])
 
 
 @compiled

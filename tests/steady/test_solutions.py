@@ -75,11 +75,11 @@ def test_solutions_are_pytrees(contact, asked, same):
     ask = ASKED[asked]
     one = ask(contact, F_X)
     expected = read(one)
-    # What leaves `jit` and `vmap`, as a batch, and one of its members
+    # What leaves `jit` and `vmap`, as a batch and as one of its members
     several = jax.jit(jax.vmap(ask, (None, 0)))(contact, jnp.array([F_X, 1.0]))
     first, most = jax.tree.map(lambda x: x[0], several), max(same, 1e-5 * (asked == "march"))
     assert_allclose(jax.vmap(read)(several)[0], expected, rtol=most)
-    for each, error in ((one, same), (pickle.loads(pickle.dumps(one)), same), (first, most)):
+    for each, error in (one, same), (pickle.loads(pickle.dumps(one)), same), (first, most):
         assert type(each) is type(one) and each.digits is None
         assert_allclose(jax.jit(read)(each), expected, rtol=error)
 

@@ -52,7 +52,7 @@ def test_the_tension_at_the_edge_is_that_of_hamilton(material, nu):
     want = (1.0 - 2.0 * nu) / 3.0 + FRICTION * np.pi * (4.0 + nu) / 8.0
     assert_allclose([steady.tension(-a, 0.0) / p_0, steady.peak_tension / p_0], want, rtol=1e-6)
     assert_allclose(steady.peak_tension_at[0] / a, -1.0, rtol=1e-12)
-    assert float(steady.peak_tension_at[1]) == 0.0
+    assert steady.peak_tension_at[1] == 0.0
 
 
 def test_first_yield_without_friction_is_below_the_surface():
@@ -151,19 +151,15 @@ def test_a_homogeneous_half_space_under_any_shape_is_that_of_layers_without_a_la
 
 def test_a_power_among_other_pressures_is_that_power():
     stick, s, one = map(jnp.asarray, (0.6, 0.3, 1.0))
-
-    def both(worn):
-        """What goes as the power, and what is left for a spline, alone and among others."""
-        for alone in (True, False):
-            z = samples(4, s.dtype, alone=alone)
-            powers = z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5)
-            found = Pressed(4, one, one, stick, one, *powers, s, one, 2.0 * s - 1.0, None).tractions(worn)
-            yield found.beside[1], found.weight
-
     for worn in (False, True):
-        (alone, _), (among, rest) = jax.jit(lambda worn=worn: list(both(worn)))()
-        assert_allclose(among, alone, rtol=1e-12)
-        assert_allclose(rest, 0.0, atol=1e-9)
+        alone, among = (
+            Pressed(
+                4, one, one, stick, one, z ** (s + 0.5), z ** (s + 0.5), z ** (s - 0.5), s, one, 2.0 * s - 1.0, None
+            ).tractions(worn)
+            for z in (samples(4, s.dtype, alone=alone) for alone in (True, False))
+        )
+        assert_allclose(among.beside[1], alone.beside[1], rtol=1e-12)
+        assert_allclose(among.weight, 0.0, atol=1e-9)
 
 
 PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
@@ -175,7 +171,7 @@ def test_each_digit_is_worth_its_time(worn):
     for k in (0.3, -0.6):
         found = [graded(k).contact.steady(1.5, digits=digits) for digits in (5, 4, 3, 2)]
         best, *others = (np.array(one.stress(*PLACES, worn=worn)) for one in found)
-        errors = [np.max(abs(one - best)) / float(found[0].peak_initial_pressure) for one in others]
+        errors = [np.max(abs(one - best)) / found[0].peak_initial_pressure for one in others]
         assert errors[0] < errors[1] < errors[2]
         assert np.all(np.array(errors) < [2e-4, 1e-3, 1e-2])
 
@@ -183,12 +179,14 @@ def test_each_digit_is_worth_its_time(worn):
 @parametrize("worn", [False, compiled_case(True)])
 def test_stresses_in_single_precision(worn):
     for known in map(graded, (0.3, -0.6)):
-        single = jax.tree.map(jnp.float32, known.contact).steady(jnp.float32(1.5))
-        for z in PLACES[1][:, 0]:  # as many places at once as above, which share their program
-            found = single.stress(np.float32(PLACES[0]), np.float32(z), worn=worn)
-            assert found.xx.dtype == jnp.float32
-            gap = np.array(found) - np.array(known.stress(PLACES[0], float(z), worn=worn))
-            assert_allclose(gap / float(known.peak_initial_pressure), 0.0, atol=2e-3)
+        found = (
+            jax.tree.map(jnp.float32, known.contact)
+            .steady(jnp.float32(1.5))
+            .stress(*map(np.float32, PLACES), worn=worn)
+        )
+        assert found.xx.dtype == jnp.float32
+        gap = (np.array(found) - np.array(known.stress(*PLACES, worn=worn))) / known.peak_initial_pressure
+        assert_allclose(gap, 0.0, atol=2e-3)
 
 
 # --- what is special at the surface -----------------------------------------------------------------------------------
@@ -219,7 +217,7 @@ def test_the_surface_of_a_steep_table_carries_the_pressure():
     steady = steady_of(DepthGraded([0.0, 0.05 * A, 0.12 * A, A], [150e9, 400e9, 120e9, 210e9], 0.3), 0.6)
     x = np.linspace(-1.2, 1.2, 48) * A
     found, known = (np.asarray(each) for each in (steady.stress(x, 0.0).zz, steady.initial_pressure(abs(x))))
-    assert_allclose((found + known) / float(steady.peak_initial_pressure), 0.0, atol=5e-4)
+    assert_allclose((found + known) / steady.peak_initial_pressure, 0.0, atol=5e-4)
 
 
 def test_a_surface_without_a_modulus_has_no_tension_and_one_of_infinite_modulus_an_infinite_one():
@@ -253,15 +251,15 @@ def test_no_place_of_a_fine_grid_is_above_the_peaks(phi, material):
     x, z = np.linspace(-1.5, 1.5, 121) * a, z[:, None]
     stress = steady.stress(x, z)
     for name, peak in (("principal", steady.peak_tension), ("mises", steady.peak_mises)):
-        highest = float(jnp.max(getattr(stress, name)) / p_0)
-        assert highest - 1e-6 <= float(peak / p_0) <= highest + 1e-4
+        highest = jnp.max(getattr(stress, name)) / p_0
+        assert highest - 1e-6 <= peak / p_0 <= highest + 1e-4
 
 
 @parametrize("k", [1e-5, 1e-4, 1e-3, 5e-3, 0.02, 0.1])
 def test_the_tension_of_a_slight_grading_is_that_without_it_times_the_modulus_at_its_depth(k):
     known, steady = (graded(each, 0.6) for each in (0.0, k))
-    depth = float(steady.peak_tension_at[1] / steady.contact_radius)
-    assert abs(float(steady.peak_tension / known.peak_tension) - depth**k) < k
+    depth = steady.peak_tension_at[1] / steady.contact_radius
+    assert abs(steady.peak_tension / known.peak_tension - depth**k) < k
     assert 0.1 < depth / k**2 < 1.0
 
 

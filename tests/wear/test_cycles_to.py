@@ -30,7 +30,7 @@ def run_of(name, law=COEFFICIENT):
     return one.over_cycles(load, law)
 
 
-@parametrize("name", ["closed", "held", *(compiled_case(name) for name in ("sliding", "numeric", "blocks"))])
+@parametrize("name", ["closed", "held", *map(compiled_case, ("sliding", "numeric", "blocks"))])
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
     end, shares = run.lasting_cycles, np.array([0.01, 0.3, 0.9])

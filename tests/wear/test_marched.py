@@ -55,8 +55,11 @@ def errors(one, force):
     [
         *((-0.6, 0.8), (0.7, 0.8)),
         compiled_case(-0.94, 0.5),  # whose last radius the first passes miss
-        *(compiled_case(k, phi) for k in (-0.8, -0.3, 0.0, 0.3, 0.5, 0.6, 0.8) for phi in (0.02, 0.3, 0.5, 0.8, 0.98)),
-        *(compiled_case(k, phi) for k in (-0.6, 0.7) for phi in (0.02, 0.3, 0.5, 0.98)),
+        *(
+            compiled_case(k, phi)
+            for k in (-0.8, -0.6, -0.3, 0.0, 0.3, 0.5, 0.6, 0.7, 0.8)
+            for phi in (0.02, 0.3, 0.5, 0.8, 0.98)
+        ),
     ],
 )
 def test_one_force_is_worn_as_in_closed_form(k, phi):
@@ -165,17 +168,18 @@ def test_less_is_worn_at_a_held_displacement_since_more_sticks():
 @parametrize("k", [compiled_case(-0.5), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
-    given = np.array([0.4, 0.8, 0.5])
-    run, largest = Reduced(k, given, blocks=[1e4, 1e4, 1e2]), np.array([0.4, 0.8, 0.8])
-    ends, final = np.cumsum([1e4, 1e4, 1e2]), fretting.wear_volume(k, largest)
+    given, blocks = np.array([0.4, 0.8, 0.5]), [1e4, 1e4, 1e2]
+    run, ends = Reduced(k, given, blocks=blocks), np.cumsum(blocks)
+    final = fretting.wear_volume(k, np.maximum.accumulate(given))
     volume = run.volume(ends) / final[-1]
     assert_allclose(volume, final / final[-1], atol=ERROR)
     # After the steady state nothing is left for a smaller one.
     assert_allclose(volume[2], volume[1], rtol=0.0, atol=1e-6)
     assert_allclose(run.stick_radius(ends[:2] * (1.0 - 1e-6)), fretting.stick_radius(k, given[:2]), rtol=5e-3)
     assert_allclose(run.radius(ends[1]), fretting.worn_radius(k, 0.8), rtol=0.02)
-    mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7]), blocks=[2.0, 1.0, 1e4]), np.cumsum([2.0, 1.0, 1e4])
-    volume, alone = mixed.volume(n), Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6]))
+    blocks = [2.0, 1.0, 1e4]
+    mixed = Reduced(k, np.array([0.7, 0.3, 0.7]), blocks=blocks)
+    volume, alone = mixed.volume(np.cumsum(blocks)), Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6]))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
     assert mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
     assert_allclose(volume[2], alone[2], rtol=ERROR)
@@ -265,7 +269,6 @@ def test_any_contact_in_a_rig_carries_its_force(kind):
 ONE, LAYERED, CYCLES = contact_of(LAW), KINDS["layers under steel"], 1e5
 ONSET = float(ONE.steady(0.0).gross_slip_displacement)
 HELD, GROSS = Displacement(0.5 * ONSET), Displacement(3.0 * ONSET)
-WIDEST = r"cycles = .* outside .* after which the scar is ten times as wide"
 TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
 
 
@@ -358,7 +361,7 @@ def test_beyond_the_widest_scar():
     last = run.lasting_cycles
     assert np.isfinite(run.volume(last))
     for ask in (run.volume, lambda n: run.depth(0.0, n), lambda n: run.contact_radius(np.array([1.0, n]))):
-        with pytest.raises(ValueError, match=WIDEST):
+        with pytest.raises(ValueError, match=r"cycles = .* outside .* after which the scar is ten times as wide"):
             ask(1.1 * last)
 
 
