@@ -123,7 +123,7 @@ def show_units(
     axis.set_major_locator(AsinhLocator(lower, numticks=7) if both else locator)
 
     def number(x: float, _: Any) -> str:
-        if short or x == 0.0:
+        if short or x == 0.0 or np.isinf(x):
             return axis.get_major_formatter().fix_minus(f"{x / factor:g}")
         digit, power = f"{x / factor:.0e}".split("e")
         return rf"${digit} \times 10^{{{int(power)}}}$".replace(r"1 \times ", "")

@@ -303,7 +303,7 @@ def graded(material: AnyModulus, indenter: Elastic | None, load: Array, effort: 
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     _, seen, terms = wavenumbers(effort)
     # In these units slopes of cubics by the depth are numbers of float32.
-    unit = material.by_depth(lengths / scale, moduli / first)
+    unit = material.by_depth(lengths / scale, quotient(moduli, first))
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     thin = excess[-1]
