@@ -234,7 +234,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
         shares = dict(zip(_SHARES, run.cycles_to(np.array(_SHARES)).tolist(), strict=True))
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
-    refuse_extremes(0.0 < first <= last < 1e300)  # which a picture can show
+    refuse_extremes(0.0 < first <= last < 1e290)  # which a picture can show
     decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     decades = decades if shares else decades[(decades >= first) & (decades <= last)]
     decades = decades[:: 1 + decades.size // 50]

@@ -70,6 +70,9 @@ def test_the_course_is_told_written_and_drawn():
     assert "521 µm³ after the life of 500,000 cycles: 93.9 %" in table
     assert table.splitlines()[-1] == "picture: course.png"
 
+    write(SCENE.replace("5e5", "1e289"))  # more decades than there are rows
+    assert told("--picture course.png")["cycles"][-1] == 1e289
+
 
 SAME = "energy_per_cycle", "contact_radius", "deepest_wear"
 PLAIN = "cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n"
