@@ -296,7 +296,7 @@ def test_eight_devices_compute_what_one_does(start, tmp_path, wide, chunk, k, ph
         file = tmp_path / f"{count}.npz"
         flags = f"--xla_force_host_platform_device_count={count}"
         told = start(flags=flags, arrays=str(file), quantities=quantities, wide=wide, **sizes).end()
-        assert told[-1] == {"compiled": ["jit(one_chunk)"], "devices": count}
+        assert told[-1] == {"compiled": ["jit(<lambda>)"], "devices": count}
         with np.load(file) as loaded:
             found[count] = {name: (loaded[name].dtype, loaded[name].tobytes()) for name in loaded}
     assert {dtype for dtype, _ in found[1].values()} == {np.dtype(float if wide else np.float32)}
