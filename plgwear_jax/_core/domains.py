@@ -151,10 +151,10 @@ def nan_outside(name: str, value: ArrayLike, domain: Domain) -> Array:
     return nan_unless(domain.contains(value), value)
 
 
-def nan_unless(inside: Array, value: Array) -> Array:
+def nan_unless(inside: Array, value: ArrayLike) -> Array:
     """The value, or NaN."""
     # Multiplied by NaN, derivatives become NaN too; with `where` they would become zero.
-    factors = 1.0, jnp.nan
+    factors, value = (1.0, jnp.nan), jnp.asarray(value)
     return value * jnp.where(inside, *factors if value.weak_type else np.array(factors, jnp.result_type(value, 0.0)))
 
 
