@@ -22,7 +22,8 @@ march_oracle: Any = importlib.import_module("march_oracle")
 surface_oracle: Any = importlib.import_module("surface_oracle")
 contacts: Any = importlib.import_module("ring_contacts")
 A, FRICTION, RIG, COEFFICIENT = contacts.A, contacts.FRICTION, contacts.RIG, contacts.COEFFICIENT
-STICK, RADII, BESIDE, TIMES = contacts.STICK, contacts.RADII, contacts.BESIDE, contacts.TIMES
+RADII, BESIDE = contacts.RADII, contacts.BESIDE
+STICK, TIMES = 0.8, np.array([0.5, 2.0, 6.0])  # c over A, and times in the unit of its march
 
 
 def tangential_ratio(kind: Any, parts: Any, a: float, count: int) -> float:

@@ -187,7 +187,10 @@ def all_done(plan: SearchPlan, done: Any) -> Any:
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
-_HEAVIEST = 1e8  # penalty, beyond which no descent goes on
+_LIGHTEST, _HEAVIEST = (
+    300.0,
+    1e8,
+)  # penalties, of which the first one is that at first; beyond the other no descent goes on
 
 
 def _solver(variables: int) -> Any:
@@ -343,7 +346,7 @@ def begin(plan: SearchPlan) -> SearchState:
         step=u,
         memory=_empty_memory(u),
         multipliers=multipliers,
-        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
+        penalty=_LIGHTEST * one,
         steps=np.full(starts, steps),
         done=one < 0.0,
     )
@@ -423,7 +426,14 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
         lower = keeps[valleys] & ~keeps[other] & known[other] & (height[other] < height[valleys])
         share = xp.where(lower, worst[valleys] / (worst[valleys] - worst[other]), 0.0)  # along a straight line
         start = start + share[:, None] * (points[other] - points[valleys])
-    descent = state.descent._replace(u=start, done=np.arange(plan.starts) >= count)
+    # None of those that break the limits may be worth more than one that keeps them, or a step leads there for good.
+    kept_at = xp.where(valley & keeps, height, -np.inf).max()
+    needed = xp.where(valley & ~keeps, 4.0 * (kept_at - height) / excess**2, 0.0).max(initial=0.0)
+    descent = state.descent._replace(
+        u=start,
+        penalty=xp.where(keeps[valleys], xp.clip(needed, _LIGHTEST, 1e5), state.descent.penalty),
+        done=np.arange(plan.starts) >= count,
+    )
     return state._replace(
         phase=xp.asarray(DESCENT),
         points=trial_points(plan, descent),

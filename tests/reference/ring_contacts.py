@@ -20,10 +20,8 @@ from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, P
 
 A = 1e-4  # contact radius
 FRICTION, RIG, COEFFICIENT = 0.5, 2e7, 1e-14
-STICK = 0.8  # c over A
 RADII = np.array([0.1, 0.3, 0.5])  # over A, below the stick radius
 BESIDE = np.array([0.2, 0.5, 0.8])  # the share of the way from c to the worn radius
-TIMES = np.array([0.5, 2.0, 6.0])  # n as of `transient`
 RIGID = Elastic(1e30, 0.3)
 
 
