@@ -153,7 +153,8 @@ def nan_outside(name: str, value: ArrayLike, domain: Domain) -> Array:
 
 def nan_unless(inside: Array, value: ArrayLike) -> Array:
     """The value, or NaN."""
-    # Multiplied by NaN, derivatives become NaN too; with `where` they would become zero.
+    # Multiplied by NaN, derivatives become NaN too; with `where` they would become zero. The factors have the dtype of
+    # the value, or like a number of Python none, so that JAX traces no conversion.
     factors, value = (1.0, jnp.nan), jnp.asarray(value)
     return value * jnp.where(inside, *factors if value.weak_type else np.array(factors, jnp.result_type(value, 0.0)))
 

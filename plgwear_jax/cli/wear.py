@@ -237,8 +237,8 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     refuse_extremes(0.0 < first <= last < 1e290)  # which a picture can show
     decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     decades = decades if shares else decades[(decades >= first) & (decades <= last)]
-    decades = decades[:: 1 + decades.size // 50]
-    known = np.unique([*known, *decades])[: _LENGTH - 2]
+    decades = decades[:: 1 + decades.size // 50]  # at most 50, which leave room for those that are known
+    known = np.unique([*known, *decades])
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
 

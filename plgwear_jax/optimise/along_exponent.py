@@ -15,12 +15,12 @@ from jax import Array
 from plgwear_jax import fretting
 from plgwear_jax._core.sequential import sequential_forward_mode
 from plgwear_jax._core.startup.programs import program
+from plgwear_jax.special.elementary import namespace
 from plgwear_jax.steady.batch import vmap_contacts
 from plgwear_jax.wear.closed_ring import run
 from plgwear_jax.wear.ring_cells import march_resolution_of
 from plgwear_jax.wear.ring_curves import Shares, share_at
 
-from .conditions import namespace
 from .question import Question
 from .scenarios import nodes_between, shares_of_nodes, solved_at, without_zeros
 

@@ -26,8 +26,9 @@ import numpy as np
 from jax import Array, lax
 
 from plgwear_jax._core.startup.programs import program
+from plgwear_jax.special.elementary import namespace
 
-from .conditions import conditions, inclination, namespace, projected, select, solved_by_elimination
+from .conditions import conditions, inclination, projected, select, solved_by_elimination
 
 # --- the parameters of a search ---------------------------------------------------------------------------------------
 
@@ -187,10 +188,7 @@ def all_done(plan: SearchPlan, done: Any) -> Any:
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
-_LIGHTEST, _HEAVIEST = (
-    300.0,
-    1e8,
-)  # penalties, of which the first one is that at first; beyond the other no descent goes on
+_LIGHTEST, _HEAVIEST = 300.0, 1e8  # penalties: with which a descent begins, and beyond which none goes on
 
 
 def _solver(variables: int) -> Any:
@@ -426,7 +424,7 @@ def _descents_from_valleys(plan: SearchPlan, state: SearchState, scanned: Any) -
         lower = keeps[valleys] & ~keeps[other] & known[other] & (height[other] < height[valleys])
         share = xp.where(lower, worst[valleys] / (worst[valleys] - worst[other]), 0.0)  # along a straight line
         start = start + share[:, None] * (points[other] - points[valleys])
-    # None of those that break the limits may be worth more than one that keeps them, or a step leads there for good.
+    # No valley that breaks the limits may be worth more than one that keeps them, or a step leads there for good.
     kept_at = xp.where(valley & keeps, height, -np.inf).max()
     needed = xp.where(valley & ~keeps, 4.0 * (kept_at - height) / excess**2, 0.0).max(initial=0.0)
     descent = state.descent._replace(

@@ -7,13 +7,9 @@ of a point, (1 + m, 1 + n), are those of the objective and of the limits.
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-
-def namespace(*arrays: Any) -> Any:
-    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
-    return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
+from plgwear_jax.special.elementary import namespace
 
 
 def select(condition: Any, these: Any, those: Any) -> Any:

@@ -33,10 +33,10 @@ from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
+from plgwear_jax.special.elementary import namespace
 from plgwear_jax.steady.arguments import refuse_array
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
-from .conditions import namespace
 from .scenarios import LEVEL, ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
 
 Bounds = tuple[float, float]

@@ -13,10 +13,9 @@ from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE, Load
+from plgwear_jax.special.elementary import namespace
 from plgwear_jax.steady.arguments import own_axes
 from plgwear_jax.wear_laws import law_of
-
-from .conditions import namespace
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
 

@@ -16,9 +16,10 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import FINITE, NUMBER, check, nan_unless, record, static, whole
 from plgwear_jax._core.startup.programs import holds_tracers
 from plgwear_jax._core.xla import materialised
+from plgwear_jax.special.elementary import namespace
 
 from .ask_and_tell import DONE, Point, SearchPlan, SearchResult, begin, conclude, plan_of, tell
-from .conditions import conditions, inclination, namespace, residual_of, solved_by_elimination
+from .conditions import conditions, inclination, residual_of, solved_by_elimination
 
 Variables = dict[str, Array]
 

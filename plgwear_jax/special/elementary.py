@@ -27,6 +27,11 @@ def in_dtype(dtype: DTypeLike, *values: Any) -> list[Array]:
     return [jnp.asarray(value, dtype) for value in values]
 
 
+def namespace(*arrays: Any) -> Any:
+    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
+    return jnp if any(isinstance(array, Array) for array in arrays) else np
+
+
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
     """The number of digits to which a sum is computed: one more than asked for, at most all that the dtype holds."""
     most = int(jnp.finfo(dtype).precision) + 2

@@ -13,7 +13,7 @@ from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
-from plgwear_jax.special.elementary import clamped, in_dtype, quotient, value_with_slope
+from plgwear_jax.special.elementary import clamped, in_dtype, namespace, quotient, value_with_slope
 from plgwear_jax.special.pchip import horner
 
 from .bodies import AnyModulus, Elastic
@@ -177,7 +177,7 @@ class Graded(Bodies):
         """(v at T = 1, what is added at 1 + y, (m, n)) beside the contact, for n pressures."""
         constants = self.foundation
         springs = constants.terms.of(excess)
-        xp: Any = np if isinstance(y, np.ndarray) else jnp
+        xp = namespace(y)
         apart = (y / (xp.sqrt(1.0 + y) + 1.0))[:, None] * xp.asarray(constants.x * np.sqrt(0.5), y.dtype)  # t - 1
         less, half = xp.exp(-apart), xp.sin(0.5 * apart)
         fallen = xp.expm1(-apart) - 2.0 * less * half * half  # exp(-x) cos(x) - 1

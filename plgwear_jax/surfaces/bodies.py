@@ -154,7 +154,7 @@ class DepthGraded(AnyModulus):
     @staticmethod
     def by_depth(one: Array, other: Array) -> Piecewise:
         """PCHIP between the depths, NaN where they do not increase."""
-        # Of differences a program may make something else than 0 where a depth is given twice.
+        # They are not subtracted: where a depth is given twice, a program may round the difference to below 0.
         return pchip(nan_unless(jnp.all(one[1:] >= one[:-1]), one), other)
 
 
