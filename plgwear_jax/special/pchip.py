@@ -51,14 +51,15 @@ def pchip(x: Array, y: Array) -> Piecewise:
     h = jnp.where(length > 0.0, length, 1.0)  # nobody reads what an interval without length has
     chord, none = rise / h, np.zeros((), h.dtype)
     # The intervals before and after each one; where a segment ends there is none, or one without length.
-    own = jnp.stack([length, chord])
-    beside = jnp.concatenate([lax.pad(own, none, [(0, 0, 0), (0, 0, 0), (i, -i, 0)]) for i in (1, -1)], 1)
+    around = lax.pad(jnp.stack([length, chord]), none, [(0, 0, 0), (0, 0, 0), (1, 1, 0)])
+    beside = jnp.concatenate([around[..., :-2], around[..., 2:]], 1)
     (near, slope), (far, beyond) = jnp.unstack(beside), jnp.unstack(beside[:, ::-1])
     # The slopes at both ends of an interval: inside a segment a harmonic mean of the chords, or 0 at an extremum; at
     # its end by three points, or 0, or at most three chords, or that of the only interval.
-    mean = (2.0 * h + near) * chord + (h + 2.0 * near) * slope
+    twice = 2.0 * h
+    mean = (twice + near) * chord + (h + 2.0 * near) * slope
     mean = ratio_where(slope * chord > 0.0, 3.0 * (h + near) * slope * chord, mean)
-    three, steep = ((2.0 * h + far) * chord - h * beyond) / (h + far), 3.0 * chord
+    three, steep = ((twice + far) * chord - h * beyond) / (h + far), 3.0 * chord
     three = jnp.where(three * chord > 0.0, jnp.where(abs(three) < abs(steep), three, steep), 0.0)
     begin, end = jnp.split(jnp.where(near > 0.0, mean, jnp.where(far > 0.0, three, chord)), 2)
     bend, third = (steep - 2.0 * begin - end) / h, (begin + end - 2.0 * chord) / (h * h)

@@ -214,7 +214,7 @@ def work_of_friction(state):
 @parametrize(
     "shape",
     [KINKED[0], *map(compiled_case, KINKED[1:])],
-    ids=lambda shape: type(shape).__name__,
+    ids=type,
 )
 def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(shape):
     known = contact_with(shape, 0.0)
