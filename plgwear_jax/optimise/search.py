@@ -237,9 +237,9 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else materialised(value + lax.stop_gradient(exact - value))
 
 
-def scanned(interval: Interval) -> np.ndarray:
-    """The values at which the only variable of a search is scanned."""
-    plan = plan_of(1, 0)
+def scanned(interval: Interval, samples: int) -> np.ndarray:
+    """The values at which a search of one variable scans it at so many points."""
+    plan = plan_of(1, 0, samples=samples)
     return _decoded(plan.axis_points()[:, None], *_box_of({"": interval}, np, plan.dtype))[:, 0]
 
 
