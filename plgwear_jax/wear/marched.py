@@ -113,7 +113,7 @@ def _cell_shares(ring: int) -> tuple[np.ndarray, ...]:
     if ring == _RING_OF_BLOCKS:
         begin, end = place**1.2, (1.0 - place) ** 1.2
     x = np.linspace(0.0, 1.0, _OUTER + 1)[1:]
-    towards = np.expm1(-4.5 * x * x) / np.expm1(-4.5)
+    towards = np.expm1(-2.0 * x * x) / np.expm1(-2.0)
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
 
 
@@ -203,27 +203,31 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         slipping = jnp.where(found.pressure[0] > 0.0, found.slip[0], 0.0) @ jnp.diff(disc.edges)
         gap, depth = disc.area * slipping / path * 4.0, outline.height(unworn[None])[0]
         area = jnp.pi * unworn**2
+        # The rates under the mean pressure, under a hundredth of it, and under that of a scar of the largest radius.
+        share = (unworn / reach) ** 2
+        shares = jnp.append(jnp.asarray([1.0, 1e-2], share.dtype), share)
+        mean, hundredth, wide = jnp.unstack(law.rate(blocks.normal_force[0] / area * shares, path * depth))
         # Rings narrower than the cells of the first pass have less pressure than the contact in the mean. If that wears
         # nothing, as below the threshold of a law, the test ends at once.
-        mean = law.rate(blocks.normal_force[0] / area, path * depth)
         narrow = jnp.where(mean > 0.0, quotient(10.0 * depth, jnp.where(mean > 0.0, mean, 1.0)), 0.0)
         unit = jnp.where(slips, quotient(jnp.minimum(gap, area * depth), rate), narrow)
         gross = (least <= 0.0) & slips
         # Where the rate falls faster than the pressure, as p^m, this dies out as the cycles to the power -1/(m-1).
-        rates = law.rate(mean * jnp.asarray([1.0, 1e-2], mean.dtype), path * depth)
-        fall = ratio_where(rates[1] > 0.0, rates[0], rates[1], 100.0)
+        fall = ratio_where(hundredth > 0.0, mean, hundredth, 100.0)
         longer = lax.stop_gradient(jnp.clip(jnp.log(fall) - _LOG_HUNDRED, 0.0, 3.0 * _LOG_HUNDRED))
+        # Where it falls slower, a wide scar wears faster than it does at first.
+        faster = lax.stop_gradient(jnp.maximum(1.0, ratio_where(mean > 0.0, wide, share * mean, 1.0)))
         # What a flat scar of that radius has taken off
         taken = outline.height(reach[None]) - mean_heights(outline, reach, jnp.arange(2, dtype=reach.dtype))
         half = 0.5 * jnp.pi * reach**2 * taken[0]
-        last = jnp.where(gross, quotient(half, rate), _LONG * unit * jnp.exp(longer))
+        last = jnp.where(gross, quotient(half, rate * faster), _LONG * unit * jnp.exp(longer))
         # The cells of the first pass are so wide that both radii are some percent off: a ring narrower than one of them
         # seems to stick as a whole.
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.1 + 4.0 * (1.0 - least / unworn)))
         first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, pressed, widest * (1.0 + room), last, longer)
         most = jnp.nanmax(radius)
         moves = jnp.any(moved(found))
-        end = jnp.where(moves, most + 0.25 * (most - stick), 1.1 * widest)
+        end = jnp.where(moves, most + jnp.where(gross, 0.25, 0.12) * (most - stick), 1.1 * widest)
         # The largest radius of all times is known to a cell: derivatives of the grid are those of a similar contact.
         end = unworn * lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)

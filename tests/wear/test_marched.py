@@ -17,7 +17,7 @@ from refusals import cases
 from plgwear_jax import FrettingContact, Layered, fretting, loads
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes import Cone
-from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
+from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw, law_of
 
 ERROR = 1e-2  # promised, of the last volume
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
@@ -53,7 +53,7 @@ def errors(one, force):
 @parametrize(
     "k, phi",
     [
-        *((-0.6, 0.8), (0.7, 0.8)),
+        *((-0.65, 0.9), (0.7, 0.8)),
         compiled_case(-0.94, 0.5),  # whose last radius the first passes miss
         *(
             compiled_case(k, phi)
@@ -75,7 +75,7 @@ def test_one_force_is_worn_as_in_closed_form(k, phi):
 def test_one_force_on_layers_is_worn_as_by_the_other_march(one):
     volume, end, radius, stick = errors(one, 2.0)
     assert max(np.max(abs(volume)), abs(end)) < ERROR
-    assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
+    assert np.max(abs(radius)) < 0.02 and np.max(abs(stick)) < 0.005
 
 
 def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
@@ -188,18 +188,18 @@ def test_the_largest_amplitude_decides(k):
 # --- what is known ----------------------------------------------------------------------------------------------------
 
 
-@parametrize("k", [-0.5, 0.0, 0.5])
-def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar(k):
+@parametrize("k, exponent", [(-0.5, 1.0), (0.0, 1.0), (0.5, 1.0), compiled_case(0.2, 0.5)])
+def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar(k, exponent):
     one = dome(k)
     onset = one.steady(0.0).gross_slip_displacement
-    u, coefficient = 3.0 * onset, coefficient_of(one)
-    run = one.over_cycles(Displacement(u), coefficient)
+    u, law = 3.0 * onset, law_of(coefficient_of(one) * 1e8 ** (1.0 - exponent), exponent)
+    run = one.over_cycles(Displacement(u), law)
     cycles = run.lasting_cycles
-    volume = run.volume(cycles)
+    volume, area = run.volume(cycles), np.pi * run.contact_radius(cycles) ** 2
     # In the end the slip is the displacement less what the surface gives way.
-    share = run.rate(cycles) / (coefficient * FORCE * 4.0 * u)
-    assert 0.9 < share < 1.0
-    assert_allclose(run.volume(0.5 * cycles) / volume, 0.5, atol=0.02)
+    assert 0.9 < run.rate(cycles) / (area * law.rate(FORCE / area, 4.0 * u)) < 1.0
+    # The area grows as the root of the volume, and a wide scar wears faster where the exponent is below 1.
+    assert_allclose(run.volume(0.5 * cycles) / volume, 0.5 ** (2.0 / (1.0 + exponent)), atol=0.02)
     assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
     assert_array_equal(run.stick_radius(cycles), 0.0)
     assert_allclose(run.force_amplitude(cycles), LIMIT, rtol=1e-9)
@@ -412,8 +412,6 @@ def test_derivatives_are_differences(run, at, most):
     def volume(x):
         return run(x).volume(CYCLES)
 
-    if run is by_exponent:  # where known runs are refused that outgrow their cells in the end
-        volume = jax.jit(volume)
     step = at * np.array([0.02, 0.04])  # over which volumes change by far more than they jump when the grid does
     near, far = [(volume(at + h) - volume(at - h)) / (2.0 * h) for h in step]
     assert_allclose(jax.grad(volume)(at), (4.0 * near - far) / 3.0, rtol=most)
