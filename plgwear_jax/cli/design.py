@@ -95,8 +95,8 @@ def front(
         refuse(f"--larger {larger}: must be x, y or xy")
     positive("--distance", distance, "in m")
     if y is not None:
-        given = given.minimising("--y", y)
-    given.traded("--x", x, distance)
+        given = given.minimising("y", y)
+    given.traded("x", x, distance)
     report = Report(scene_file, as_json, f"{scene_file.stem}-front", picture=picture, table=csv_file)
     with computing("looking for the best y for each x"):
         import numpy as np

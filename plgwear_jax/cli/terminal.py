@@ -8,6 +8,7 @@ import functools
 import gc
 import math
 import os
+import re
 import signal
 import sys
 import threading
@@ -87,8 +88,11 @@ _SOON = 0.05  # s, after which a callback has mostly ended
 
 
 def message(error: GivenError, scene_file: Any) -> str:
-    """The line for an error in what was given, with the file that is wrong."""
-    return str(error) if error.names_file or scene_file is None else f"{scene_file}: {error}"
+    """The line for an error in what was given, with the file or the option that is wrong."""
+    if error.names_file or scene_file is None:
+        return str(error)
+    line = re.sub(r"^(?=(x|y|distance)\b)", "--", str(error))  # arguments of `Scene.front` are options here
+    return f"{scene_file}: {line}"
 
 
 @contextlib.contextmanager

@@ -115,11 +115,12 @@ class Scene:
         if self.load is not None:
             self.load.refuse_rest()
         space = self.design_space.checked()
-        columns = () if space.scatter is None else space.scatter.columns
-        for name in (space.objective, *space.allowed, *columns):
-            if self.life is None and (is_after_cycles(name) or name == "wear_coefficient"):
-                after = f"the cycles under [wear], where {one_of(tuple(BY_THEN))} is minimised"
-                raise SceneError(f"[design] {name}: counts after {after}")
+        late = [f"{name}:" for name in (space.objective, *space.allowed) if is_after_cycles(name)]
+        if space.scatter is not None and "wear_coefficient" in space.scatter.columns:
+            late.append("scenarios: its wear_coefficient")
+        if late and self.life is None:
+            after = f"the cycles under [wear], where {one_of(tuple(BY_THEN))} is minimised"
+            raise SceneError(f"[design] {late[0]} counts after {after}")
         return space
 
     @property

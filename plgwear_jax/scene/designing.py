@@ -103,15 +103,16 @@ def answer(question: str, **arguments: Any) -> Any:
     try:
         found = getattr(optimise, question)(**arguments)
     except WrongKeyError as error:
-        # what is traded is no key of the file
-        raise SceneError(f"--{error}" if error.key == "x" else f"[design] {error}") from None
+        # x is an argument of `front`, no key of the file
+        raise SceneError(f"{'' if error.key == 'x' else '[design] '}{error}") from None
     except ValueError as error:
-        raise SceneError(f"some value in the input file is too extreme: {error}") from None
+        of_front = str(error).startswith(("larger", "points"))
+        raise SceneError(f"{'' if of_front else 'some value in the input file is too extreme: '}{error}") from None
     values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)
     if not POSITIVE.contains(np.hstack(values)).all():
         if arguments["load"] is not None and "cycles" not in arguments:
             _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
         if np.isfinite(np.hstack(values)).all():
-            raise SceneError("[design] minimise: is 0 somewhere between the bounds; only what is > 0 can be minimised")
+            raise SceneError("what is minimised is 0 somewhere between the bounds; it must be > 0")
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found
