@@ -292,8 +292,6 @@ def _equation(numbers: str) -> str:
 def _axes() -> str:
     lines = ["| name | symbol | meaning | unit | allowed |", "| --- | --- | --- | --- | --- |"]
     for name, axis in catalogue.AXES.items():
-        if name == "indenter_E":  # an older name
-            continue
         path, place = (f"{name}[i]", "i") if axis.listed else (name, "")
         symbol, words = (text.replace("#", place) for text in (axis.symbol, axis.description))
         lines.append(f"| `{path}` | ${symbol}$ | {words} | {axis.unit} | {axis.domain.text} |")

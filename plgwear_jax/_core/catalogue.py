@@ -336,7 +336,6 @@ share             \Delta V/\Delta V_\infty  1  SHARE  -  share of the final volu
 """)
 }
 _IN_BLOCKS = {"load": "tangential_force", "displacement_amplitude": "displacement"}
-AXES["indenter_E"] = AXES["indenter.E"]  # an older name
 
 
 def leaf(path: str) -> AxisKind:

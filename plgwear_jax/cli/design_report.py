@@ -257,10 +257,10 @@ def _tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
         changes = slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())
         cells = [f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes]
         if {*cells} == {"0"}:
-            idle.append(source)
-        else:  # the best k is a result
-            rows.append(["k of the reference" if source == "k" else source, *cells])
-    headings = "input", "saving (points)", *(name if is_linear(name) else f"{name} (%)" for name in varied)
+            idle.append(slopes.words[source])
+        else:
+            rows.append([slopes.words[source], *cells])
+    headings = "input", "saving (points)", *(name if is_linear(name) else f"{entry(name).name} (%)" for name in varied)
     report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
     report.table(*by_rows(headings, rows), title="")
     report.say(f"without effect: {', '.join(idle)}" if idle else None)

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.catalogue import read
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, record
+from plgwear_jax._core.catalogue import entry, leaf, placed, quantity, read
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check, record, static
 from plgwear_jax._core.leaves import paths_of, with_leaf
-from plgwear_jax._core.rules import BY_THEN, is_after_cycles, one_of
+from plgwear_jax._core.rules import BY_THEN, OF_POWER_LAW, is_after_cycles, one_of
 from plgwear_jax.loads import PARTIAL_SLIP
 
 from .best import Design, LimitState, answered, limit_states, of_design
@@ -208,10 +208,12 @@ class Sensitivities:
     Attributes:
         variables: Derivatives of each variable (except for k of its logarithm), by input.
         saving: Derivatives of the share that the best design saves against the reference, by input.
+        words: What each input is called in words, by input.
     """
 
     variables: dict[str, dict[str, float]]
     saving: dict[str, float]
+    words: dict[str, str] = static()
 
 
 # At the best point x the conditions c(x, input) = 0 hold for every input, so dx/dinput = -(dc/dx)^-1 dc/dinput. These
@@ -225,8 +227,9 @@ def sensitivities(found: Design) -> Sensitivities:
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    The inputs are the numbers of the contact, such as E0, k, radius, friction, indenter_E; tangential_force (all
-    amplitudes); the bounds, such as "lowest k"; the limits, such as "limit: edge_pressure"; and the depths of windows.
+    The inputs are the numbers of the contact, such as E0, k, radius, friction, indenter.E; tangential_force (all
+    amplitudes), of blocks "load[0].tangential_force"; the bounds, such as "lowest k"; the limits, such as
+    "limit: edge_pressure"; and where they are.
 
     Args:
         found: The result of `design`.
@@ -243,7 +246,7 @@ def sensitivities(found: Design) -> Sensitivities:
         raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
     if not found.keeps_limits:
         raise ValueError("sensitivities takes a design that keeps its limits: one that breaks them is no optimum")
-    minimum, question, runs, variables, saving = found.minimum, found.question, Known(), {}, {}
+    minimum, question, runs, variables, saving, words = found.minimum, found.question, Known(), {}, {}, {}
     multipliers, side = np.asarray(minimum.multipliers), np.array([int(side) for side in minimum.side.values()])
     best, noise = found.variables, plan_for(question).noise
 
@@ -269,7 +272,7 @@ def sensitivities(found: Design) -> Sensitivities:
     share, room = float(found.value / found.reference_value), dict[str, float]()
     if question.by_force:  # F_x < mu F_N
         room.update(dict.fromkeys(("tangential_force", "friction", "normal_force"), -np.log(np.max(question.phi))))
-    for name, (path, value) in inputs(question).items():
+    for name, (path, value, words[name]) in inputs(question).items():
         # By its change the rows change; a bound moves only a variable that lies on it.
         along, change = np.zeros(len(best)), np.zeros_like(here)
         end, _, variable = name.partition(" ")
@@ -282,7 +285,7 @@ def sensitivities(found: Design) -> Sensitivities:
         dx = -solved_by_elimination(state.matrix, left)[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))
         saving[name] = -share * float(change[0, 0] + here[0, 1:] @ dx)
-    return Sensitivities(variables, saving)
+    return Sensitivities(variables, saving, words)
 
 
 def _input_steps(path: str, value: float, room: float = 1.0, noise: float = 1e-4) -> np.ndarray:
@@ -297,28 +300,41 @@ def _input_steps(path: str, value: float, room: float = 1.0, noise: float = 1e-4
 # --- the inputs -------------------------------------------------------------------------------------------------------
 
 
-def inputs(question: Question) -> dict[str, tuple[str, Any]]:
-    """The path and the value of each input by its name; the amplitudes count as one, layers and tables one by one."""
+def inputs(question: Question) -> dict[str, tuple[str, Any, str]]:
+    """The path, the value and the words of each input by its name.
+
+    The amplitudes of a table count as one, blocks, layers and tables of moduli one by one.
+    """
     found = {}
-    for path, leaf in paths_of(question).items():
-        if path.startswith("contact") and np.ndim(leaf):
-            found |= {f"{path[8:]}[{i}]": (f"{path}[{i}]", value) for i, value in enumerate(leaf)}
+    for path, given in paths_of(question).items():
+        if path.startswith("contact") and np.ndim(given):
+            for i, value in enumerate(given):
+                name = f"{path[8:]}[{i}]"
+                found[name] = f"{path}[{i}]", value, entry(name).name
         elif path != "load.weight":
-            found[_name(path, question)] = path, leaf
+            name, words = _called(path, question)
+            found[name] = path, given, words
     return found
 
 
-def _name(path: str, question: Question) -> str:
-    """How an input is called."""
+def _called(path: str, question: Question) -> tuple[str, str]:
+    """How an input is called, and in words."""
     if bound := re.fullmatch(r"bounds\['(.*)'\]\[(.)\]", path):
-        return f"{('lowest', 'highest')[int(bound[2])]} {bound[1]}"
+        side = ("lowest", "highest")[int(bound[2])]
+        return f"{side} {bound[1]}", f"{side} {entry(bound[1]).name} allowed"
     parts = re.findall(r"\w+", path)
     room, key, last = parts[0], parts[1], parts[-1]
     if room == "limits":
-        name = question.limits[int(key)].name
+        limit = question.limits[int(key)]
         if last == "value":
-            return "limit: " + re.sub("(.*)_(lowest|highest)", r"\2 \1", name)
-        return f"limit: {last}" if name == "edge_pressure" else f"limit: {last} of {name}"
+            return "limit: " + re.sub("(.*)_(lowest|highest)", r"\2 \1", limit.name), limit.words
+        of = "" if limit.name == "edge_pressure" else f" of {limit.name}"
+        return f"limit: {last}{of}", f"{last} of the {limit.words}"
     if room == "places":
-        return f"{last} of {question.objective}"
-    return f"indenter_{last}" if key == "indenter" else last  # the half-space has a nu of its own
+        return f"{last} of {question.objective}", f"{last} of the {placed(question.objective, question.places)}"
+    if last in OF_POWER_LAW:
+        return last, f"{entry(last).name} of the reference"
+    if room == "contact":  # the half-space has a nu of its own
+        return path[8:] if key == "indenter" else last, entry(path[8:]).name
+    name = f"load[{parts[3]}].{last}" if "of" in parts else last  # of several blocks
+    return name, (quantity(name) or leaf(name)).name

@@ -13,7 +13,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
-from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of, leaf
+from plgwear_jax._core.catalogue import QUANTITIES, Kind, kind_of, leaf, placed
 from plgwear_jax._core.domains import POSITIVE, check, record, refuse_traced, static
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
@@ -104,6 +104,11 @@ class Limit:
     quantity: str = static()
     name: str = static()
     lowest: bool = static()
+
+    @property
+    def words(self) -> str:
+        """What it is called in words."""
+        return f"{'lowest' if self.lowest else 'highest'} {placed(self.quantity, self.places)} allowed"
 
 
 def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:

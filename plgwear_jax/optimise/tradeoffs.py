@@ -93,11 +93,7 @@ class Front:
                 for name, side in self.at_bound.items()
                 if side[end]
             ]
-            said += [
-                f"{'lowest' if limit.lowest else 'highest'} {placed(limit.quantity, limit.places)} allowed"
-                for limit in self.limits
-                if self.active[limit.name][end]
-            ]
+            said += [limit.words for limit in self.limits if self.active[limit.name][end]]
             told.append(", ".join(said) or best)
         return told[0], told[1]
 

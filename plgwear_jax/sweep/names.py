@@ -68,8 +68,7 @@ class AxisNames:
     def __init__(self, contact: Any, load: Any) -> None:
         leaves, nu = paths_of(contact), getattr(getattr(contact, "material", None), "nu", None)
         leaves |= {"material.nu": nu} if isinstance(nu, str) else {}  # Holl's ratio is no leaf for JAX
-        self.paths = {"indenter_E": "indenter.E"} if "indenter.E" in leaves else {}
-        self.own, self.load, self.held = {}, load, None if load.lasts else load
+        self.paths, self.own, self.load, self.held = {}, {}, load, None if load.lasts else load
         for path, value in leaves.items():
             name = path.removeprefix("material.")
             name = path if path in AXES or name in leaves else name

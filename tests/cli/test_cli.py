@@ -371,13 +371,14 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, undrawn, mon
     slopes = optimise.Sensitivities(
         variables={"E0": {"k": 0.0}, "tangential_force": {"k": 0.66}, "limit: distance": {"k": -3.2}},
         saving={"E0": 1e-17, "tangential_force": -0.33, "limit: distance": 1e-9},
+        words={"E0": "modulus", "tangential_force": "force", "limit: distance": "its distance"},
     )
     monkeypatch.setattr(optimise, "sensitivities", lambda found: slopes)
     result = printed("design contact.toml --sensitivities")
     assert "what changes if an input grows by 1 % (k, nu: by 0.01):" in result.splitlines()
     table = cells(result)
-    assert table["tangential_force"] == ["-0.33", "+0.0066"] and table["limit: distance"] == ["0", "-0.032"]
-    assert "without effect: E0" in result.splitlines()
+    assert table["force"] == ["-0.33", "+0.0066"] and table["its distance"] == ["0", "-0.032"]
+    assert "without effect: modulus" in result.splitlines()
     assert told("design contact.toml --sensitivities")["sensitivities"] == vars(slopes)
 
 

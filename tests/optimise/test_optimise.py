@@ -20,6 +20,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
 
 from plgwear_jax import DepthGraded, Layered, optimise
+from plgwear_jax.loads import Block
 from plgwear_jax.optimise import Interval, afterwards, exponent, minimise, search
 from plgwear_jax.optimise.question import question_of
 
@@ -399,7 +400,12 @@ def test_inputs_are_all_numbers_of_a_question_as_they_were_given():
     inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
     inputs |= {"limit: lowest modulus_at[0]": 6e10, "limit: z of modulus_at[0]_lowest": 1e-5}
     inputs |= {"limit: modulus_at[1]": 4e11, "limit: z of modulus_at[1]": 1e-3}
-    assert {name: np.asarray(value).tolist() for name, (_, value) in afterwards.inputs(question).items()} == inputs
+    found = afterwards.inputs(question)
+    assert {name: np.asarray(value).tolist() for name, (_, value, _) in found.items()} == inputs
+    assert found["limit: lowest modulus_at[0]"][2] == "lowest modulus at 10 µm allowed"
+    blocks = [Block(1.0, 1e4), Block(2.0, 2e4)]
+    found = afterwards.inputs(question_of(CONTACT, blocks, {"k": (-0.5, 0.5)}, cycles=3e4, law=1e-14))
+    assert found["load[0].tangential_force"][1:] == (1.0, "tangential force of block 1")
 
 
 def test_gross_slip_hangs_on_the_exponent():

@@ -139,7 +139,7 @@ def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(b
 def test_a_sweep_of_layers_does_not_go_on_with_others(tmp_path):
     contact, asked = (
         contact_of(Layered([1e-5], [50e9, 100e9], 0.3), STEEL),
-        {"out": tmp_path / "a.zarr", "digits": 2, "indenter_E": np.array([100e9, 210e9])},
+        {"out": tmp_path / "a.zarr", "digits": 2, "indenter.E": np.array([100e9, 210e9])},
     )
     sweep.sweep(["contact_radius"], contact=contact, **asked)
     with pytest.raises(sweep.SweepError, match="holds another sweep: bodies there"):
