@@ -10,9 +10,6 @@ from plgwear_jax._core.words import one_line
 
 from .terminal import computing, option, refuse, working
 
-# the keys of `plots.figures.FIGURES`, a module that takes a second to import
-KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
-
 
 def figures(
     out: Annotated[Path, option(help="The folder to write to; it is made if its parent is there.")],
@@ -22,18 +19,18 @@ def figures(
 ) -> None:
     """Draw the figures of the paper with the library, and check what the paper says about them.
 
-    Each becomes a PDF and a PNG. In the same folder, contact-sheet shows all of them, and figures.md says of each
-    statement whether it agrees. Number 10 is the second of the two figures that are printed as 9.
+    Each becomes a PDF and a PNG. In the same folder figures.md shows them, and says of each statement whether it
+    agrees. Number 10 is the second of the two figures that are printed as 9.
 
     Example: plgwear figures --out figures --only 4 --only 9
     """
-    keys = [key.lstrip("0") or key for key in only or KEYS]
-    for key in keys:
-        if key not in KEYS:
-            refuse(f"--only {one_line(key)}: there is no such figure; allowed are {', '.join(KEYS)}")
     with computing("getting ready", one_question=False):
         from plgwear_jax import plots
         from plgwear_jax.plots import figures as library
+    keys = [key.lstrip("0") or key for key in only or library.FIGURES]
+    for key in keys:
+        if key not in library.FIGURES:
+            refuse(f"--only {one_line(key)}: there is no such figure; allowed are {', '.join(library.FIGURES)}")
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     suffixes = ".pdf", ".png"
     try:
@@ -42,9 +39,9 @@ def figures(
         why = "is a file, not a folder to write to" if out.is_file() else f"cannot be made: {error.strerror}"
         raise files.TargetError(f"{out}: {why}") from None
     files.check_target(out / "figures.md", (".md",))
-    for stem in (*(figure.stem for figure in chosen), "contact-sheet"):
+    for figure in chosen:
         for suffix in suffixes:
-            files.check_target(out / f"{stem}{suffix}", suffixes)
+            files.check_target(out / f"{figure.stem}{suffix}", suffixes)
     for figure in chosen:
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()
@@ -52,9 +49,5 @@ def figures(
                 plots.save(drawn, out / f"{figure.stem}{suffix}")
             verdict = library.verdict(figure.check())
         typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
-    with working("drawing all of them on one sheet"):
-        sheet = library.contact_sheet(chosen)
-        for suffix in suffixes:
-            plots.save(sheet, out / f"contact-sheet{suffix}")
-        text = library.report(chosen).encode()
+    text = library.report(chosen).encode()
     files.write(out / "figures.md", lambda path: path.write_bytes(text))
