@@ -1,4 +1,4 @@
-"""The pictures of single pages: a map of a sweep, the regimes of slip, a simulated laboratory test, a measured coating.
+"""The pictures of single pages: a map of a sweep, the regimes of slip, a synthetic laboratory test, a measured coating.
 
 They go into the folder above that of the studies, but for the coating. Its contact radius, and that of its test, are
 those that Jitcharoen et al. (1998) measured: 0.3895 mm.
@@ -36,7 +36,7 @@ def main(out: Path, points: int = 401) -> None:
     test = loads.Displacement(1e-5, rig_stiffness=2e7)
     columns = (volumes[name] for name in ("cycles", "volume", "deviation"))
     fit = fitting.fit_wear_coefficient(tested, test, *columns)
-    save(plots.fit_picture(fit, points="simulated"), folder / "laboratory_test.png")
+    save(plots.fit_picture(fit, points="synthetic"), folder / "laboratory_test.png")
 
     save(draw_coating(), out / "alumina_glass-coating.png")
 

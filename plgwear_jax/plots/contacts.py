@@ -126,12 +126,10 @@ def stress_picture(steady: Steady) -> Figure:
     figure = page(18.0, 10.0, "compressed")
     axes = figure.subplots()
     colours = axes.contourf(x, z, np.asarray(stress.mises) / p_0, levels=_COLOURS)
-    figure.colorbar(colours, ax=axes, label="von Mises stress / largest pressure", ticks=MaxNLocator(6))
+    figure.colorbar(colours, ax=axes, label="von Mises stress / $p_0$", ticks=MaxNLocator(6))
     axes.contour(x, z, tension, levels=_LEVELS, colors="w", linewidths=0.7)
     shares = ", ".join(map(str, _LEVELS))
-    axes.plot(
-        [], color="w", linewidth=0.7, label=f"principal stress / largest pressure\n{shares}; short: its direction"
-    )
+    axes.plot([], color="w", linewidth=0.7, label=f"principal stress / $p_0$: {shares}; short lines: its direction")
     turn = np.where(tension > 0.0, 0.5 * np.arctan2(2.0 * stress.xz, stress.xx - stress.zz), np.nan)
     turn = turn[_TICKS, _TICKS]
     axes.quiver(
@@ -142,16 +140,16 @@ def stress_picture(steady: Steady) -> Figure:
         axes.axhline(depth, **GUIDE | {"color": "w", "zorder": 2})
     for edge, colour, words in ((a, "k", "contact"), (c, GREEN, "stick area")):
         axes.hlines(0.0, -edge, edge, color=colour, linewidth=5.0, label=words, clip_on=False)
-    told = []
+    told = [f"largest pressure $p_0$ {measured('pressure', p_0)}"]
     # The larger one first: both may be at one place.
     for name, marker, style in (("peak_tension", "D", _LARGER), ("peak_mises", "o", _PEAK)):
         words = entry(name).name.replace("peak", "largest")
         axes.plot(*map(float, getattr(steady, f"{name}_at")), marker, label=words, **style)
         told.append(f"{words} {measured(name, getattr(steady, name))}")
     axes.set(ylim=(z[-1], 0.0), title="; ".join(told), aspect="equal")
-    for axis, words in ((axes.xaxis, "along the motion"), (axes.yaxis, "depth")):
+    for axis, words in ((axes.xaxis, "place along the motion $x$"), (axes.yaxis, "depth $z$")):
         show_units(axis, "r", words, size=a)
-    axes.legend(loc="lower right", frameon=True, facecolor="0.2", edgecolor="none", labelcolor="w")
+    figure.legend(loc="outside lower center", ncols=3, frameon=True, facecolor="0.35", edgecolor="none", labelcolor="w")
     return figure
 
 
@@ -265,13 +263,13 @@ def blocks_picture(run: Run) -> Figure:
 
 @picture
 def fit_picture(fit: Fit, points: str = "measured") -> Figure:
-    """Draw measured volumes and the fitted volume over the cycles, and the differences between both.
+    """Draw measured volumes and the fitted volume over the cycles, and the differences as a share of the fitted one.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         fit: The result of `fitting.fit_wear_coefficient`.
-        points: What the points are called, such as "simulated".
+        points: What the points are called, such as "synthetic".
 
     Returns:
         A figure 14 cm wide; `save` writes it.
@@ -281,17 +279,19 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
     bars = np.nan_to_num(fit.deviation, posinf=0.0)
     best, low, high = fit.curve
     if np.all(np.isfinite(low)):
-        left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 %")
+        left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 % confidence")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
     if fit.steady_volume:
         left.axhline(fit.steady_volume, **_END)
     right.axhline(0.0, **BEST)
     left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))
-    for axes, known, words in ((left, 0.0, None), (right, fit.fitted, f"{points} less fitted")):
-        axes.errorbar(fit.cycles, fit.volume - known, bars, label=points, fmt="o", color="k", markersize=3.5,
-                      elinewidth=0.8, capsize=2.0)  # fmt: skip
+    for axes, known, unit in ((left, 0.0, 1.0), (right, fit.fitted, 0.01 * fit.fitted)):
+        axes.errorbar(fit.cycles, (fit.volume - known) / unit, bars / unit, label=points, fmt="o", color="k",
+                      markersize=3.5, elinewidth=0.8, capsize=2.0)  # fmt: skip
         axes.set_xlim(0.0, 1.1 * fit.cycles.max())
-        label(axes, "cycles", "volume", words)
+        show_units(axes.xaxis, "cycles")
+    show_units(left.yaxis, "volume")
+    right.set_ylabel("difference from the fit (%)")
     letters(panels)
     legend_above(figure, left, 4)
     return figure
