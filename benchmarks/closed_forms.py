@@ -215,7 +215,7 @@ def exact_disc(points: Points) -> Exact:
 
 
 def kernels(report: Report, quick: bool) -> None:
-    """Print the times and errors of the arcsine tail and of the disc."""
+    """Print times and errors of the arcsine tail, and of the displacement under a uniformly loaded disc."""
     count, sample, rounds = (100_000, 64, 3) if quick else (1_000_000, 1000, 15)
     rng, share = harness.generator(), 10 if quick else 1
     k = rng.uniform(-0.97, 0.97, count)
@@ -292,7 +292,7 @@ def cost_over_size(sizes: list[int], counts: list[int]) -> dict[str, Any]:
 
 
 def size(report: Report, quick: bool) -> None:
-    """Time a point over the number of points, and a contact over that of contacts; also on an accelerator."""
+    """Print the time per point for rising numbers of points, and per contact for rising numbers of contacts."""
     sizes, counts = [10**n for n in (range(0, 7, 2) if quick else range(9))], [1, 100] if quick else [1, 100, 1000]
     places = {"one core": {"on": "1", "JAX_PLATFORMS": "cpu"}, "all cores": {"JAX_PLATFORMS": "cpu"}}
     places |= {name: {} for name in harness.accelerators()}

@@ -40,7 +40,7 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-_HELP = f"""Wear of an indenter on a coating whose modulus is a power of the depth, E(z) = E0 (z/z0)^k.
+_HELP = f"""Wear of an indenter on a coating whose Young's modulus varies with depth.
 
 An input file in TOML describes the coating, the contact and the load. To get one to start from, run
 `plgwear new SCENE.toml`. A complete one:
