@@ -344,13 +344,22 @@ def commands() -> str | None:
     return "\n".join(line.rstrip() for line in text.strip().splitlines())
 
 
+def _constant(value: Any) -> str:
+    """What a constant is: the columns of a form of tables, the keys of a dictionary, or its value."""
+    if hasattr(value, "columns"):
+        return f"Form of a table with the columns {', '.join(' or '.join(some) for some in value.columns)}."
+    keys = len(str(value)) > 200 and [f"`{key}`" for key in value]
+    return f"Records by the keys {keys[0]} to {keys[-1]}." if keys else f"`{value}`"
+
+
 def names(room: str) -> str:
     """The public names of a room with the first sentence of each, as a table."""
     module = importlib.import_module(f"plgwear_jax.{room}" if room != "plgwear_jax" else room)
     lines = ["| name | what it is |", "| --- | --- |"]
     for name in module.__all__:
-        said = inspect.getdoc(getattr(module, name)) if callable(getattr(module, name)) else None
-        first = " ".join((said or "A constant.").partition("\n\n")[0].split()).replace("|", "&#124;")
+        value = getattr(module, name)
+        said = inspect.getdoc(value) if inspect.isclass(value) or inspect.isroutine(value) else _constant(value)
+        first = " ".join(str(said).partition("\n\n")[0].split()).replace("|", "&#124;")
         lines.append(f"| `{name}` | {first} |")
     return "\n".join(lines)
 

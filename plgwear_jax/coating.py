@@ -101,7 +101,7 @@ class PowerLawFit:
 
 @concrete_only("coating.felt works there")
 def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float) -> PowerLawFit:
-    """Fit a power law to moduli at some depths: the straight line of log(E) over log(z), by weighted least squares.
+    """Fit a power law to moduli at some depths: a straight line to log(E) over log(z), by weighted least squares.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -296,7 +296,7 @@ def where_it_counts(
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
-        contact: A contact on a `DepthGraded` or a `Layered`, whose moduli between these depths a cubic takes over.
+        contact: A contact on a `DepthGraded` or a `Layered`; a cubic replaces its modulus between these depths.
         tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
         contact_radius: Its contact radius in m, if it was computed before.
 

@@ -393,7 +393,7 @@ _BESIDES = {
     E0                 E_0     Pa   modulus E0 at the depth z0
     z0                 z_0     m    characteristic depth z0
     modulus_at_radius  E(a_0)  Pa   modulus at z = contact radius
-    edge_exponent      -       1    stress at the edge, exponent
+    edge_exponent      -       1    exponent of the edge singularity
     tangential_force   F_x     N    force amplitude
     volume             -       m^3  worn volume
     volume_per_cycle   -       m^3  wear a cycle

@@ -41,7 +41,7 @@ def check_fretting_contact(contact: Any) -> None:
 
 @record
 class FrettingContact:
-    """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
+    """An indenter under a constant normal and an oscillating tangential force: section 3 of the paper, and beyond.
 
     The indenter wears, the half-space does not. A power law under a rigid parabola has the paper's closed forms, and so
     have two homogeneous bodies under a parabola, whose plane moduli are combined. Any other contact is solved

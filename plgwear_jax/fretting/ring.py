@@ -160,7 +160,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     Args:
         k: Exponent of the modulus, -1 < k < 1.
         phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
-        digits: Correct digits root_digits; by default all that the dtype holds.
+        digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
         a_inf in units of a_0, broadcast over k and phi, at least 1; 1 at phi = 0.

@@ -71,9 +71,9 @@ def optimal_exponent(
 ) -> OptimalExponent:
     """The exponent k that wears least at the amplitude phi, at a constant contact radius, Eq. (28), or in a life.
 
-    What stays when k changes is not the number of reduced cycles, but x = n/theta = 4 K mu F_N N/(pi a_0^2). Before the
-    steady state the stiff surface wears least at every amplitude. Differentiable in phi and the bounds: k by the
-    implicit function theorem, the volume by the envelope theorem; with a life in that too, and in nu.
+    When k changes, x = n/theta = 4 K mu F_N N/(pi a_0^2) stays the same, and not the reduced number of cycles n. Long
+    before the steady state the stiff surface wears least at every amplitude. Differentiable in phi and the bounds, with
+    a life also in life and nu: k by the implicit function theorem, the volume by the envelope theorem.
 
     Args:
         phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1, of any shape; one call finds the optimum for each.
@@ -81,8 +81,8 @@ def optimal_exponent(
         life: x, positive and finite, of any shape that goes with that of phi; None for the steady state. All lives of
             an amplitude come from the same runs of the transient.
         nu: Poisson's ratio, 0 <= nu <= 0.5, which a life needs and the steady state does not; a number or an array.
-        digits: Correct digits wanted of the wear volume; by default all that the dtype holds, and those of
-            `transient.wear_volume` with a life.
+        digits: Correct digits wanted of the wear volume; by default all that the dtype holds, with a life
+            4.
 
     Returns:
         The optimum for each amplitude and life. At phi = 0 nothing wears, and k is the lower bound, the limit for

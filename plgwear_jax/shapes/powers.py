@@ -30,7 +30,7 @@ class Power(AbelTransform):
 
 
 class Parabola(Shape):
-    """An indenter f(r) = r^2/(2R), R being the radius of the contact.
+    """An indenter f(r) = r^2/(2R), R being the `radius` of the contact.
 
     Examples:
         >>> from plgwear_jax.shapes import Parabola
@@ -107,7 +107,7 @@ class _OnePower(Shape):
 
 
 class PowerShape(_OnePower):
-    """An indenter f(r) = r^n/(n R^(n-1)), R being the radius of the contact.
+    """An indenter f(r) = r^n/(n R^(n-1)), R being the `radius` of the contact.
 
     With n = 2 it is the parabola of the radius of curvature R. For any other n it is R at which f has the slope 1. The
     larger n, the flatter the middle and the smaller the radius of curvature at the edge of the contact. Up to n = 1 - k
@@ -141,7 +141,7 @@ class PowerShape(_OnePower):
 
 
 class Cone(_OnePower):
-    """An indenter f(r) = slope r; the radius of the contact is without effect.
+    """An indenter f(r) = slope r; the `radius` of the contact has no effect.
 
     The pressure before any wear is infinite at the tip r = 0 for k <= 0. For k > 0 it rises to a finite value there.
 

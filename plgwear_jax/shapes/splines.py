@@ -132,7 +132,7 @@ class _Flat(_Splined):
 
 
 class RoundedFlat(_Flat):
-    """A flat face with a round edge: f(r) = 0 up to r = b, (r - b)^2/(2R) beyond, R being the radius of the contact.
+    """A flat face with a round edge: f(r) = 0 up to r = b, (r - b)^2/(2R) beyond, R being the `radius` of the contact.
 
     The pressure before any wear has a kink at r = b.
 
@@ -155,7 +155,7 @@ class RoundedFlat(_Flat):
 
 
 class TruncatedSphere(_Flat):
-    """A sphere worn or ground flat: f(r) = 0 up to r = b, (r^2 - b^2)/(2R) beyond, R being the radius of the contact.
+    """A sphere worn or ground flat: f(r) = 0 up to r = b, (r^2 - b^2)/(2R) beyond, R being the `radius` of the contact.
 
     The pressure before any wear is infinite at r = b for k <= 0.
 

@@ -93,9 +93,9 @@ class Steady(Solution):
     rig, and energy ratios and sliding ratios are those of the loop that is measured there.
 
     Raises:
-        ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
-            any wear would be negative there is no result, where that in the steady state would be, none of what is
-            worn. Under `jit`, and for members of batches, the result is NaN there.
+        ValueError: A concrete number is outside its range, or the bodies would have to pull on each other: where the
+            pressure before any wear would be negative nothing has a result, where only that in the steady state would
+            be, nothing that is worn. Under `jit`, and for members of batches, the result is NaN there.
 
     Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded

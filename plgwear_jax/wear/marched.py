@@ -276,14 +276,15 @@ class MarchedRun(Run):
     slip rings of at least 3e-4 contact radii. Concrete amplitudes beyond that raise an error, and so do concrete
     numbers of cycles beyond the widest scar or the last block. Under `jit`, and in derivatives, results there are NaN.
 
-    Volumes are 1 % of the last one off or less under a constant force, 2 % in slip rings narrower than 1e-2 contact
-    radii, and contact radii 2 % for k >= -0.7. Below that and near gross slip radii are up to 15 % off, and volumes up
-    to 7 % above 0.99 mu F_N. With layers thinner than a thirtieth of the contact radius, or a kink beside the stick
-    area, volumes are up to 4 % off. After a displacement within some percent of the transition to gross slip, the last
-    volume of a test without an end is up to 7 % off. In single precision volumes are 1.5 % further off or less, up to
-    12 % in slip rings narrower than 5e-3 contact radii; for k < -0.3 the same in rings narrower than 0.1, of which some
-    are refused. Derivatives have about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 %
-    off. Where gross slip turns into partial slip late in a test, those by k have only the right sign and size.
+    Under a constant force volumes are within 1 % of the last one, within 2 % in slip rings narrower than 1e-2 contact
+    radii, and contact radii within 2 % for k >= -0.7. Below that and near gross slip radii are up to 15 % off, and
+    above 0.99 mu F_N volumes up to 7 %. With layers thinner than a thirtieth of the contact radius, or a kink beside
+    the stick area, volumes are up to 4 % off. After a displacement within some percent of the transition to gross
+    slip, the last volume of a test without an end is up to 7 % off. In single precision volumes are 1.5 % further off
+    or less, up to 12 % in slip rings narrower than 5e-3 contact radii; for k < -0.3 the same in rings narrower than
+    0.1, of which some are refused. Derivatives have about two digits; those by the exponent of `PressurePower` in
+    gross slip are up to 6 % off. Where gross slip turns into partial slip late in a test, those by k have only the
+    right sign and size.
     """
 
     shares: ClassVar = FOLLOWED

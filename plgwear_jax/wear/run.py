@@ -169,9 +169,8 @@ class Run(Solution, abc.ABC):
             volume: Volume in m^3, >= 0 and finite.
 
         Returns:
-            The cycles, broadcast against the contacts. A depth or a volume that is never worn gives infinity, and so
-            does what blocks do not wear. A share of nothing, where nothing wears, is NaN, and so is what gross slip
-            without an end does not wear as long as it is followed.
+            The cycles, broadcast against the contacts. Infinite for a depth or a volume that is never reached, or not
+            within the blocks. NaN for a share where nothing wears, and in gross slip beyond the end of the run.
         """
         goals = {"share": share, "depth": depth, "volume": volume}
         goals = {name: goal for name, goal in goals.items() if goal is not None}

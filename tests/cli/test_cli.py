@@ -171,7 +171,7 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert table["exponent k"] == ["-0.816", "0"]
     assert table["modulus E0 at the depth z0"] == ["31.5 GPa", "110 GPa"]
     assert table["wear volume"][1] == "2.961 µm³"
-    assert table["stress at the edge, exponent"] == ["-0.908", "-0.5"]
+    assert table["exponent of the edge singularity"] == ["-0.908", "-0.5"]
     assert table["pressure 677 nm inside the stick-slip boundary"][1] == "350.3 MPa"
     assert table["k"] == ["-0.816", "-0.9 to 0.9", "between"]
     saving, *others = found.splitlines()[-5:]
@@ -390,7 +390,7 @@ def test_a_punch_is_designed(undrawn):
     assert table["normal force lost, as a share"] == ["0.04608", "0.167"]
     # -d ln(force_drop)/dk at k = -0.9, times 0.01
     assert table["k"] == ["-0.9", "-0.9 to 0.9", f"at the lower bound; widening it by 0.01 saves {gained:.2g} %"]
-    assert "stress at the edge" not in result and "10 % higher" not in result
+    assert "edge singularity" not in result and "10 % higher" not in result
     assert "72.4 % less normal force lost than the reference" in lines
     assert "the next best minimum, at k = 0.9, is as good" in lines
     assert found["rival"] == {"variables": {"k": 0.9}, "value": pytest.approx(found["best"]["force_drop"], rel=1e-6)}
@@ -657,6 +657,6 @@ def test_the_command_design_takes_gross_slip(monkeypatch):
     result = printed("design sliding.toml")
     assert "the contact slips as a whole, from 445.2 nm on; every coating is given this displacement" in result
     assert "wear volume after 400,000 cycles" in result and "stick radius" not in result
-    assert "stress at the edge" not in result  # in gross slip there is none
+    assert "edge singularity" not in result  # in gross slip there is none
     assert "0.15 % more wear volume after 400,000 cycles than the best one" in result
     assert image.imread("sliding-design.png").std() > 0.1
