@@ -310,9 +310,9 @@ material.modulus    E_{#}       Pa  POSITIVE       -  modulus #  Young's modulus
 material.depth      z_{#}       m   NOT_NEGATIVE  -  depth #  depth # below the surface
 indenter.E          E_i         Pa  POSITIVE       -  modulus of the indenter  Young's modulus of an elastic indenter
 indenter.nu         \nu_i       1   POISSON_RATIO  -  Poisson's ratio of the indenter
-shape.exponent      n           1   POSITIVE       -  exponent of the shape  exponent n of the indenter's shape
+shape.exponent      n           1   SHAPE_EXPONENT  -  exponent of the shape  exponent n of the indenter's shape
 shape.slope         \tan\alpha  1   POSITIVE       -  slope of the cone  slope of a conical indenter
-shape.flat_radius   b           m   POSITIVE       -  radius of the flat  radius b of the indenter's flat middle
+shape.flat_radius   b           m   NUMBER         -  radius of the flat  radius b of the indenter's flat middle
 shape.r             r_{#}       m   NOT_NEGATIVE  -  radius # of the table  radius # of the table of heights
 shape.heights       f_{#}       m   NOT_NEGATIVE  -  height #  height # of the indenter above its apex
 radius              R           m   POSITIVE       -  radius of the indenter

@@ -12,6 +12,7 @@ class Domain(NamedTuple):
 
 
 EXPONENT = Domain("-1 < k < 1", lambda k: (k > -1.0) & (k < 1.0))
+SHAPE_EXPONENT = Domain(">= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
 AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
 POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
 SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))

@@ -6,11 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax._core.domains import POSITIVE, Domain, Numbers, record
+from plgwear_jax._core.domains import POSITIVE, Numbers, record
+from plgwear_jax._core.ranges import SHAPE_EXPONENT
 
 from .shape import AbelTransform, Shape
-
-EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
 
 
 @record
@@ -130,7 +129,7 @@ class PowerShape(_OnePower):
 
     exponent: Numbers
 
-    ranges: ClassVar = {"exponent": EXPONENT}
+    ranges: ClassVar = {"exponent": SHAPE_EXPONENT}
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m; by NumPy of numbers of NumPy."""

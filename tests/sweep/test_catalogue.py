@@ -204,8 +204,8 @@ def test_a_leaf_is_set_under_jit_and_grad():
 def test_a_leaf_is_called_what_it_is():
     for one in NAMES["leaves"]:
         kind = leaf(one["path"])
-        assert one == {"path": one["path"], "words": kind.words, "symbol": kind.symbol, "unit": kind.unit}
-        assert kind.description and kind.domain.contains(0.25)
+        told = {"words": kind.words, "symbol": kind.symbol, "unit": kind.unit, "allowed": kind.domain.text}
+        assert kind.description and one == {"path": one["path"], **told}
         assert one["path"] == "depth" or entry(one["path"]).unit == kind.unit
 
 
