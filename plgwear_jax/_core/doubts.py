@@ -149,7 +149,7 @@ def of_design(depth: Any, modulus: Any, contact_radius: float, wear_depth: float
     worst = np.argmax(np.maximum(there / MADE[1], MADE[0] / there))
     if not MADE[0] <= there[worst] <= MADE[1]:
         place = f"{written(float(there[worst]), 'Pa')} at a depth of {written(float(felt[worst]), 'm')}"
-        found.append(f"{place} is beyond 1 to 1,000 GPa: limit E(z) by limits = {{ modulus = ... }}")
+        found.append(f"{place} is outside 1 to 1,000 GPa: limit E(z) by limits = {{ modulus = ... }}")
     if wear_depth < SMOOTH:
         found.append(f"the wear is only {written(wear_depth, 'm')} deep: the roughness of most surfaces is larger")
     return "; ".join(found) or None

@@ -103,7 +103,10 @@ _NAMES = "gross_slip", "tangential_force", "energy_ratio", "loop_aperture"
 def regimes(
     scene_file: SceneFile,
     displacement: Annotated[
-        str | None, option(metavar="LOWEST:HIGHEST", help="Displacement amplitudes of the map, in m.")
+        str | None,
+        option(
+            metavar="LOWEST:HIGHEST", help="Displacement amplitudes of the map, in m; by default around the transition."
+        ),
     ] = None,
     normal_force: Annotated[
         str | None,

@@ -100,7 +100,11 @@ def test_what_is_not_known_is_not_doubted():
     "exponent, wear_depth, said",
     [
         (0.2, 6e-8, None),
-        (-0.9, 6e-8, "1.589 TPa at a depth of 5 µm is beyond 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }"),
+        (
+            -0.9,
+            6e-8,
+            "1.589 TPa at a depth of 5 µm is outside 1 to 1,000 GPa: limit E(z) by limits = { modulus = ... }",
+        ),
         (0.2, 1.7e-9, "the wear is only 1.7 nm deep: the roughness of most surfaces is larger"),
     ],
 )
