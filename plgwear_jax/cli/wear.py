@@ -59,10 +59,10 @@ def wear(
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
-    The amplitude under [load] is constant, that of the force or that of the displacement. In partial slip the wear per
-    cycle first rises. It then falls, since the worn ring sheds its load to the stick zone, and ends in the steady
-    state. In gross slip it goes on, and is followed until the contact is ten times as wide. The life to be told is
-    cycles under [wear].
+    The amplitude under [load], of the force or of the displacement, is constant, but for blocks. In partial slip the
+    wear per cycle first rises. It then falls, since the worn ring sheds its load to the stick area, and ends in the
+    steady state. In gross slip it goes on, and is followed until the contact is ten times as wide. The life is cycles
+    under [wear].
 
     Example: plgwear wear design/steel_ball.toml --csv course.csv
     """
@@ -71,7 +71,7 @@ def wear(
     positive("--deviation", deviation, "a share of the volumes")
     kind = "wear" if volumes is None else "fit"
     if volumes and csv_file:
-        refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
+        refuse("--csv: a fit writes no table; put the coefficient that it finds into the input file")
     report = Report(scene_file, as_json, f"{scene_file.stem}-{kind}", picture=picture, table=csv_file)
     if volumes:
         if digits:
@@ -226,8 +226,9 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
-            told = f"after {last:.3g} cycles the scar is ten times as wide as at first, or as the table of heights"
-            refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
+            why = "the scar is then ten times as wide as the first contact, or as its table of heights"
+            told = f"the wear is followed no further than {last:.3g} cycles; {why}"
+            refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}")
         printed = printed or [last]
         known = [float(np.clip(run.cycles_to(_EARLY), 1e-4 * printed[0], 0.1 * printed[0])), *printed]
     else:
