@@ -285,7 +285,8 @@ def fit_picture(fit: Fit, points: str = "measured") -> Figure:
         left.axhline(fit.steady_volume, **_END)
     right.axhline(0.0, **BEST)
     left.set_ylim(0.0, 1.3 * max(fit.volume.max(), fit.fitted.max()))
-    for axes, known, unit in ((left, 0.0, 1.0), (right, fit.fitted, 0.01 * fit.fitted)):
+    percent = np.where(fit.fitted, 0.01 * fit.fitted, np.inf)  # before the first cycle there is nothing to compare
+    for axes, known, unit in ((left, 0.0, 1.0), (right, fit.fitted, percent)):
         axes.errorbar(fit.cycles, (fit.volume - known) / unit, bars / unit, label=points, fmt="o", color="k",
                       markersize=3.5, elinewidth=0.8, capsize=2.0)  # fmt: skip
         axes.set_xlim(0.0, 1.1 * fit.cycles.max())
