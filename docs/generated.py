@@ -146,7 +146,8 @@ def random_contacts() -> str:
                 max((row[-1] for row in rows if row[1] == name and is_of(kind, row[0])), key=float, default="")
                 for kind in kinds
             )
-            lines.append(f"| {name} | {title} | {' | '.join(cells)} |")
+            words = name.replace("last of a march", "volume at the end of a run")
+            lines.append(f"| {words} | {title} | {' | '.join(cells)} |")
     told = []
     for kind in kinds:
         numbers = [map(int, row[1:]) for row in counts if is_of(kind, row[0])]
