@@ -181,6 +181,8 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     others = "\nall else as in the best design" if len(bounds) > 1 else ""
     show_units(axes.xaxis, name, leaf(name).label)
     axes.set_xlabel(axes.get_xlabel() + others)
+    if is_linear(name):  # labels such as -0.25 are wide
+        axes.locator_params("x", nbins=5)
     minimised = entry(design.objective)
     several = design.load is not None and np.count_nonzero(design.load.weight) > 1
     axes.set_ylabel(f"change of {f'mean {minimised.name}' if several else minimised.label} (%)")
