@@ -73,7 +73,7 @@ quantities = ["contact_radius", "peak_initial_pressure", "stick_radius",
 
 _GROSS_SLIP = """\
 [material]
-E0 = 1e9                    # Pa, the modulus at the depth z0
+E0 = 100e9                  # Pa, the modulus at the depth z0
 z0 = 1e-3                   # m
 k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
@@ -86,6 +86,10 @@ depth = 1e-6                # m, held while it slides
 [design]
 vary = { k = [-0.9, 0.9] }  # between these bounds
 minimise = "volume_change"  # or "force_drop"
+
+[design.limits]             # moduli that your process can make
+modulus.at = [2e-5, 6e-3]                           # m, two depths
+modulus.between = [[50e9, 200e9], [50e9, 200e9]]    # Pa, at each
 
 [output]
 quantities = ["volume_change", "initial_force", "steady_force", "steady_displacement"]
