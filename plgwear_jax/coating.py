@@ -160,9 +160,9 @@ def fit_power_law(depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radiu
     material = PowerLawGraded(math.exp(log_modulus), contact_radius, k, nu)
     doubt = None
     if covered < _FAR:
-        doubt = f"the table covers {100.0 * covered:.0f} % of what the contact feels; the rest is taken as its ends are"
+        doubt = f"the table covers {100.0 * covered:.0f} % of the depths that count; beyond its ends E is constant"
     elif not freedom:
-        doubt = "two points and two unknowns: the data tell no interval"
+        doubt = "two points and two unknowns: there is no interval"
     elif scatter > _ROUGH:
         doubt = f"the moduli scatter {100.0 * scatter:.0f} % about the fit: this is hardly a power law"
     with np.errstate(divide="ignore"):

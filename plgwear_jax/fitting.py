@@ -305,14 +305,14 @@ def fit_wear_coefficient(
         said = None
         if math.isnan(rise):
             low = high = math.nan
-            said = "one point and one unknown: without its deviation the data tell no interval"
+            said = "one point and one unknown: without its deviation there is no interval"
         elif low == -math.inf:
             said = "the scatter is too large: the data do not tell the wear coefficient"
         elif high == math.inf and final is None:
             said = "the data do not bound the wear coefficient from above"
         elif final is not None and (high == math.inf or fitted[worn].min() > _STEADY * final):
             beyond = f"all points lie beyond {100.0 * fitted[worn].min() / final:.0f} % of the steady state"
-            said = f"{beyond}: they tell little but the least coefficient"
+            said = f"{beyond}: they give little more than a lower bound of the coefficient"
         elif high - low > math.log(100.0):
             said = "the scatter is too large: the data hardly tell the wear coefficient"
         elif deviation is not None and freedom and special.chdtrc(freedom, least) < 0.01:
@@ -323,7 +323,7 @@ def fit_wear_coefficient(
                 more = f"up to {ratio:.3g} times the volume of the steady state is measured"
                 said = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
         elif np.any(target > _EXCESS * most):
-            said = "more is measured than any wear coefficient explains: the test is another than given"
+            said = "more is measured than any wear coefficient explains: the test is not the one that is given"
         lasting = math.inf if held.lasts else sum(float(stage.cycles) for stage in held.stages())
         curve_cycles = np.geomspace(0.5 * N.min(), min(2.0 * N.max(), lasting), _GRID)
         return Fit(

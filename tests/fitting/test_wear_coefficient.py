@@ -84,7 +84,7 @@ def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycle
     found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
     assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
     assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
-    assert "little but the least coefficient" in found.doubt
+    assert "a lower bound of the coefficient" in found.doubt
 
 
 def test_a_coefficient_is_hardly_told_by_an_interval_of_a_factor_of_100():
