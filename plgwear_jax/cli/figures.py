@@ -19,8 +19,8 @@ def figures(
 ) -> None:
     """Draw the figures of the paper with the library, and check what the paper says about them.
 
-    Each becomes a PDF and a PNG. In the same folder figures.md shows them, and says of each statement whether it
-    agrees. Number 10 is the second of the two figures that are printed as 9.
+    Each becomes a PDF and a PNG. In the same folder, contact-sheet shows all of them, and figures.md says of each
+    statement whether it agrees. Number 10 is the second of the two figures that are printed as 9.
 
     Example: plgwear figures --out figures --only 4 --only 9
     """
@@ -39,9 +39,9 @@ def figures(
         why = "is a file, not a folder to write to" if out.is_file() else f"cannot be made: {error.strerror}"
         raise files.TargetError(f"{out}: {why}") from None
     files.check_target(out / "figures.md", (".md",))
-    for figure in chosen:
+    for stem in (*(figure.stem for figure in chosen), "contact-sheet"):
         for suffix in suffixes:
-            files.check_target(out / f"{figure.stem}{suffix}", suffixes)
+            files.check_target(out / f"{stem}{suffix}", suffixes)
     for figure in chosen:
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()
@@ -49,5 +49,9 @@ def figures(
                 plots.save(drawn, out / f"{figure.stem}{suffix}")
             verdict = library.verdict(figure.check())
         typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
-    text = library.report(chosen).encode()
+    with working("drawing all of them on one sheet"):
+        sheet = library.contact_sheet(chosen)
+        for suffix in suffixes:
+            plots.save(sheet, out / f"contact-sheet{suffix}")
+        text = library.report(chosen).encode()
     files.write(out / "figures.md", lambda path: path.write_bytes(text))

@@ -169,7 +169,8 @@ def test_command_writes_pictures_and_a_report(here):
     found = run("--out", "drawn", "--only", "04")
     assert found.exit_code == 0 and found.stderr == ""
     assert found.stdout.splitlines() == ["Fig. 4    Effective volume change over the exponent: agrees"]
-    assert {path.name for path in Path("drawn").iterdir()} == {"fig-04.pdf", "fig-04.png", "figures.md"}
+    pictures = {f"{stem}.{kind}" for stem in ("contact-sheet", "fig-04") for kind in ("pdf", "png")}
+    assert {path.name for path in Path("drawn").iterdir()} == {*pictures, "figures.md"}
     assert image.imread("drawn/fig-04.png").shape[1] == int(8.6 / 2.54 * 300)
     assert Path("drawn/fig-04.pdf").read_bytes().startswith(b"%PDF")
     report = Path("drawn/figures.md").read_text("utf-8")
@@ -198,8 +199,8 @@ def test_command_draws_all_figures(tmp_path):
     verdicts = [line.rpartition(": ")[2] for line in found.stdout.splitlines()]
     assert verdicts == ["agrees in part" if key in IN_PART else "agrees" for key in figures.FIGURES]
     pictures = [*(tmp_path / "all").glob("*.png")]
-    assert len(pictures) == len(figures.FIGURES)
-    widths = {image.imread(path).shape[1] for path in pictures}
+    assert len(pictures) == len(figures.FIGURES) + 1
+    widths = {image.imread(path).shape[1] for path in pictures if path.stem != "contact-sheet"}
     assert widths == {int(cm / 2.54 * 300) for cm in (8.6, 17.8)}  # of a column and of a page
     for key in ("1", "6"):  # the set-ups
         assert any("F_" in text.get_text() for text in figures.FIGURES[key].draw().axes[0].texts)

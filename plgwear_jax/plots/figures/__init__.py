@@ -7,10 +7,13 @@ text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 import inspect
 from collections.abc import Sequence
 
+from matplotlib.figure import Figure
+
+from ..style import page, picture
 from .drawings import FIGURES
 from .paper import NUMBERS, Claim, PaperFigure, TextNumber, numbers, verdict
 
-__all__ = ["FIGURES", "NUMBERS", "Claim", "PaperFigure", "TextNumber", "numbers", "report", "verdict"]
+__all__ = ["FIGURES", "NUMBERS", "Claim", "PaperFigure", "TextNumber", "contact_sheet", "numbers", "report", "verdict"]
 
 
 def report(figures: Sequence[PaperFigure]) -> str:
@@ -20,6 +23,7 @@ def report(figures: Sequence[PaperFigure]) -> str:
         "Written by `plgwear figures`. Each statement of the paper is compared with the result of the library; φ is "
         "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws; below "
         "each figure stands what is drawn here.",
+        "![All of them](contact-sheet.png)",
     ]
     for figure in figures:
         claims = [(claim.said, claim.found, claim.verdict) for claim in figure.check()]
@@ -40,3 +44,23 @@ def _markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+
+
+@picture
+def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
+    """All figures on one page in their own sizes, each with its label; those of a column stand in pairs."""
+    rows: list[list[PaperFigure]] = []
+    for figure in figures:
+        waiting = [row for row in rows if len(row) * figure.size[0] + row[0].size[0] < 18.0]
+        if waiting:
+            waiting[0].append(figure)
+        else:
+            rows.append([figure])
+    heights = [max(figure.size[1] for figure in row) + 0.7 for row in rows]
+    sheet = page(17.8, sum(heights), dpi=180)
+    for part, row in zip(sheet.subfigures(len(rows), 1, height_ratios=heights, squeeze=False).flat, rows, strict=True):
+        parts = part.subfigures(1, round(17.8 / row[0].size[0]), squeeze=False)
+        for place, figure in zip(parts.flat, row, strict=False):
+            figure.draw_on(place)
+            place.suptitle(figure.label, x=0.01, ha="left")
+    return sheet
