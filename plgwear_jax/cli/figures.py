@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._core import files
+from plgwear_jax._core.paper_figures import PAPER_FIGURES
 from plgwear_jax._core.words import one_line
 
 from .terminal import computing, option, refuse, working
@@ -24,13 +25,13 @@ def figures(
 
     Example: plgwear figures --out figures --only 4 --only 9
     """
+    keys = [key.lstrip("0") or key for key in only or PAPER_FIGURES]
+    for key in keys:
+        if key not in PAPER_FIGURES:
+            refuse(f"--only {one_line(key)}: there is no such figure; allowed are {', '.join(PAPER_FIGURES)}")
     with computing("getting ready", one_question=False):
         from plgwear_jax import plots
         from plgwear_jax.plots import figures as library
-    keys = [key.lstrip("0") or key for key in only or library.FIGURES]
-    for key in keys:
-        if key not in library.FIGURES:
-            refuse(f"--only {one_line(key)}: there is no such figure; allowed are {', '.join(library.FIGURES)}")
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     suffixes = ".pdf", ".png"
     try:

@@ -10,6 +10,7 @@ from matplotlib.figure import FigureBase
 from matplotlib.rcsetup import cycler
 
 from plgwear_jax import fretting, gross_slip
+from plgwear_jax._core.paper_figures import PAPER_FIGURES
 from plgwear_jax._core.units import text_cells
 
 from ..style import BEST, BLUE, DASH_DOT, DASHED, GREEN, GUIDE, ORANGE, REFERENCE, Style, legend_above, letters
@@ -499,21 +500,6 @@ def worn_pressures(page: FigureBase) -> list[Claim]:
 
 # --- all of them ------------------------------------------------------------------------------------------------------
 
-# Keys, labels, titles, and widths and heights in cm, of a column or of a page; columns are set off by two spaces.
-_TABLE = """
-    1        Fig. 1    Gross slip of a flat punch: set-up and pressure             17.8  5.6
-    2        Fig. 2    Indenter profile and surface displacement for k = −0.5      8.6   6.6
-    3        Fig. 3    Indenter profile and surface displacement for k = 0.5       8.6   6.6
-    4        Fig. 4    Effective volume change over the exponent                   8.6   6.0
-    5        Fig. 5    Normal force in the initial and steady state                17.8  7.0
-    table-1  Table 1   Normal force against the homogeneous half-space             8.6   8.8
-    6        Fig. 6    Partial slip of a parabolic indenter, set-up                17.8  5.2
-    7        Fig. 7    Inner and outer radius of the worn ring                     8.6   7.0
-    eq-27    Eq. (27)  Three materials with the same contact radius                8.6   6.2
-    8        Fig. 8    Limiting profiles for three amplitudes and exponents        8.6   14.5
-    9        Fig. 9    Wear volume over the amplitude                              17.8  8.4
-    10       Fig. 10   Pressures in the fully worn state                           8.6   14.5
-"""
 _DRAWN = (
     gross_slip_set_up,
     punch_on_stiff_surface,
@@ -530,5 +516,5 @@ _DRAWN = (
 )
 FIGURES = {
     key: PaperFigure(key, label, title, (float(width), float(height)), draw_on)
-    for (key, label, title, width, height), draw_on in zip(text_cells(_TABLE), _DRAWN, strict=True)
+    for (key, (label, title, width, height)), draw_on in zip(PAPER_FIGURES.items(), _DRAWN, strict=True)
 }
