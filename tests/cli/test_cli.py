@@ -7,6 +7,7 @@ import json
 import os
 import re
 import sys
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
@@ -491,22 +492,8 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
 def test_front_json_is_one_object(folder, trade, undrawn):
     found = told(f"{FRONT} --picture front.pdf")
     assert found["reference"].pop("edge_pressure") > 0.0 and Path("front.pdf").exists()
-    assert found == {
-        "scene": "contact.toml",
-        "x": "edge_pressure",
-        "x_places": {"distance": 1e-6},
-        "larger": "",
-        "objective": "wear_volume",
-        "objective_places": {},
-        "edge_pressure": [1e8, 2e8, 4e8],
-        "wear_volume": [5e-18, 3e-18, 2e-18],
-        "k": [0.5, 0.0, -0.5],
-        "converged": [True] * 3,
-        "certified": [True] * 3,
-        "reference": {"wear_volume": float(reference(0.32).wear_volume)},
-        "units": {"edge_pressure": "Pa", "wear_volume": "m^3", "k": "1", "distance": "m"},
-        "picture": "front.pdf",
-    }
+    assert found.pop("reference") == {"wear_volume": float(reference(0.32).wear_volume)}
+    assert found == tomllib.loads(Path(__file__).with_name("front.toml").read_text("utf-8"))
 
 
 def test_front_that_is_not_certain_says_where(folder, trade, undrawn):

@@ -149,12 +149,15 @@ def test_an_interval_reaches_to_where_the_squares_have_risen(volume, known):
     noise = 0.05 * np.random.default_rng(1).standard_normal(volume.size)
     noisy = volume * (1.0 + noise) if known else np.abs(volume + noise * volume[-1])
     found = fitting.fit_wear_coefficient(CONTACT, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22 if known else None)
-    curve = [np.append(0.0, one) for one in (found.curve_cycles, found.curve[0])]
-    # The volume with another coefficient is that of the fit after other cycles.
-    ends = np.array([found.wear_coefficient, *found.interval]) / found.wear_coefficient
-    z = [(np.interp(CYCLES * end, *curve) - noisy)[1:] / found.deviation[1:] for end in ends]
-    least, *rise = np.sum(np.square(z), axis=-1)
-    assert_allclose(np.array(rise) - least, 1.96**2 if known else stats.t.ppf(0.975, 5) ** 2, rtol=0.05)
+    # The volume with another coefficient is that after other cycles.
+    run = CONTACT.over_cycles(FORCE, COEFFICIENT)
+    ends = np.array([found.wear_coefficient, *found.interval])[:, None] / COEFFICIENT
+    z = (run.volume(ends * CYCLES) - noisy)[:, 1:] / found.deviation[1:]
+    least, *rise = np.sum(z**2, axis=-1)
+    quantile = (stats.norm() if known else stats.t(5)).ppf(0.975)
+    assert_allclose(np.array(rise) - least, quantile**2, rtol=1e-3)
+    assert known or least == pytest.approx(5.0, rel=1e-3)  # which makes the scatter that of each
+    assert_allclose(found.curve, run.volume(ends * found.curve_cycles), rtol=1e-3)
 
 
 @parametrize(

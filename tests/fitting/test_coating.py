@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import plgwear, refused, told
-from marks import compiled, long, parametrize
+from marks import long, parametrize
 from numpy.testing import assert_allclose
 from refusals import cases, is_told
 
@@ -58,6 +58,37 @@ def test_a_power_law_is_found_again(k):
     assert np.all(found.weight[[1, 2, 3, 4]] > 0.0) and found.weight[0] == 0.0
 
 
+def test_the_confidence_is_that_of_a_linear_fit_whose_points_scatter_alike():
+    from scipy import stats
+
+    depth, noise = RADIUS * np.array([0.1, 0.25, 0.9, 1.5, 3.0]), np.array([0.1, -0.05, -0.08, 0.06, 0.02])
+
+    def fitted(noise):
+        found = coating.fit_power_law(depth, power_law(depth, 0.2) * np.exp(noise), 0.3, RADIUS)
+        return found, np.array([found.material.k, math.log(found.material.E0)])
+
+    (found, best), (_, without) = fitted(noise), fitted(0.0)
+    slopes = np.stack([fitted(one)[1] - without for one in np.eye(5)], -1)
+    assert_allclose(found.covariance, found.scatter**2 * slopes @ slopes.T, rtol=1e-6)
+    left = np.eye(5) - np.vander(np.log(depth / RADIUS), 2) @ slopes  # of the scatter about the fit
+    expected = (found.weight @ (left @ noise) ** 2) / (found.weight @ np.sum(left**2, -1))
+    assert_allclose(found.scatter**2, expected, rtol=1e-6)
+    reach = stats.t(3).ppf(0.975) * np.sqrt(np.diag(found.covariance))
+    ends = np.stack([found.exponent_interval, np.log(found.modulus_interval)], -1)
+    assert_allclose(ends, [best - reach, best + reach], rtol=1e-9)
+    edges = np.concatenate([depth[:1], np.sqrt(depth[1:] * depth[:-1]), depth[-1:]]) / RADIUS
+    shares = np.diff(coating.felt(edges, 0.3))  # of the stiffness
+    assert_allclose(found.weight, shares / shares.sum(), rtol=1e-12)
+
+
+def test_each_decade_counts_by_what_its_moduli_change(monkeypatch):
+    # Each of three depths a step, six steps a decade, changes as much.
+    monkeypatch.setattr(coating, "_slopes_by_depth", lambda contact, force, depth, hats: hats.sum(1) / 18.0)
+    depth, counts = coating.where_it_counts(MEASURED, 0.4, RADIUS)
+    assert_allclose(depth, RADIUS * np.geomspace(0.01, 10.0, 19), rtol=1e-12)
+    assert_allclose(counts, 1.0, rtol=1e-12)
+
+
 def test_it_does_not_matter_how_densely_the_table_is_written():
     def fitted(depth):
         return coating.fit_power_law(depth, 100e9 + 50e9 * depth / (depth + RADIUS), 0.3, RADIUS).material.k
@@ -65,20 +96,6 @@ def test_it_does_not_matter_how_densely_the_table_is_written():
     even = RADIUS * np.geomspace(0.05, 5.0, 400)
     denser = np.sort(np.concatenate([even, RADIUS * np.geomspace(0.2, 0.4, 4000)]))
     assert_allclose(fitted(denser), fitted(even), atol=1e-3)
-
-
-@compiled
-def test_the_confidence_is_that_of_scattered_points():
-    random, depth = np.random.default_rng(1), RADIUS * np.geomspace(0.1, 3.0, 12)
-    found = [
-        coating.fit_power_law(depth, power_law(depth, 0.2) * np.exp(0.05 * random.standard_normal(12)), 0.3, RADIUS)
-        for _ in range(400)
-    ]
-    within = np.mean([one.exponent_interval[0] <= 0.2 <= one.exponent_interval[1] for one in found])
-    assert 0.91 < within < 0.98
-    spread = np.cov([one.material.k for one in found], [math.log(one.material.E0) for one in found])
-    told = np.mean([one.covariance for one in found], axis=0)
-    assert_allclose(told, spread, rtol=0.3, atol=1e-5)
 
 
 @cases("fitting/refused.toml", "power_laws")

@@ -13,7 +13,9 @@ each seed; the regions are
 
 import dataclasses
 import functools
+import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
 import functions
 import jax
@@ -208,27 +210,9 @@ QUANTITIES = (
     Quantity("FrettingContact.wear_volume", wear_volume_in_si, dome, "wear_volume_in_si", **_SI),
 )
 
-# The promise, as value and derivatives of order 1 and 2, by region and dtype.
-PROMISED = {
-    ("float64", "bulk"): (2e-14, 1e-13, 1e-12),
-    ("float64", "edges"): (5e-13, 1e-11, 1e-9),
-    ("float64", "near"): (2e-14,),
-    ("float64", "near edges"): (5e-13,),
-    ("float64", "SI"): (2e-13, 1e-12),
-    ("float32", "bulk"): (5e-6, 5e-6, 5e-6),
-    ("float32", "edges"): (1e-4, 1e-4, 1e-4),
-    ("float32", "near"): (5e-6,),
-    ("float32", "near edges"): (1e-4,),
-    ("float32", "SI"): (1e-4, 1e-4),
-}
-# Where the promise is not kept, what is. Towards phi = 1 derivatives cancel among powers of 1 - phi, of which float32
-# holds seven digits.
-SHORT = {
-    ("fretting.wear_volume", "float32", "bulk"): (5e-6, 1e-5, 1.5e-4),
-    ("fretting.worn_radius", "float32", "bulk"): (5e-6, 8e-6),
-    ("fretting.steady_pressure", "float32", "edges"): (1e-4, 3e-4),
-    ("fretting.deepest_wear", "float32", "bulk"): (5e-6, 5e-6, 2e-5),
-}
+TABLES = tomllib.loads(Path(__file__).with_name("accuracy.toml").read_text("utf-8"))
+# By dtype and region, and for some quantities by their names, dtype and region.
+PROMISED, SHORT = ({tuple(key.split(", ")): kept for key, kept in rows.items()} for rows in TABLES.values())
 
 
 @dataclasses.dataclass(frozen=True)

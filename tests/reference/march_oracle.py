@@ -7,6 +7,8 @@ in a_0, heights in a_0^2/R, volumes in a_0^4/R, pressures in F_N/(pi a_0^2), and
 all by the F_N and mu of the contact.
 """
 
+import tomllib
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -28,25 +30,8 @@ class Given(NamedTuple):
 
 # Blocks, and a radius beyond the last scar.
 HISTORIES = {
-    "a held displacement": ([Given(3.0, displacement=0.6)], 1.25),
-    "gross slip": ([Given(0.6, displacement=3.0)], 2.8),
-    "just beyond the onset": ([Given(0.3, displacement=1.05), Given(0.5, displacement=1.05)], 2.0),
-    "changing force and friction": (
-        [
-            Given(0.5, displacement=0.5),
-            Given(0.3, displacement=0.8, normal_force=1.5, friction=0.8),
-            Given(0.5, force=0.5, friction=1.2),
-        ],
-        1.8,
-    ),
-    "from gross to partial slip": (
-        [
-            Given(0.4, displacement=2.0),
-            Given(0.6, displacement=1.0, friction=1.3, rig=0.5),
-            Given(0.3, displacement=2.5, normal_force=0.7),
-        ],
-        2.4,
-    ),
+    name: ([Given(**block) for block in one["blocks"]], one["outer"])
+    for name, one in tomllib.loads(Path(__file__).with_name("histories.toml").read_text("utf-8")).items()
 }
 
 

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
-from plgwear_jax.stresses import Stress
+from plgwear_jax.special.pchip import Piecewise
+from plgwear_jax.stresses import Stress, peaks
 from plgwear_jax.stresses.field import Pressed, samples
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
@@ -204,6 +205,15 @@ def test_the_surface_carries_the_pressure_and_the_traction(material):
     assert_allclose(found.xz / p_0, -FRICTION * (pressure - stuck) / p_0, rtol=0, atol=1e-3)
 
 
+@parametrize("material", [STEEL, LAYERS])
+def test_the_worn_surface_carries_its_pressure_and_traction(material):
+    steady = steady_of(material, 0.6)
+    x = np.array([-1.5, -0.6, -0.3, 0.0, 0.2, 0.5]) * steady.contact_radius
+    _, _, *found = steady.stress(x, 0.0, worn=True)
+    known = steady.pressure(abs(x)), steady.traction(abs(x))
+    assert_allclose(np.add(found, known) / steady.peak_initial_pressure, 0.0, atol=2e-3)
+
+
 def test_a_surface_of_infinite_modulus_carries_the_traction():
     steady = graded(-0.9, 0.999)
     x = np.array([-1.5, -0.9, -0.3, 0.1, 0.5, 0.9]) * steady.contact_radius
@@ -285,6 +295,31 @@ def test_derivatives_of_peaks_by_all_numbers(material, name):
         ends = [float(value(with_leaf(contact, leaf, number * (1.0 + side)))) for side in (1e-4, -1e-4)]
         along = 1e-4 * float(np.sum(leaf_of(slopes, leaf) * number))
         assert along == pytest.approx((ends[0] - ends[1]) / 2.0, rel=2e-2, abs=2e-6 * ends[0])
+
+
+def test_a_peak_moves_where_it_can_and_else_with_what_holds_it(monkeypatch):
+    """That of mu^3 - (x - mu)^2 - 3 (z - mu^2)^2 at (0.6, 0.36): it is held beside the stick area and at interfaces."""
+
+    def stress(pressed, wanted, place):
+        mu, (x, z) = pressed.friction, place
+        return mu**3 - (x - mu) ** 2 - 3.0 * (z - mu**2) ** 2
+
+    def value(given):
+        (mu, stick, depth), one = given, jnp.ones(())
+        body = Piecewise(jnp.append(0.0, depth), jnp.ones((1, 2)))
+        pressed = Pressed(4, one, one, stick, mu, one, one, one, one, one, one, body)
+        return peaks.peak_at(pressed, peaks.Wanted(one, 0.0 * one, one), 0.6 * one, 0.36 * one).value
+
+    monkeypatch.setattr(peaks, "_stress_at", stress)
+    of = jax.jit(lambda given: (jax.grad(value)(given), jax.hessian(value)(given)[0, 0]))
+    for mu, stick, depth, *known, second in (
+        (0.6, 0.5, 0.3, 1.08, 0.0, 0.0, 3.6),
+        (0.6, 0.595, 0.3, 1.08, 0.0, 0.0, 1.6),
+        (0.6, 0.5, 0.36, 1.08, 0.0, 0.0, -5.04),
+        (0.7, 0.595, 0.36, 0.178, 0.2, 0.78, -11.12),
+    ):
+        slopes, bend = of(jnp.array([mu, stick, depth]))
+        assert_allclose([*slopes, bend], [*known, second], rtol=1e-9, atol=1e-12)
 
 
 @compiled
