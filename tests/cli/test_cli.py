@@ -395,6 +395,7 @@ def test_a_punch_is_designed(undrawn):
     assert "72.4 % less normal force lost than the reference" in lines
     assert "the next best minimum, at k = 0.9, is as good" in lines
     assert found["rival"] == {"variables": {"k": 0.9}, "value": pytest.approx(found["best"]["force_drop"], rel=1e-6)}
+    assert_allclose(optimise.compared(known.punch_design()).depth[:, 0], 0.0, atol=1e-15)  # on the axis
 
 
 @cases("cli/refused.toml", "designs")

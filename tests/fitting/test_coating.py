@@ -178,6 +178,8 @@ def test_a_free_gradient_keeps_its_limits():
     assert abs(BY_RADIUS @ np.log(held.modulus / 100e9)) < 1e-5 and held.converged
     small = optimise.free_design(CONTACT, 0.4, PROFILE, limits={"contact_radius": {"below": 0.95 * RADIUS}})
     assert BY_RADIUS @ np.log(small.modulus / 100e9) <= math.log(0.95) + 1e-5
+    for radius, modulus in zip(small.contact_radii, (small.modulus, small.power_law.material.modulus), strict=False):
+        assert_allclose(radius, RADIUS * np.exp(BY_RADIUS @ np.log(modulus / 100e9)), rtol=1e-9)
     gentle = dataclasses.replace(PROFILE, steepness=0.2)
     steps = np.diff(np.log(optimise.free_design(CONTACT, 0.4, gentle).modulus)) / np.diff(np.log(AT))
     assert np.all(np.abs(steps) < 0.2 + 1e-5)

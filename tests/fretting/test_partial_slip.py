@@ -122,6 +122,14 @@ def test_loops_and_rings_of_any_shape_vanish_with_the_force(shape):
     assert_allclose(jax.jvp(asked, (0.0,), (1.0,))[1], asked(4e-6) / 4e-6, rtol=1e-5)
 
 
+def test_the_force_of_a_displacement_has_the_slopes_of_the_closed_form():
+    def force(shape):
+        return lambda moved: dome(0.3, shape=shape).steady(Displacement(moved)).tangential_force
+
+    found, known = (jax.jvp(force(shape), (2e-7,), (1.0,)) for shape in (PowerShape(2.0), None))
+    assert_allclose(found, known, rtol=1e-9)
+
+
 @parametrize("stiffness", [0.0, -1.0, np.nan])
 def test_a_traced_rig_that_is_none_is_nan(stiffness):
     assert np.isnan(jax.jit(lambda rig: dome().steady(Force(2.0, rig)).loop_aperture)(jnp.asarray(stiffness)))

@@ -119,6 +119,12 @@ def test_scenarios_and_amplitudes_count_together():
     assert_allclose(harder.best.value, optimise.design(RIGID, 1.05 * force, **asked).value, rtol=1e-9)
 
 
+def test_what_varies_has_its_scatter_about_the_reference():
+    scenarios = on(RIGID, E0=110e9 * np.array([0.8, 1.3]), k=np.array([0.2, -0.1]))
+    question = question_of(RIGID, FORCE, {"k": (-0.5, 0.5), "E0": (60e9, 240e9)}, scenarios=scenarios)
+    assert_allclose(Evaluator(question).shared.scale, np.mean(scenarios.steady(FORCE).wear_volume), rtol=1e-12)
+
+
 @compiled
 def test_what_varies_keeps_its_scatter():
     """A modulus within 10 % of what is asked for, and an exponent within 0.05."""

@@ -14,8 +14,9 @@ from marks import compiled, parametrize
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from plgwear_jax import Cone, gross_slip, loads, optimise, plots
+from plgwear_jax import Cone, PowerLawGraded, gross_slip, loads, optimise, plots
 from plgwear_jax._core.units import text_cells
+from plgwear_jax.fitting import Fit
 from plgwear_jax.optimise.question import Limit
 
 FORCE = 0.32
@@ -167,12 +168,66 @@ def test_a_run_of_a_pointed_indenter_is_drawn():
 
 def test_no_radius_of_a_block_is_cut_off():
     blocks = loads.Blocks([loads.Block(1.0, 1e5), loads.Block(2.0, 1e4)])
-    contact, stick = np.array([1e-4, 2e-4]), np.array([6e-5, 0.0])
-    read = {"volume": contact, "force_amplitude": contact, "contact_radius": contact, "stick_radius": stick}
-    run = SimpleNamespace(load=blocks, **{name: lambda _, values=values: values for name, values in read.items()})
-    for axes in plots.blocks_picture(run).axes:
+    values = np.array([[1e-18, 3e-18], [0.5, 2.0], [1e-4, 2e-4], [6e-5, 0.0]])
+    names = "volume", "force_amplitude", "contact_radius", "stick_radius"
+    read = {name: lambda _, row=row: row for name, row in zip(names, values, strict=True)}
+    figure = plots.blocks_picture(SimpleNamespace(load=blocks, **read))
+    for axes in figure.axes:
         low, high = axes.get_ylim()
         assert low == 0.0 and high > 1.01 * axes.dataLim.y1 and not axes.get_legend()
+    drawn = np.array([line.get_data() for axes in figure.axes for line in axes.lines])
+    assert_allclose(drawn[:, 0], np.tile([0.0, 1e5, 1.1e5], (4, 1)))
+    assert_allclose(drawn[:, 1], np.insert(values, 0, [0.0, *values[1:, 0]], axis=1))
+
+
+def test_a_run_is_drawn_beside_the_wear_of_its_first_cycles():
+    start = SimpleNamespace(profile=lambda r: r, initial_pressure=lambda r: 1e9 + 0.0 * r)
+    run = SimpleNamespace(
+        volume=lambda n: 1e-20 * np.sqrt(n),
+        stick_radius=lambda n: 5e-5,
+        contact_radius=lambda n: 1e-4,
+        depth=lambda r, n: 1e-6 * n * r,
+        pressure=lambda r, n: 0.0 * n * r,
+        final=SimpleNamespace(volume=1e-16),
+        lasting_cycles=1e9,
+        contact=SimpleNamespace(steady=lambda _: start),
+    )
+    figure = plots.wear_picture(run, np.array([1e4, 1e6]), [1e6])
+    volumes, profiles, _, depths = figure.axes
+    assert_allclose([curve(volumes, n)[1] for n in (0, 1)], [[1e-18, 1e-16], [1e-18, 1e-17]])
+    assert "1,000,000 cycles (10 %)" in legend(figure)
+    r, drawn = curve(profiles, 1)
+    assert_allclose([drawn, curve(depths, 2)[1]], [2.0 * r, r])
+
+
+def spans(patch):
+    """The least and the largest abscissa and ordinate of an area."""
+    return np.array([patch.get_paths()[0].vertices.min(0), patch.get_paths()[0].vertices.max(0)])
+
+
+def test_a_fit_is_drawn_with_its_interval_and_what_it_leaves():
+    cycles, volume = np.array([1e4, 3e4]), np.array([2e-18, 5e-18])
+    curves = np.array([[1.0], [0.8], [1.3]]) * volume
+    fit = Fit(1e-14, (9e-15, 2e-14), cycles, volume, 0.9 * volume, 0.1 * volume, None, None, cycles, curves)
+    left, right = plots.fit_picture(fit).axes
+    assert_allclose(curve(left), [cycles, volume])
+    assert_allclose(spans(left.collections[0]), [[1e4, 1.6e-18], [3e4, 6.5e-18]])
+    for axes, points in ((left, volume), (right, 0.1 * volume)):
+        assert_allclose(axes.containers[0][0].get_data(), [cycles, points])
+
+
+def test_a_coating_is_drawn_as_given_and_as_its_power_law():
+    z, law = np.array([1e-6, 1e-5, 1e-4]), PowerLawGraded(1e11, 1e-5, 0.5, 0.3)
+    fit = SimpleNamespace(material=law, depth=z, modulus=2e11 * z / z, felt=(7e-6, 2e-4))
+    radii, depths = np.array([[5e-5, 8e-5], [4e-5, 7e-5]]), np.array([[1e-7, 2e-7], [3e-7, 4e-7]])
+    both = SimpleNamespace(quantities={"contact_radius": radii[:, 1]}, radii=radii, wear_depth=depths)
+    modulus, influence, worn = plots.coating_picture(fit, (z, 3e11 * z / z), (z, z**0), both).axes
+    drawn = [curve(modulus, n)[1] for n in (0, 1, -1)]
+    assert_allclose(drawn, [3e11 * z / z, law.modulus(z), fit.modulus])
+    assert_allclose(curve(influence, 1), [z, z**0])
+    for axes in (modulus, influence):
+        assert_allclose(axes.patches[0].get_x() + np.array([0.0, axes.patches[0].get_width()]), fit.felt)
+    assert_allclose([curve(worn, n) for n in (0, 3)], np.stack([radii, depths], 1))
 
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():

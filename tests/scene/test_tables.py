@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told, refusal
 
 from plgwear_jax import tables
+from plgwear_jax._core.units import PREFIXED
 
 TABLE = "tangential_force,weight\n0.1,2\n0.4,1\n0.2,0\n"
 
@@ -104,3 +105,12 @@ def test_any_bytes_are_refused_in_one_line_or_read(content):
             assert line.startswith("loads.csv: ") and line.isprintable()
         else:
             assert numbers(found).shape == (found.row.size, 2)
+
+
+@parametrize("units", [tables._UNITS, PREFIXED], ids=["read", "written"])
+def test_prefixes_are_those_of_si(units):
+    size = dict(zip("TGMkmuµnp", (12, 9, 6, 3, -3, -6, -6, -9, -12), strict=True))
+    for unit in ("m", "m^3", "Pa", "N", "J"):
+        for name, factor in units.get(unit, {}).items():
+            prefix = name.replace("³", "^3").removesuffix(unit)
+            assert factor == pytest.approx(10.0 ** (size.get(prefix, 0) * (3 if "3" in unit else 1)), rel=1e-15), name

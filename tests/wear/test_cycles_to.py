@@ -42,6 +42,8 @@ def test_a_run_has_worn_that_much_by_then(name):
     depths = shares * np.max(run.depth(r, end))
     by_then = np.max(run.depth(r[:, None], run.cycles_to(depth=depths)), 0)
     assert_allclose(by_then, depths, rtol=5e-4)
+    last = [getattr(run, name)(end) for name in ("volume", "deepest_wear", "stick_radius", "contact_radius")]
+    assert run.final is None or np.allclose(run.final, last, rtol=1e-4, atol=0.0)
 
 
 def test_the_first_cycles_and_the_last_ones():

@@ -154,9 +154,10 @@ def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
     curves = curves_of(RESOLUTIONS[4], jnp.asarray(0.0), jnp.asarray(0.8))
-    last = curves.volume.time[-1] * curves.unit * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
-    rate = Reduced(0.0, 0.8).rate(last)
-    assert_allclose(rate, rate[0], rtol=1e-9)
+    beside = np.append(np.finfo(float).eps * np.arange(-3.0, 4.0), 1e-6)
+    rate = Reduced(0.0, 0.8).rate(curves.volume.time[-1] * curves.unit * (1.0 + beside))
+    assert_allclose(rate[:-1], rate[0], rtol=1e-9)
+    assert_allclose(rate[-1], rate[0], rtol=1e-4)
 
 
 @compiled
