@@ -7,7 +7,6 @@ import json
 import os
 import re
 import sys
-import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
@@ -23,7 +22,7 @@ from marks import compiled, parametrize
 from matplotlib import image
 from numpy.testing import assert_allclose
 from processes import python
-from refusals import cases, is_told
+from refusals import cases, data, is_told
 
 import plgwear_jax
 from plgwear_jax import FrettingContact, cli, gross_slip, optimise, plots, scene
@@ -208,20 +207,8 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     assert found["picture"] == "best.svg" and Path("best.svg").read_text().startswith("<?xml")
 
 
-UNSURE = {"certified": False}
-SHORT = {"converged": False, "limits": np.array([0.1])} | UNSURE
-SCANNED = "the scan has too few points to say what lies between them"
-RIVAL = {"value": -1.0, "rival": {"k": 0.9}}  # the search minimises a logarithm
-ENDS = {
-    "the search DID NOT CONVERGE; this is the best design that it found": {"converged": False} | UNSURE,
-    "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds": UNSURE,
-    "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated": SHORT,
-    f"the search converged; a global search found nothing better, but {SCANNED}": {"scan_found_nothing_better": False},
-    **{
-        f"the next best minimum, at k = 0.9, is {told}": RIVAL | {"rival_value": more - 1.0}
-        for more, told in ((1.7, "worse: 5.5 times as much"), (0.034, "3.5 % worse"), (0.0, "as good"))
-    },
-}
+ENDS = data("cli/ends.toml")
+SHORT = next(end for end in ENDS.values() if "limits" in end)
 
 
 @compiled
@@ -494,7 +481,7 @@ def test_front_json_is_one_object(folder, trade, undrawn):
     found = told(f"{FRONT} --picture front.pdf")
     assert found["reference"].pop("edge_pressure") > 0.0 and Path("front.pdf").exists()
     assert found.pop("reference") == {"wear_volume": float(reference(0.32).wear_volume)}
-    assert found == tomllib.loads(Path(__file__).with_name("front.toml").read_text("utf-8"))
+    assert found == data("cli/front.toml")
 
 
 def test_front_that_is_not_certain_says_where(folder, trade, undrawn):
@@ -520,12 +507,7 @@ def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade, und
 @parametrize("as_json", ["--json", ""])
 def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
     rewrite("friction = 0.4", "fricton = 0.4")
-    for file, line in {
-        "contact.toml": "contact.toml: [contact] fricton = 0.4: there is no such key; did you mean friction?",
-        "missing.toml": "missing.toml: there is no such file",
-        "a\nb.toml": "a\\nb.toml: there is no such file",
-        ".": ".: is a folder; an input file is a TOML file",
-    }.items():
+    for file, line in data("cli/unread.toml").items():
         assert refused(command, file, as_json) == line
 
 

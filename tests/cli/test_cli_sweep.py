@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from commands import plgwear, refused
 from inputs import DESIGNS
-from marks import compiled, parametrize
+from marks import compiled
 from matplotlib import image
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import cases, is_told
 
 from plgwear_jax import scene, sweep
-from plgwear_jax.loads import Block, Displacement, Force
 
 SCENE = DESIGNS / "electrical_contact.toml"
 MAP = "sweep --k=-0.9:0.9:7 --phi=0.1:0.9:5 --quantity wear_volume,stick_radius.dk --out map.zarr"
@@ -111,43 +110,20 @@ wear = { coefficient = 1e-14, cycles = 4e5 }
 design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
 """
 HELD = "load = { displacement = 2e-7, rig_stiffness = 2e7 }"
-FORCED = "load = { tangential_force = 1.0, rig_stiffness = 2e7 }"
-SLIDING = "load = { displacement = 1.5e-6 }"
-HISTORY = 'load = { history = "h.csv" }'
 
 
-BLOCKS = {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}
-
-
-@parametrize(
-    "load, quantity, axis, expected",
-    [
-        (HELD, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(2e-7, 2e7)}),
-        *(
-            (HELD, quantity, "--displacement=1e-7:2e-7:2", {"load": Displacement(2e-7, 2e7)})
-            for quantity in ("transient.wear_volume", "wear_volume", "design.k")
-        ),
-        (FORCED, "wear_volume", "--displacement=1e-7:2e-7:2", {"rig_stiffness": 2e7}),
-        (FORCED, "wear_volume", "--phi=0.1:0.2:2", {"rig_stiffness": 2e7}),
-        (FORCED, "wear_volume", "--phi=0.1:0.2:2 --rig-stiffness=1e7:2e7:2", {}),
-        (HELD, "transient.wear_volume", "--rig-stiffness=1e7:2e7:2", {"load": Displacement(2e-7, 2e7)}),
-        (SLIDING, "transient.wear_volume", "--k=0.1:0.2:2", {"load": Displacement(1.5e-6)}),
-        (SLIDING, "design.k", "--radius=1e-3:2e-3:2", {"load": Displacement(1.5e-6)}),
-        (HISTORY, "transient.wear_volume", "--factor=0.5:1:2", BLOCKS),
-        (HISTORY, "design.k", "--factor=0.5:1:2", BLOCKS),
-        (HISTORY, "wear_volume", "--k=0.1:0.2:2", {"load": Force(2.0)}),
-    ],
-)  # fmt: skip
-def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axis, expected):
-    Path("scene.toml").write_text(WORN + load)
+@cases("cli/held.toml", "loads", "axis")
+def test_the_load_of_a_scene_is_held_as_it_says(stand_in, case):
+    Path("scene.toml").write_text(WORN + case["load"])
     Path("h.csv").write_text("tangential_force,cycles\n1,2e5\n2,1e5\n")
-    assert plgwear(f"sweep --scene scene.toml {axis} -q {quantity} --out map.zarr").stderr == "seen\n"
+    quantity = case["quantity"]
+    assert plgwear(f"sweep --scene scene.toml {case['axis']} -q {quantity} --out map.zarr").stderr == "seen\n"
     names = ("load", "loads", "displacement", "rig_stiffness", "tangential_force")
     given = {name: value for name, value in stand_in.items() if name in names and not isinstance(value, np.ndarray)}
-    assert given == expected
+    assert repr(given) == case["given"]
     lasting = stand_in.get("design", stand_in)
     # blocks have cycles of their own
-    assert lasting.get("cycles") == (None if quantity == "wear_volume" or load is HISTORY else 4e5)
+    assert lasting.get("cycles") == (None if quantity == "wear_volume" or "history" in case["load"] else 4e5)
 
 
 @compiled

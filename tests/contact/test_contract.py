@@ -16,6 +16,7 @@ from functions import by_numpy
 from kinds import COEFFICIENT, FRICTION, KINDS, LAYERS, LIMIT, STEEL, contact_of, dome
 from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import data
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax._core.catalogue import FRETTING, STRESSES
@@ -143,21 +144,8 @@ def runs(pair, load):
     return numeric, closed, closed.cycles_to(SHARES)
 
 
-# The most that fields, and all the rest, are apart, relative to the largest value.
 @compiled
-@parametrize(
-    "pair, load, of_fields, most",
-    [
-        ("k = -0.6", "force", 1e-4, 1e-5),
-        ("k = -0.3", "force", 1e-4, 1e-5),
-        ("k = 0.4", "force", 1e-6, 1e-6),
-        ("k = 0.7", "force", 1e-6, 1e-6),
-        ("one modulus", "force", 1e-6, 1e-6),
-        ("a parabola as a shape", "force", 1e-7, 1e-7),
-        ("k = -0.4", "displacement", 1e-5, 1e-5),
-        ("k = -0.4", "rig", 1e-5, 1e-5),
-    ],
-)
+@parametrize("pair, load, of_fields, most", data("contact/apart.toml")["runs"])
 def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     numeric, closed, cycles = runs(pair, load)
     r = np.linspace(0.0, closed.steady.worn_radius, 101)[:, None]

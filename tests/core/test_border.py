@@ -20,30 +20,13 @@ from kinds import KINDS
 from marks import compiled_case, parametrize
 from numpy.testing import assert_array_equal
 from processes import output
-from refusals import refusal
+from refusals import data, refusal
 
 from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
 
-RANGE = {
-    "r": ">= 0",
-    "distance": ">= 0",
-    "k": "-1 < k < 1",
-    "phi": "0 <= phi < 1",
-    "nu": "-1 < nu <= 1/2",
-    "compliance": ">= 0 and finite",
-    "displacement": "0 <= displacement < 1, beyond which the slip is gross",
-}
-NEGATIVE = [-1e-300, -0.5, -math.inf, math.nan]
-BAD = {
-    "r": NEGATIVE,
-    "distance": NEGATIVE,
-    "k": [-1.0, 1.0, -2.0, 1.5, 3.0, math.inf, -math.inf, math.nan],
-    "phi": [1.0, 1.5, math.inf, *NEGATIVE],
-    "nu": [-1.0, -2.0, math.nextafter(0.5, 1.0), 1.0, math.inf, math.nan],
-    "compliance": [*NEGATIVE, math.inf],
-    "displacement": [1.0, 1.5, math.inf, *NEGATIVE],
-}
+POINTS = data("core/points.toml")
+RANGE, BAD = POINTS["range"], POINTS["bad"]
 NO_NUMBERS = [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j]), object]
 
 

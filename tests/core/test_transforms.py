@@ -20,6 +20,7 @@ from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from processes import output
+from refusals import data
 
 from plgwear_jax import FrettingContact, GrossSlipContact, fretting, gross_slip, optimise
 from plgwear_jax._core.catalogue import laws_of, read
@@ -174,20 +175,16 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
 # --- jit, vmap and derivatives --------------------------------------------------------------------------------------
 
 
+POINTS = data("core/points.toml")
+
+
 def special_points(name):
     """Every edge and limit that the library names, each with ordinary values of the other arguments."""
-    K = [-1.0 + 1e-12, -0.999, -0.5, -1e-300, 0.0, 1e-9, 0.5, 0.999, 1.0 - 1e-12]
-    PHI = [0.0, 1e-300, 1e-16, 1e-8, 0.25, 0.5, 0.9, 1.0 - 1e-12]
-    NU = [-1.0 + 1e-12, -0.5, 0.0, 0.3, 0.5]
-    R = [0.0, 1e-300, 1e-8, 0.5, 1.0, 2.0**0.5, 2.0, 1e8, 1e16, 1e100, 1e154, 1e300]
-    R += [np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)]
-    DISTANCE = [0.0, 1e-90, 1e-12, 0.01, 0.5, 1.0, 2.0, 1e300]
-    SOFT = [0.0, 1e-300, 1e-8, 1.0, 1e12]
-    lists = {"r": R, "distance": DISTANCE, "k": K, "phi": PHI, "nu": NU, "displacement": PHI, "compliance": SOFT}
+    lists = POINTS["special"]
     names = arguments(name)
     at = [x.ravel() for x in np.meshgrid(*(lists[key] for key in names))]
     if names[0] in ("r", "distance") and "phi" in names:
-        k, phi = (x.ravel() for x in np.meshgrid(K, PHI))
+        k, phi = (x.ravel() for x in np.meshgrid(lists["k"], lists["phi"]))
         for radius in (functions.fretting.stick_radius, functions.fretting.worn_radius):
             edge = radius(k, phi)
             beside = [edge, np.nextafter(edge, 0.0), np.nextafter(edge, 9e9)]
@@ -335,11 +332,7 @@ def test_jit_and_vmap_equal_the_plain_call(name):
 
 def single_points(name):
     """In float32, at edges and limits."""
-    K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
-    R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
-    lists = {"r": R, "distance": [0.0, 1e-8, 0.5, 1.0, 2.0, 1e30], "k": K, "phi": PHI, "nu": NU}
-    lists |= {"displacement": PHI, "compliance": [0.0, 1e-8, 1.0, 1e6]}
-    return [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
+    return [np.float32(x.ravel()) for x in np.meshgrid(*(POINTS["single"][key] for key in arguments(name)))]
 
 
 CHEAP_IN_SINGLE = ("fretting.stick_radius", "gross_slip.volume_change")

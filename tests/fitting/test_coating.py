@@ -10,7 +10,7 @@ import pytest
 from commands import plgwear, refused, told
 from marks import long, parametrize
 from numpy.testing import assert_allclose
-from refusals import cases, is_told
+from refusals import cases, data, is_told
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, coating, optimise, scene
 from plgwear_jax._core.units import written
@@ -260,11 +260,7 @@ def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, preten
     monkeypatch.setattr(coating, "worn", lambda contact, force: nothing)
     monkeypatch.setattr(coating, "where_it_counts", lambda contact, force: (np.array([1e-6]), np.array([0.0])))
     monkeypatch.setattr(Report, "draw", lambda report, name, *shown: None)
-    for starts, converged, code, said in (
-        (2, True, 0, "the search converged; 2 of 20 descents ended in the same minimum"),
-        (1, True, 1, "the search converged, but only one of 20 descents ended here: THERE MAY BE A BETTER ONE"),
-        (3, False, 1, "the search DID NOT CONVERGE; this is the best gradient that it found"),
-    ):
+    for starts, converged, code, said in data("fitting/ends.toml")["ends"]:
         minima = (free.minima[0]._replace(starts=starts),)
         ended = dataclasses.replace(free, minima=minima, converged=converged, power_law_value=free.value * (1.0 + 1e-7))
         monkeypatch.setattr(scene.Scene, "free_design", lambda given, ended=ended: ended)

@@ -5,6 +5,7 @@ import oracle
 from functions import by_numpy
 from marks import parametrize
 from numpy.testing import assert_allclose
+from refusals import data
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, partial_slip
 
@@ -27,20 +28,7 @@ def test_forces_and_radii_are_those_of_equations_8_to_12(k, nu):
     assert_allclose(a_0, float(oracle.contact_radius(*at, R, F_N)), rtol=ROUNDING)
 
 
-# In a_0, a_0^2/R, a_0^4/R, F_N/(pi a_0^2), mu F_N/(pi a_0^2), mu theta a_0^2/R and mu^2 theta F_N a_0^2/R.
-NUMBERS = {
-    "stick_radius": "a",
-    "worn_radius": "a",
-    "penetration": "h",
-    "deepest_wear": "h",
-    "wear_volume": "V",
-    "edge_intensity": "p",
-    "energy_per_cycle": "W",
-    "energy_ratio": "1",
-    "loop_aperture": "1",
-}
-FIELDS = {"steady_displacement": "h", "wear_depth": "h", "profile": "h", "steady_pressure": "p", "steady_traction": "t"}
-BEFORE = {"initial_displacement": "h", "initial_pressure": "p"}
+NUMBERS, FIELDS, BEFORE = data("fretting/units.toml").values()
 
 
 def contact_and_dimensionless(k):

@@ -9,23 +9,12 @@ from hypothesis import strategies as st
 from kinds import STEEL, dome
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
+from refusals import data
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise.question import with_variables
 
-NAMES = (
-    "wear_volume",
-    "worn_radius",
-    "deepest_wear",
-    "penetration",
-    "stick_radius",
-    "contact_radius",
-    "edge_intensity",
-    "edge_pressure",
-    "peak_initial_pressure",
-    "energy_per_cycle",
-    "displacement_amplitude",
-)
+NAMES = data("optimise/numbers.toml")["names"]
 LOG_SHARE = st.floats(-3.0, 0.0)
 
 

@@ -6,6 +6,7 @@ from coated import HOLD, LIFE, PUNCH, RIGID, held, on
 from commands import told, write
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
+from refusals import data
 from test_designs_of_any_quantity import SCENE
 
 from plgwear_jax import optimise
@@ -50,14 +51,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
 
 
 @compiled
-@parametrize(
-    "x, y, larger",
-    [
-        ("penetration", {"edge_pressure": {"distance": 1e-6}}, ""),
-        ("stick_radius", "wear_volume", "x"),
-        ("wear_volume", "stick_radius", "y"),
-    ],
-)
+@parametrize("x, y, larger", data("optimise/numbers.toml")["fronts"])
 def test_no_contact_of_a_grid_is_better(x, y, larger):
     curve = optimise.front(RIGID, FORCE, BOUNDS, x, y, larger=larger, points=5)
     contacts = on(RIGID, k=K[:, None], friction=FRICTION)

@@ -18,6 +18,7 @@ from marks import compiled, parametrize
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from optima import optima
+from refusals import data
 
 from plgwear_jax import DepthGraded, Layered, optimise
 from plgwear_jax.loads import Block
@@ -389,19 +390,16 @@ def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
         optimise.under_other_load(held, 4.0)
 
 
+INPUTS = data("optimise/numbers.toml")["inputs"]
+
+
 def test_inputs_are_all_numbers_of_a_question_as_they_were_given():
     """What a sensitivity is a derivative by: nothing that follows from them is kept."""
     limits = pressed(1e9, penetration={"below": 1e-6}, contact_radius={"between": (5e-5, 7e-5)})
     limits["modulus_at"] = [{"above": 6e10, "z": 1e-5}, {"below": 4e11, "z": 1e-3}]
     question = question_of(on(CONTACT, k=0.1), np.array([1.0, 0.5]), {"k": (-0.5, 0.5)}, limits=limits)
-    inputs = {"E0": 110e9, "z0": 1e-4, "k": 0.1, "nu": 0.3, "radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
-    inputs |= {"tangential_force": [1.0, 0.5], "lowest k": -0.5, "highest k": 0.5}
-    inputs |= {"limit: edge_pressure": 1e9, "limit: distance": 1e-6, "limit: penetration": 1e-6}
-    inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
-    inputs |= {"limit: lowest modulus_at[0]": 6e10, "limit: z of modulus_at[0]_lowest": 1e-5}
-    inputs |= {"limit: modulus_at[1]": 4e11, "limit: z of modulus_at[1]": 1e-3}
     found = afterwards.inputs(question)
-    assert {name: np.asarray(value).tolist() for name, (_, value, _) in found.items()} == inputs
+    assert {name: np.asarray(value).tolist() for name, (_, value, _) in found.items()} == INPUTS
     assert found["limit: lowest modulus_at[0]"][2] == "lowest modulus at 10 µm allowed"
     blocks = [Block(1.0, 1e4), Block(2.0, 2e4)]
     found = afterwards.inputs(question_of(CONTACT, blocks, {"k": (-0.5, 0.5)}, cycles=3e4, law=1e-14))

@@ -7,6 +7,7 @@ from inputs import DESIGNS
 from kinds import STEEL, contact_of, dome
 from marks import compiled, compiled_case, long_case, parametrize
 from numpy.testing import assert_allclose
+from refusals import data
 
 from plgwear_jax import Cone, Elastic, Layered, PowerShape, optimise, scene, sweep
 from plgwear_jax.optimise.evaluation import evaluate
@@ -14,12 +15,7 @@ from plgwear_jax.optimise.question import question_of
 from plgwear_jax.optimise.scenarios import solved_at
 
 PAIR = dome(0.0, STEEL)
-LIMITS = {
-    "edge_pressure": {"below": 8e8, "distance": 3e-6},
-    "contact_radius": {"above": 6e-5},
-    "penetration": {"below": 1e-6},
-}
-OF_STEEL = LIMITS | {"penetration": {"below": 1.4e-6}}  # which steel can keep
+_, _, LIMITS, OF_STEEL, _ = data("optimise/numbers.toml").values()
 RANGE = {"k": (-0.5, 0.5)}
 FORCES = np.array([1.0, 1.5])
 

@@ -13,15 +13,14 @@ each seed; the regions are
 
 import dataclasses
 import functools
-import tomllib
 from collections.abc import Callable
-from pathlib import Path
 
 import functions
 import jax
 import jax.numpy as jnp
 import numpy as np
 import oracle
+from refusals import data
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, material, partial_slip
 
@@ -210,9 +209,10 @@ QUANTITIES = (
     Quantity("FrettingContact.wear_volume", wear_volume_in_si, dome, "wear_volume_in_si", **_SI),
 )
 
-TABLES = tomllib.loads(Path(__file__).with_name("accuracy.toml").read_text("utf-8"))
 # By dtype and region, and for some quantities by their names, dtype and region.
-PROMISED, SHORT = ({tuple(key.split(", ")): kept for key, kept in rows.items()} for rows in TABLES.values())
+PROMISED, SHORT = (
+    {tuple(key.split(", ")): kept for key, kept in rows.items()} for rows in data("reference/accuracy.toml").values()
+)
 
 
 @dataclasses.dataclass(frozen=True)

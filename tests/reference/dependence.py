@@ -2,16 +2,13 @@
 
 import inspect
 
+from refusals import data
+
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 from plgwear_jax.contact.gross_slip_contact import SteadyPunch
 from plgwear_jax.steady.closed import Steady
 
-MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
-FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
-GROSS_SLIP = {"radius": 2e-3, "depth": 1e-6}
-# Places of the fields of such a dome, and the arguments of dimensionless functions in the middle of their ranges.
-PLACES = {"r": 4e-5, "distance": 1e-6, "x": -3e-5, "z": 1e-5, "least": 1e-6, "most": 1e-4}
-GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}
+MATERIAL, FRETTING, GROSS_SLIP, PLACES, GOOD = data("reference/middle.toml").values()
 
 
 def build(cls, **changed):

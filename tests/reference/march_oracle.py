@@ -7,12 +7,11 @@ in a_0, heights in a_0^2/R, volumes in a_0^4/R, pressures in F_N/(pi a_0^2), and
 all by the F_N and mu of the contact.
 """
 
-import tomllib
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import oracle
+from refusals import data
 from scipy.special import beta
 from surface_oracle import disc
 
@@ -31,7 +30,7 @@ class Given(NamedTuple):
 # Blocks, and a radius beyond the last scar.
 HISTORIES = {
     name: ([Given(**block) for block in one["blocks"]], one["outer"])
-    for name, one in tomllib.loads(Path(__file__).with_name("histories.toml").read_text("utf-8")).items()
+    for name, one in data("reference/histories.toml").items()
 }
 
 

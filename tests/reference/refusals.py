@@ -1,4 +1,4 @@
-"""Cases of bad input from TOML files: each has the line with which it is refused."""
+"""Tables of tests from TOML files, among them cases of bad input, each with the line with which it is refused."""
 
 import tomllib
 from pathlib import Path
@@ -9,12 +9,17 @@ from marks import compiled
 TESTS = Path(__file__).parents[1]
 
 
+def data(file):
+    """What a file of tests holds."""
+    return tomllib.loads((TESTS / file).read_text("utf-8"))
+
+
 def cases(file, kind, called="line"):
     """A decorator that gives a test the cases of a kind in a file of tests, one by one, as the argument `case`.
 
     The default run leaves out those that say `compiled = true`.
     """
-    found = tomllib.loads((TESTS / file).read_text("utf-8"))[kind]
+    found = data(file)[kind]
     marked = [pytest.param(case, marks=compiled if "compiled" in case else ()) for case in found]
     return pytest.mark.parametrize("case", marked, ids=[case[called][:60] for case in found])
 

@@ -5,7 +5,7 @@ import pytest
 from inputs import scene_of
 from marks import parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from refusals import cases, is_told, refusal
+from refusals import cases, data, is_told, refusal
 
 from plgwear_jax import partial_slip, scene, tables
 from plgwear_jax.loads import Displacement, Force
@@ -123,14 +123,7 @@ def test_gross_slip_names_the_row_of_a_table():
 # --- the wear coefficient ---------------------------------------------------------------------------------------------
 
 
-@parametrize(
-    "keys, archard",
-    [
-        ("coefficient = 1e-14", 1e-14),
-        ("coefficient_mm3_per_N_m = 1e-5, cycles = 100", 1e-14),
-        ("energy_coefficient_mm3_per_J = 1e-5, exponent = 1", 0.4e-14),
-    ],
-)
+@parametrize("keys, archard", data("scene/wear.toml")["coefficients"])
 def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
     assert_allclose(read(f"{MOVED}\nwear = {{ {keys} }}").wear.archard, archard, rtol=1e-15)
 
@@ -199,10 +192,6 @@ def test_a_design_refuses_a_history_that_changes_the_normal_force():
 
 
 def test_a_scene_without_a_test_says_so():
-    for load, line in (
-        (MOVED, r"^\[wear\]: missing"),
-        ("load = { displacement = 0.0 }", "nothing wears"),
-        ("load = { history = 'h.csv' }", "its amplitudes have no cycles"),
-    ):
+    for load, line in data("scene/wear.toml")["untested"]:
         with pytest.raises(scene.SceneError, match=line):
             read(load, h="displacement\n1e-8\n").over_cycles()

@@ -15,7 +15,7 @@ from inputs import DESIGNS, changed, scene_of
 from kinds import dome
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from refusals import cases, is_told, refusal
+from refusals import cases, data, is_told, refusal
 
 from plgwear_jax import GrossSlipContact, PowerLawGraded, loads, optimise, scene, sweep
 from plgwear_jax._core import catalogue
@@ -148,27 +148,18 @@ def test_refusal_of_what_no_reader_of_toml_can_take():
         assert line == "scene.toml: is not valid TOML: a number too long or brackets too deep"
 
 
+MISTAKES = data("scene/mistakes.toml")
+
+
 def test_refusal_of_what_cannot_be_read():
     Path("folder.toml").mkdir()
     SCENE.write_text(FRETTING)
-    for path, line in {
-        "missing.toml": "missing.toml: there is no such file",
-        "folder.toml": "folder.toml: is a folder; an input file is a TOML file",
-        "scene.toml/inside": "scene.toml/inside: cannot be read: Not a directory",
-        "a\0b": "a\\x00b: cannot be read: embedded null byte",
-        "a\nb": "a\\nb: there is no such file",
-    }.items():
+    for path, line in MISTAKES["unread"].items():
         assert refusal(scene.SceneError, scene.load, path) == line
 
 
 def test_first_mistake_in_the_file_is_told():
-    wrong = {
-        "[material] k = 2: ": ("k = 0.25", "k = 2"),
-        "[contact] fricton = 0.4: ": ("friction", "fricton"),
-        "[load] tangential_force = -1: ": ("0.32", "-1"),
-        "[design] hold = 1: ": ('hold = "contact_radius"\nminimise = "wear_volume"', "hold = 1\nminimise = 1"),
-        "[output] points = 0: ": ("[output]", "[output]\npoints = 0"),
-    }
+    wrong = MISTAKES["first"]
     sections = changed(FRETTING, *wrong.values()).split("\n\n")
     for place, first in enumerate(wrong):
         text = "\n\n".join([*sections[place:], *sections[:place]])
@@ -193,7 +184,7 @@ def test_contact_has_the_numbers_of_the_file():
 
 def test_design_has_what_the_search_takes():
     begin = with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=LOADS).partition("[design]")[0]
-    for case in tomllib.loads(Path(__file__).with_name("designs.toml").read_text("utf-8"))["designs"]:
+    for case in data("scene/designs.toml")["designs"]:
         found, told = read(f"{begin}[design]\n{case['design']}").design_space, json.loads(case["told"])
         assert json.loads(json.dumps({name: getattr(found, name) for name in told})) == told, case
 
@@ -428,10 +419,7 @@ junk = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
     max_leaves=6,
 )
-keys = st.text(max_size=6) | st.sampled_from(
-    ["E0", "k", "kind", "fretting", "vary", "hold", "radius", "quantities", "modulus", "at", "between", "over", "cvar",
-     "limits", "edge_pressure", "contact_radius", "table", "history", "design", "load"]
-)  # fmt: skip
+keys = st.text(max_size=6) | st.sampled_from(MISTAKES["keys"])
 
 
 @given(st.sampled_from(WHOLE), st.data())

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from marks import compiled, compiled_case, parametrize
 from numpy.testing import assert_allclose
+from refusals import data
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
@@ -313,14 +314,9 @@ def test_a_peak_moves_where_it_can_and_else_with_what_holds_it(monkeypatch):
 
     monkeypatch.setattr(peaks, "_stress_at", stress)
     of = jax.jit(lambda given: (jax.grad(value)(given), jax.hessian(value)(given)[0, 0]))
-    for mu, stick, depth, *known, second in (
-        (0.6, 0.5, 0.3, 1.08, 0.0, 0.0, 3.6),
-        (0.6, 0.595, 0.3, 1.08, 0.0, 0.0, 3.6 - 11.0 / 6.0),
-        (0.6, 0.5, 0.36, 1.08, 0.0, 0.0, -4.32),
-        (0.7, 0.595, 0.36, -0.092, 0.33, 0.88, -14.12),
-    ):
-        slopes, bend = of(jnp.array([mu, stick, depth]))
-        assert_allclose([*slopes, bend], [*known, second], rtol=1e-9, atol=1e-12)
+    for *at, by_mu, by_stick, by_depth, second in data("stresses/moving.toml")["peaks"]:
+        slopes, bend = of(jnp.array(at))
+        assert_allclose([*slopes, bend], [by_mu, by_stick, by_depth, second], rtol=1e-9, atol=1e-12)
 
 
 @compiled

@@ -8,7 +8,7 @@ from commands import printed
 from inputs import changed, scene_of
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
-from refusals import refusal
+from refusals import data, refusal
 
 from plgwear_jax import Elastic, FrettingContact, Layered, sweep
 from plgwear_jax._core.units import written
@@ -147,11 +147,7 @@ def test_the_places_of_a_front_are_given_after_its_name(tmp_path):
     assert asked.traded("x", "tension@-5e-5,0") == {"tension": {"x": -5e-5, "z": 0.0}}
     assert asked.traded("x", "tension") == {"tension": {"x": -1e-4, "z": 0.0}}
     assert asked.traded("x", "peak_mises_between") == {"peak_mises_between": {"least": 0.0, "most": 2e-5}}
-    for text, line in [
-        ("tension@-5e-5", "x tension@z: must be a finite number, as tension needs the depth in m"),
-        ("tension@nan,0", 'x = "tension@nan,0": the distance along the motion in m must be a finite number'),
-        ("peak_mises_between@2e-6,1e-6", "x peak_mises_between@most: must be a larger depth than least"),
-    ]:
+    for text, line in data("stresses/traded.toml")["refused"]:
         assert refusal(SceneError, asked.traded, "x", text) == line
 
 

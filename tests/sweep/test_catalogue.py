@@ -1,8 +1,6 @@
 """The catalogue: all that stands in it can be swept, over any leaf of a contact, in its units."""
 
 import dataclasses
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import jax
@@ -12,7 +10,7 @@ import pytest
 from kinds import KINDS, LAW
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
-from refusals import cases, is_told, refusal
+from refusals import cases, data, is_told, refusal
 
 from plgwear_jax import (
     Cone,
@@ -47,7 +45,7 @@ GIVEN = {
     "wear_coefficient": 1e-13,
     "share": 0.3,
 }
-NAMES = tomllib.loads(Path(__file__).with_name("names.toml").read_text("utf-8"))
+NAMES = data("sweep/names.toml")
 
 
 # --- every quantity -------------------------------------------------------------------------------------------------

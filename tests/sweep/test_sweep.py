@@ -17,7 +17,7 @@ from kinds import KINDS
 from marks import compiled, long_case, parametrize
 from numpy.testing import assert_allclose
 from optima import optima
-from refusals import cases, is_told, refusal
+from refusals import cases, data, is_told, refusal
 from stores import AXES, CHUNKS, QUANTITIES
 
 from plgwear_jax import GrossSlipContact, PowerLawGraded, optimise, sweep
@@ -145,20 +145,7 @@ def test_what_users_of_xarray_expect(tmp_path):
     ds = sweep.sweep("wear_volume", k=K, phi=PHI)
     volume = ds.wear_volume
     assert float(volume.sel(k=0.0, method="nearest").sel(phi=0.8)) == float(volume[1, 1])
-    assert volume.attrs == {
-        "quantity": "wear_volume",
-        "label": "wear volume $\\Delta V$",
-        "units": "a_0^4/R",
-        "long_name": "volume worn off until the steady state",
-        "equation": "28",
-        "digits": "all of float64",
-    }
-    assert ds.phi.attrs == {
-        "label": "amplitude $\\varphi$",
-        "spacing": "linear",
-        "units": "1",
-        "long_name": "amplitude F_x/(mu F_N) of the tangential force",
-    }
+    assert {"volume": volume.attrs, "phi": ds.phi.attrs} == data("sweep/attributes.toml")
     survives_netcdf(ds, tmp_path)
 
 

@@ -11,6 +11,7 @@ from march_oracle import worn_shares
 from marks import compiled, compiled_case, long, long_case, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
 from reduced import MANY, Reduced, first_rate, unit_of
+from refusals import data
 
 from plgwear_jax import DepthGraded, Elastic, Layered, PowerLawGraded, TruncatedSphere, fretting, loads
 from plgwear_jax.steady.state import states_of
@@ -169,23 +170,7 @@ def test_float32_keeps_three_digits():
     assert np.max(np.abs(np.asarray(worn, float) - run.volume(times)) / final) < 1e-3
 
 
-# Points inside and at the edges that belong to the range, and then outside of it: r, k, phi, n, share.
-GOOD = {"r": 0.9, "k": 0.3, "phi": 0.4, "n": 1.5, "share": 0.3}
-INSIDE = [
-    GOOD,
-    GOOD | {"n": 0.0, "share": 0.0},
-    GOOD | {"phi": 0.0},
-    GOOD | {"n": 1e290, "share": 1.0 - 1e-12},
-    *(GOOD | {"r": r, "k": k, "phi": 0.6} for r, k in ((0.0, 0.0), (0.6, -0.6))),
-]
-BAD = {
-    "r": (-0.5, np.nan),
-    "k": (-1.0, 1.0, np.nan),
-    "phi": (1.0, -0.5, np.nan),
-    "n": (-1.0, np.inf, np.nan),
-    "share": (1.0, -0.5, np.nan),
-}
-READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn", "pressure": "rn"}
+INSIDE, BAD, READ, _ = data("wear/points.toml").values()
 
 
 # The derivatives of the march are in the programs of all of them.
@@ -193,7 +178,7 @@ READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn
 def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     at = ["r", "n"] if READ[name] == "rn" else [READ[name]]
     names = ["k", "phi", *at]
-    rows = INSIDE + [GOOD | {key: value} for key in names for value in BAD[key]]
+    rows = INSIDE + [INSIDE[0] | {key: value} for key in names for value in BAD[key]]
 
     columns = [jnp.array([row[key] for row in rows]) for key in names]
     read = jax.value_and_grad(lambda k, phi, *at: getattr(Reduced(k, phi, 2), name)(*at), tuple(range(len(names))))
