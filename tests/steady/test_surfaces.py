@@ -23,7 +23,7 @@ from plgwear_jax.special.pchip import pchip
 from plgwear_jax.surfaces.any_modulus import through_springs
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.half_space import excess_compliance
-from plgwear_jax.surfaces.ring import DepthDeficit, deepest
+from plgwear_jax.surfaces.ring import DepthDeficit, deepest, ring_of
 
 A = 1e-4  # about a contact radius
 THICKNESS, MODULUS, NU, F_X = LAYERS.thickness, LAYERS.modulus, 0.3, 2.0
@@ -292,17 +292,18 @@ def test_second_derivatives_of_a_batch():
     assert_allclose(found, differences, atol=2e-5)
 
 
-def test_second_derivatives_of_the_deepest_wear_know_that_its_place_moves():
-    image = Outline(Parabola(), jnp.asarray(RADIUS)).image(jnp.asarray(5e-5), jnp.asarray(0.4))
+def test_second_derivatives_of_rings_and_of_the_deepest_wear_know_that_places_move():
+    a, end = jnp.asarray(0.4), jnp.asarray(0.9)
+    image = Outline(Parabola(), jnp.asarray(RADIUS)).image(jnp.asarray(5e-5), a)
 
-    def most(level):  # at a fixed place it would be proportional to it
-        return deepest(DepthDeficit(level, image, None, jnp.asarray(0.4), effort_of(4)), jnp.asarray(0.9))
+    def read(level):  # at fixed places depth and volume would be proportional to it
+        left = DepthDeficit(level, image, None, a, effort_of(4))
+        return jnp.stack([deepest(left, end), *ring_of(left)])
 
-    def along(function):
-        return lambda level: jax.jvp(function, (level,), (jnp.ones_like(level),))[1]
-
-    less, at, more = map(by_numpy(most), jnp.array([0.28, 0.3, 0.32]))
-    assert_allclose(by_numpy(along(along(most)))(jnp.asarray(0.3)), (less - 2.0 * at + more) / 0.02**2, rtol=1e-2)
+    less, at, more = map(by_numpy(read), jnp.array([0.28, 0.3, 0.32]))
+    assert_allclose(
+        by_numpy(jax.jacfwd(jax.jacfwd(read)))(jnp.asarray(0.3)), (less - 2.0 * at + more) / 0.02**2, rtol=1e-2
+    )
 
 
 @parametrize(
