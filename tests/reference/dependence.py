@@ -32,28 +32,9 @@ def quantities(cls):
     return found
 
 
-# Which fields a result depends on: only those can make it NaN.
-UNWORN, LOADED = {*MATERIAL, *FRETTING} - {"friction"}, {"normal_force", "friction", "tangential_force"}
-DEPENDS = {
-    "amplitude": LOADED,
-    "tangential_force": set(),
-    **dict.fromkeys(("contact_radius", "peak_initial_pressure"), UNWORN),
-    **dict.fromkeys(("initial_pressure", "initial_displacement"), UNWORN | {"r"}),
-    **{key: {"k"} for key in ("gross_slip_energy_ratio", "gross_slip_aperture")},
-    **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
-    "gross_slip_displacement": {*MATERIAL, *FRETTING},
-    "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-}
-OF_PUNCH = {
-    **{key: {"k"} for key in ("force_ratio", "force_drop")},
-    "volume_change": {"k", "radius", "depth"},
-    "modulus_at": {"E0", "z0", "k", "z"},
-    **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
-}
+DEPENDS = data("reference/dependence.toml")
 
 
 def depends(cls, name):
-    if cls is GrossSlipContact:
-        return OF_PUNCH.get(name, {*MATERIAL, *GROSS_SLIP, *quantities(cls)[name]})
-    return DEPENDS.get(name, {*MATERIAL, *FRETTING, "tangential_force", *quantities(cls)[name]})
+    kind, own = ("punch", GROSS_SLIP) if cls is GrossSlipContact else ("contact", {*FRETTING, "tangential_force"})
+    return {*DEPENDS[kind].get(name, (*MATERIAL, *own, *quantities(cls)[name]))}

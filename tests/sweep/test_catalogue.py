@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import FUNCTIONS
 from kinds import KINDS, LAW
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose, assert_array_equal
@@ -23,7 +24,7 @@ from plgwear_jax import (
     RoundedFlat,
     sweep,
 )
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, Law, derivative, entry, laws_of, leaf, read
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, PEAKS, derivative, entry, laws_of, leaf, read
 from plgwear_jax._core.domains import record
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.units import PREFIXED
@@ -33,19 +34,8 @@ LAYERED = FrettingContact(
     DepthGraded([0.0, 2e-5, 1e-4], [90e9, 120e9, 150e9], 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.28), PowerShape(3.0)
 )
 FORCE = np.array([0.5, 2.0])
-RADII = np.array([1e-5, 5.5e-5, 6.6e-5])
-GIVEN = {
-    "distance": 1e-6,
-    "r": RADII,
-    "x": -5e-5,
-    "z": 1e-5,
-    "least": 1e-6,
-    "most": 2e-5,
-    "cycles": np.array([1e3, 1e5]),
-    "wear_coefficient": 1e-13,
-    "share": 0.3,
-}
 NAMES = data("sweep/names.toml")
+GIVEN = NAMES["given"]
 
 
 # --- every quantity -------------------------------------------------------------------------------------------------
@@ -144,6 +134,7 @@ def test_a_leaf_has_one_name_or_its_path():
     assert_array_equal(long.stick_radius, short.stick_radius)
     assert "k" not in long.coords and long["material.k"].attrs == short.k.attrs
     assert_allclose(long.stick_radius_dk, short.stick_radius_dk, rtol=1e-14)
+    assert_allclose(short.stick_radius, with_leaf(CLOSED, "material.k", short.k.values).steady(2.0).stick_radius)
     holl = sweep.sweep("contact_radius", contact=with_leaf(CLOSED, "material.nu", "holl"), nu=np.array([0.2, 0.3]))
     expected = [with_leaf(CLOSED, "material.nu", nu).steady(0.0).contact_radius for nu in (0.2, 0.3)]
     assert_allclose(holl.contact_radius, expected, rtol=1e-13)
@@ -207,18 +198,26 @@ def test_a_leaf_is_called_what_it_is():
         assert one["path"] == "depth" or entry(one["path"]).unit == kind.unit
 
 
-def test_every_quantity_has_words_and_a_unit_that_tables_can_print():
-    for name, law in (laws_of(CLOSED) | GROSS_SLIP).items():
-        assert isinstance(law, Law) and law.words and law.description and law.unit in PREFIXED, name
-    for name, law in laws_of(CLOSED).items():
-        assert entry(name) == law
-    assert all(kind.description for kind in AXES.values())
-    assert {kind.unit for kind in AXES.values()} <= {*PREFIXED, "1/Pa", "N/m"}
-    for name in (*AXES, "volume", "volume_per_cycle", "energy_per_cycle", "modulus", "k"):
-        assert entry(name).words and entry(name).unit, name
-    assert [entry(name).unit for name in ("volume", "cycles", "wear_coefficient")] == ["m^3", "1", "1/Pa"]
+def test_every_quantity_has_words_and_its_unit():
+    laws = laws_of(CLOSED)
+    known = {**AXES, **GROSS_SLIP, **laws}
+    units = {name: unit for unit, names in NAMES["units"].items() for name in names}
+    assert {name: law.unit for name, law in known.items()}.items() <= units.items()
+    assert {name: entry(name).unit for name in units} == units and {*units.values()} == {*PREFIXED, "1/Pa", "N/m"}
+    assert all(law.description for law in known.values()) and all(entry(name).words for name in units)
+    assert {name: entry(name) for name in laws} == laws
     with pytest.raises(KeyError):
         entry("wear_volum")
+
+
+def test_scales_of_functions_are_those_of_contacts():
+    a = CLOSED.steady(0.0).contact_radius
+    sizes = {"a_0": a, "R": 5e-3, "F_N": 10.0, "mu": 0.4, "k": 0.2, "theta": LAW.tangential_ratio(), "pi": np.pi}
+    for one in NAMES["scales"]:
+        name, at = one["name"], one["at"]
+        scale = eval(str(laws_of(CLOSED)[name].scale).replace("^", "**").replace(" ", "*"), sizes)
+        found = read(CLOSED, name, 2.0, {"r": at.get("r", 0.0) * a})
+        assert_allclose(found, scale * FUNCTIONS[one["function"]](**at), rtol=1e-9)
 
 
 def test_what_a_name_differentiates():
