@@ -55,17 +55,17 @@ class Fineness(NamedTuple):
     """How finely stresses are divided."""
 
     radii: int  # of the spline of a pressure
-    near: int  # of these at the edge, between which it is linear
+    near: int  # of these at the edge, between which it is linear; one is the edge itself
     spacing: float  # of the logarithms of depths of the exponentials
     step: float  # along the path for a power
     rounds: int  # of the search for a peak
 
 
 _FINENESS = {
-    2: Fineness(8, 3, 0.8, 1.2, 2),
-    3: Fineness(12, 3, 0.6, 1.0, 3),
-    4: Fineness(16, 3, 0.45, 0.75, 4),
-    5: Fineness(32, 4, 0.37, 0.5, 5),  # at 0.4 the exponentials leave 5e-3 at the edge of a stiff layer
+    2: Fineness(8, 1, 0.8, 1.2, 2),
+    3: Fineness(12, 1, 0.6, 1.0, 3),
+    4: Fineness(16, 1, 0.45, 0.75, 4),
+    5: Fineness(32, 1, 0.37, 0.5, 5),  # at 0.4 the exponentials leave 5e-3 at the edge of a stiff layer
 }
 _SINGLE = Fineness(40, 40, 0.4, 0.6, 4)  # in float32, where the far field of parabolas would cancel
 

@@ -29,8 +29,8 @@ class Tractions(NamedTuple):
 def strips(radii: int, near: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Radii b, 1 - t^2 where P is asked, what makes of P the weights of these and of n = 0), in units of the radius.
 
-    P is the spline of least squares. It is linear between the last radii, where the weights of parabolas would be so
-    large that roundings are felt.
+    P is the spline of least squares: quadratic up to the edge itself, or linear between the last radii in float32,
+    where roundings of the weights of parabolas would be felt.
     """
     grade = min(4.0, 10.4 / np.log1p(radii))  # so that both are dense at the edge
     left, below = ((np.arange(3 * radii) + 0.5) / (3 * radii)) ** grade, (np.arange(radii)[::-1] / radii) ** grade

@@ -1,7 +1,5 @@
 """Stresses in the half-space against known numbers, point forces, and integrals over all wavenumbers by SciPy."""
 
-import dataclasses
-
 import half_space_stress as reference
 import jax
 import jax.numpy as jnp
@@ -16,6 +14,7 @@ from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.stresses import Stress, peaks
 from plgwear_jax.stresses.field import Pressed, samples
+from plgwear_jax.stresses.images import transforms
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.5
 A = 7e-5  # about the radius of these contacts in m
@@ -59,9 +58,9 @@ def test_the_tension_at_the_edge_is_that_of_hamilton(material, nu):
 
 def test_first_yield_without_friction_is_below_the_surface():
     steady = steady_of(STEEL, 0.0)
-    x, z = (float(at / steady.contact_radius) for at in steady.peak_mises_at)
-    assert float(steady.peak_initial_pressure / steady.peak_mises) == pytest.approx(1.61, abs=0.005)
-    assert (x, z) == pytest.approx((0.0, 0.48), abs=0.01)
+    place = (at / steady.contact_radius for at in steady.peak_mises_at)
+    found = steady.peak_initial_pressure / steady.peak_mises, *place
+    assert_allclose(found, [1.61, 0.0, 0.48], rtol=0, atol=0.005)
 
 
 # --- against integrals over all wavenumbers ---------------------------------------------------------------------------
@@ -161,7 +160,7 @@ def test_a_power_among_other_pressures_is_that_power():
             for z in (samples(4, s.dtype, alone=alone) for alone in (True, False))
         )
         assert_allclose(among.beside[1], alone.beside[1], rtol=1e-12)
-        assert_allclose(among.weight, 0.0, atol=1e-9)
+        assert_allclose(transforms(among._replace(beside=None), one[None], one[None], 1)[0], 0.0, atol=1e-12)
 
 
 PLACES = np.array([-1.5, -1.05, -0.95, -0.3, 0.0, 0.5]) * A, np.array([[0.02], [0.1], [0.5], [2.0]]) * A
@@ -286,7 +285,7 @@ def test_peaks_of_each_part_of_a_coating():
 @parametrize("name", ["peak_tension", "peak_mises"])
 @parametrize("material", [LAYERS, PowerLawGraded(210e9, 1e-4, 0.1, 0.3)])  # the latter's is at a kink
 def test_derivatives_of_peaks_by_all_numbers(material, name):
-    contact = FrettingContact(material, RADIUS, FORCE, FRICTION)
+    contact = steady_of(material, 0.3).contact
 
     def value(contact):
         return getattr(contact.steady(1.5), name)
@@ -342,16 +341,15 @@ def test_many_contacts_answer_as_each_does():
     forces = np.array([5.0, 20.0])
     many = FrettingContact(STEEL, RADIUS, forces, FRICTION).steady(1.0)
     for i, force in enumerate(forces):
-        one = dataclasses.replace(many.contact, normal_force=force).steady(1.0)
+        one = FrettingContact(STEEL, RADIUS, force, FRICTION).steady(1.0)
         assert_allclose(many.peak_tension[i], one.peak_tension, rtol=1e-9)
         assert_allclose(many.stress(-A, 1e-6).xx[i], one.stress(-A, 1e-6).xx, rtol=1e-9)
 
 
 @compiled
 def test_peaks_in_single_precision():
-    contact = FrettingContact(LAYERS, RADIUS, FORCE, FRICTION)
-    found = jax.tree.map(jnp.float32, contact).steady(jnp.float32(1.5))
-    known = contact.steady(1.5)
+    known = steady_of(LAYERS, 0.3)
+    found = jax.tree.map(jnp.float32, known.contact).steady(jnp.float32(1.5))
     for name in ("peak_tension", "peak_mises"):
         assert getattr(found, name).dtype == jnp.float32
         assert_allclose(getattr(found, name), getattr(known, name), rtol=3e-3)
@@ -359,7 +357,7 @@ def test_peaks_in_single_precision():
 
 @compiled
 def test_all_digits_have_the_tension_at_the_edge_of_a_stiff_layer():
-    """With some spacings of the exponentials it was 5e-3 of the largest pressure too large there, and there alone."""
-    one = FrettingContact(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3), 5e-3, 10.0, 0.4)
-    found = [one.steady(1.6, digits=digits) for digits in (4, 5)]
-    assert_allclose(*(steady.peak_tension / steady.peak_initial_pressure for steady in found), atol=1e-3)
+    """There alone some spacings of the exponentials were wrong, and so was a spline that was linear beside the edge."""
+    layers = Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)
+    found = [FrettingContact(layers, 5e-3, 10.0, 0.4).steady(1.6, digits=digits) for digits in (4, 5)]
+    assert_allclose(*(steady.peak_tension / steady.peak_initial_pressure for steady in found), atol=2e-4)
