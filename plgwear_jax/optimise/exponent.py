@@ -80,9 +80,8 @@ def optimal_exponent(
         bounds: Lowest and highest exponent allowed, -1 < lowest < highest < 1.
         life: x, positive and finite, of any shape that goes with that of phi; None for the steady state. All lives of
             an amplitude come from the same runs of the transient.
-        nu: Poisson's ratio, 0 <= nu <= 0.5, which a life needs and the steady state does not; a number or an array.
-        digits: Correct digits wanted of the wear volume; by default all that the dtype holds, with a life
-            4.
+        nu: Poisson's ratio, -1 < nu <= 1/2, which a life needs and the steady state does not; a number or an array.
+        digits: Correct digits wanted of the wear volume; by default all that the dtype holds, with a life 4.
 
     Returns:
         The optimum for each amplitude and life. At phi = 0 nothing wears, and k is the lower bound, the limit for
