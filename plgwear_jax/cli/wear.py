@@ -226,7 +226,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life and life > last:
-            why = "the scar is then ten times as wide as the first contact, or as its table of heights"
+            why = "the scar is then ten times as wide as the unworn contact, or as wide as its table of heights"
             told = f"the wear is followed no further than {last:.3g} cycles; {why}"
             refuse(f"{report.scene}: [wear] cycles = {life:g}: {told}")
         printed = printed or [last]
@@ -235,7 +235,7 @@ def _times(report: Report, run: "Run", life: float | None) -> "tuple[dict[float,
         shares = dict(zip(_SHARES, run.cycles_to(np.array(_SHARES)).tolist(), strict=True))
         known = [*shares.values(), *printed]
     first, last = min(known), max(known)
-    refuse_extremes(0.0 < first <= last < 1e290)  # which a picture can show
+    refuse_extremes(1e-100 < first <= last < 1e200)  # whose decades a picture can show
     decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     decades = decades if shares else decades[(decades >= first) & (decades <= last)]
     decades = decades[:: 1 + decades.size // 50]  # at most 50, which leave room for those that are known

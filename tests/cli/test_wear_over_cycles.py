@@ -70,8 +70,8 @@ def test_the_course_is_told_written_and_drawn():
     assert "521 µm³ after the life of 500,000 cycles: 93.9 %" in table
     assert table.splitlines()[-1] == "picture: course.png"
 
-    write(SCENE.replace("5e5", "1e289"))  # more decades than there are rows
-    assert told("--picture course.png")["life"] == 1e289
+    write(SCENE.replace("5e5", "1e199"))  # more decades than there are rows
+    assert told("--picture course.png")["life"] == 1e199
 
 
 SAME = "energy_per_cycle", "contact_radius", "deepest_wear"
@@ -245,7 +245,7 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     write(SLIDING.replace(", cycles = 5e5", ""))
     assert "; it is followed no further; set your life by cycles under [wear]\n" in printed()
     write(SLIDING.replace("cycles = 5e5", "cycles = 5e12"))
-    assert refused().startswith("mine.toml: [wear] cycles = 5e+12: after ")
+    assert refused().startswith("mine.toml: [wear] cycles = 5e+12: the wear is followed no further than ")
 
 
 @compiled

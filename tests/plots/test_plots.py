@@ -201,7 +201,7 @@ def test_a_fit_is_drawn_with_its_interval_and_what_it_leaves():
     left, right = plots.fit_picture(fit).axes
     assert_allclose(curve(left), [cycles, volume])
     assert_allclose(left.collections[0].get_datalim(left.transData).get_points(), [[1e4, 1.6e-18], [3e4, 6.5e-18]])
-    for axes, points in ((left, volume), (right, 0.1 * volume)):
+    for axes, points in ((left, volume), (right, np.full(2, 100.0 / 9.0))):  # in percent of the fitted ones
         assert_allclose(axes.containers[0][0].get_data(), [cycles, points])
 
 
