@@ -296,7 +296,7 @@ class MarchedRun(Run):
         if cycles is None or traced((self.contact, self.load, self.law, cycles)):
             return
         last = np.where(self._solution.beyond > 0.0, self.lasting_cycles, np.inf)
-        wide = "after which the scar is ten times as wide as the first contact, or as its table of heights"
+        wide = "after which the scar is ten times as wide as the unworn contact, or as wide as its table of heights"
         where = wide if self.load.lasts else "where the blocks end"
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
         asked, end = np.broadcast_arrays(cycles, last)
