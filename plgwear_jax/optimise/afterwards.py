@@ -16,7 +16,7 @@ from plgwear_jax.loads import PARTIAL_SLIP
 
 from .best import Design, LimitState, answered, limit_states, of_design
 from .conditions import conditions, residual_of, solved_by_elimination
-from .evaluation import Known, evaluate, plan_for
+from .evaluation import Evaluation, Known, evaluate, plan_for
 from .question import Question, keeps, moved
 
 
@@ -47,14 +47,18 @@ def along(found: Design, name: str, values: ArrayLike) -> ObjectiveCurve:
     Returns:
         The objective, and where the limits are kept.
     """
+    at = evaluated_along(found, name, np.asarray(values))
+    return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
+
+
+def evaluated_along(found: Design, name: str, values: np.ndarray) -> Evaluation:
+    """The objective and the limits, with their slopes, as one variable of a design changes and the others stay."""
     if name not in found.variables:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
-    values = np.asarray(values)
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
     reached = np.append(values, found.bounds[name])  # they may lie beyond the bounds
     bounds = {**found.question.bounds, name: (reached.min(), reached.max())}
-    at = evaluate(dataclasses.replace(found.question, bounds=bounds), points, vars(found).get("known"))
-    return ObjectiveCurve(at.objective, keeps(at.values[:, 1:]))
+    return evaluate(dataclasses.replace(found.question, bounds=bounds), points, vars(found).get("known"))
 
 
 # --- another load -----------------------------------------------------------------------------------------------------

@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import CubicHermiteSpline
 
 from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
-from plgwear_jax.optimise import Comparison, Design, FreeDesign, Front, along, compared
+from plgwear_jax.optimise import Comparison, Design, FreeDesign, Front, compared
+from plgwear_jax.optimise.afterwards import evaluated_along
+from plgwear_jax.optimise.ask_and_tell import INFINITE
 from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate, space
-from plgwear_jax.optimise.question import keeps, solved_in_turn
+from plgwear_jax.optimise.question import keeps
 from plgwear_jax.optimise.search import scanned
 
 from .style import (
@@ -162,19 +165,25 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     (low, high), here, there = bounds[name], design.variables[name], design.reference_variables[name]
-    # A contact that takes milliseconds is asked where the search may have solved it already.
-    samples = 33 if solved_in_turn(design.question) else 65
-    values = np.unique([*scanned(space(design.question)[name], samples), here, np.clip(there, low, high)])
-    course = along(design, name, values)
-    curve = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0)
+    # Asked where the search may have solved the contact already; in between by cubics with the known slopes.
+    values = np.unique([*scanned(space(design.question)[name], 33), here, np.clip(there, low, high)])
+    at = evaluated_along(design, name, values)
+    on_scale, back = (np.asarray, np.asarray) if is_linear(name) else (np.log, np.exp)
+    rows, x = at.rows[..., [0, 1 + list(bounds).index(name)]], on_scale(values)
+    known = (np.nan_to_num(rows[..., i], nan=most, posinf=most, neginf=-most) for i, most in enumerate((INFINITE, 0.0)))
+    fine = np.union1d(x, np.linspace(x[0], x[-1], 400))
+    smooth = CubicHermiteSpline(x, *known)(fine)
+    smooth[np.interp(fine, x, ~np.isfinite(rows[:, 0, 0])) > 0.0] = np.nan
+    curve, kept = 100.0 * (np.exp(smooth[:, 0]) * at.scale / design.reference_value - 1.0), keeps(smooth[:, 1:])
+    values = back(fine)
     axes.set(xscale="linear" if is_linear(name) else "log", xmargin=0.05, ymargin=0.2)
-    axes.plot(values, np.where(course.keeps_limits, curve, np.nan), color="0.2")
+    axes.plot(values, np.where(kept, curve, np.nan), color="0.2")
     axes.plot(there, 0.0, "s", color=REFERENCE["color"], **DOT)
     axes.plot(here, -100.0 * design.saving, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
     axes.set_title(less(design.saving), loc="right")
     low, high = axes.get_ylim()
-    if not np.all(course.keeps_limits):  # it may be far from all that counts, and is cut off there
+    if not np.all(kept):  # it may be far from all that counts, and is cut off there
         seen = np.where((low < curve) & (curve < high), curve, np.nan)
         axes.plot(values, seen, label="breaks a limit", **FORBIDDEN)
     axes.set_ylim(low, high)

@@ -19,6 +19,7 @@ from plgwear_jax import Cone, PowerLawGraded, gross_slip, loads, optimise, plots
 from plgwear_jax._core.units import text_cells
 from plgwear_jax.fitting import Fit
 from plgwear_jax.optimise.question import Limit
+from plgwear_jax.plots import designs
 
 FORCE = 0.32
 REFERENCE = dome()
@@ -65,7 +66,8 @@ def test_panels_show_the_contacts(held, best):
     z, drawn = curve(modulus)
     assert_allclose(drawn, best.contact.material.modulus(z))
     k, change = curve(wear)
-    assert k[0] == -0.9 and k[-1] == 0.9 and k.size <= 67
+    assert k[0] == -0.9 and k[-1] == 0.9
+    assert_allclose(change, 100.0 * (optimise.along(best, "k", k).value / best.reference_value - 1.0), atol=1e-5)
     # Both marks lie on the curve, since the contact radius is held, and the reference is at no change.
     for n, (where, what) in enumerate([(0.0, 0.0), (best.variables["k"], -100.0 * best.saving)]):
         assert_allclose(curve(wear, 1 + n), [[where], [what]])
@@ -80,11 +82,11 @@ def test_panels_show_the_contacts(held, best):
 
 def test_a_picture_costs_one_batch_of_contacts(best, monkeypatch):
     asked = []
-    along = optimise.along
-    monkeypatch.setattr("plgwear_jax.plots.designs.along", lambda *one: asked.append(one[2]) or along(*one))
+    along = designs.evaluated_along
+    monkeypatch.setattr(designs, "evaluated_along", lambda *one: asked.append(one[2]) or along(*one))
     monkeypatch.setattr(optimise, "design", lambda *_, **__: pytest.fail("it searches"))
     plots.design_picture(best)
-    assert len(asked) == 1 and asked[0].size <= 67
+    assert len(asked) == 1 and asked[0].size <= 35
 
 
 @compiled
@@ -133,7 +135,7 @@ def test_a_worn_punch_is_drawn():
     assert labels(figure) == LABELS["punch"]
     k, change = curve(figure.axes[1])
     drop = np.asarray(gross_slip.force_drop(k)) / gross_slip.force_drop(-0.5)
-    assert_allclose(change, 100.0 * (drop - 1.0), atol=1e-9)
+    assert_allclose(change, 100.0 * (drop - 1.0), atol=0.03)  # what cubics leave near k = -1
     r, worn = curve(figure.axes[2])
     exact = 1e-6 - design.contact.steady().steady_displacement(r)
     assert_allclose(worn, exact, rtol=1e-5, atol=1e-20)  # enough for a picture
