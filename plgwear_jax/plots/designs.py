@@ -164,9 +164,9 @@ def _draw_depths(
 def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
-    (low, high), here, there = bounds[name], design.variables[name], design.reference_variables[name]
+    here, there = design.variables[name], design.reference_variables[name]
     # Asked where the search may have solved the contact already; in between by cubics with the known slopes.
-    values = np.unique([*scanned(space(design.question)[name], 33), here, np.clip(there, low, high)])
+    values = np.unique([*scanned(space(design.question)[name], 33), here])
     at = evaluated_along(design, name, values)
     on_scale, back = (np.asarray, np.asarray) if is_linear(name) else (np.log, np.exp)
     rows, x = at.rows[..., [0, 1 + list(bounds).index(name)]], on_scale(values)

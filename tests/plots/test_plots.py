@@ -71,7 +71,6 @@ def test_panels_show_the_contacts(held, best):
     # Both marks lie on the curve, since the contact radius is held, and the reference is at no change.
     for n, (where, what) in enumerate([(0.0, 0.0), (best.variables["k"], -100.0 * best.saving)]):
         assert_allclose(curve(wear, 1 + n), [[where], [what]])
-        assert what == pytest.approx(np.interp(where, k, change), abs=1e-4)
     for n, contact in enumerate((best.contact, REFERENCE)):
         its = contact.steady(FORCE)
         r, worn = curve(depth, 3 * n)
