@@ -134,8 +134,11 @@ def test_solve_gives_stresses_at_the_places_of_the_input_file(tmp_path):
 def test_the_picture_of_solve_has_both_peaks_in_its_title(tmp_path):
     steady, picture = CONTACT.steady(2.5), tmp_path / "stress.png"
     axes = stress_picture(steady).axes[0]
-    tension, mises = (written(float(peak), "Pa") for peak in (steady.peak_tension, steady.peak_mises))
-    assert axes.get_title() == f"largest tension {tension}; largest von Mises stress {mises}"
+    peaks = steady.peak_initial_pressure, steady.peak_tension, steady.peak_mises
+    p_0, tension, mises = (written(float(peak), "Pa") for peak in peaks)
+    assert (
+        axes.get_title() == f"largest pressure $p_0$ {p_0}; largest tension {tension}; largest von Mises stress {mises}"
+    )
     assert axes.get_ylim()[1] == 0.0
     given(tmp_path)
     printed("solve", f"{tmp_path}/scene.toml", "--picture", str(picture))
