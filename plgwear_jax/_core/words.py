@@ -17,9 +17,11 @@ class GivenError(ValueError):
 
     Attributes:
         names_file: Whether the line begins with the file that is wrong.
+        names_argument: Whether it begins with an argument of a function, which is an option of a command.
     """
 
     names_file = True
+    names_argument = False
 
 
 def read_text(path: PathGiven, wanted: str, error: type[ValueError]) -> str:

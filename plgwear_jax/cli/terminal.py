@@ -8,7 +8,6 @@ import functools
 import gc
 import math
 import os
-import re
 import signal
 import sys
 import threading
@@ -91,8 +90,7 @@ def message(error: GivenError, scene_file: Any) -> str:
     """The line for an error in what was given, with the file or the option that is wrong."""
     if error.names_file or scene_file is None:
         return str(error)
-    line = re.sub(r"^(?=(x|y|distance)\b)", "--", str(error))  # arguments of `Scene.front` are options here
-    return f"{scene_file}: {line}"
+    return f"{scene_file}: {'--' if error.names_argument else ''}{error}"
 
 
 @contextlib.contextmanager

@@ -35,7 +35,7 @@ from .question import (
     with_variables,
 )
 from .scenarios import ScenarioBatch, solved_at, tail_weights
-from .search import Interval, Minimum, by_name, found_by, rows_of
+from .search import SLOW_SAMPLES, Interval, Minimum, by_name, found_by, rows_of
 
 
 class Shared(NamedTuple):
@@ -345,7 +345,7 @@ def plan_for(question: Question) -> SearchPlan:
     if not solved_in_turn(question):
         return plan
     # Wear changes smoothly with a gradient.
-    along = 33 if question.horizon is None else 17
+    along = SLOW_SAMPLES if question.horizon is None else 17
     plan = plan._replace(samples=along if plan.variables == 1 else 9, starts=3)
     # Points are solved one after the other and remembered: a step is tried with one length, and solved once.
     return plan._replace(tries=1) if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)

@@ -237,9 +237,12 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else materialised(value + lax.stop_gradient(exact - value))
 
 
-def scanned(interval: Interval, samples: int) -> np.ndarray:
-    """The values at which a search of one variable scans it at so many points."""
-    plan = plan_of(1, 0, samples=samples)
+SLOW_SAMPLES = 33  # of the scan of one variable where each value takes milliseconds
+
+
+def scanned(interval: Interval) -> np.ndarray:
+    """The values at which a search of one variable scans it where each value takes milliseconds."""
+    plan = plan_of(1, 0, samples=SLOW_SAMPLES)
     return _decoded(plan.axis_points()[:, None], *_box_of({"": interval}, np, plan.dtype))[:, 0]
 
 

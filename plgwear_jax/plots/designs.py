@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicHermiteSpline
 
 from plgwear_jax._core.catalogue import entry, leaf, measured, placed
 from plgwear_jax._core.rules import is_linear
@@ -17,6 +16,7 @@ from plgwear_jax.optimise.best import less
 from plgwear_jax.optimise.evaluation import evaluate, space
 from plgwear_jax.optimise.question import keeps
 from plgwear_jax.optimise.search import scanned
+from plgwear_jax.special.pchip import horner
 
 from .style import (
     BEST,
@@ -166,13 +166,19 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     here, there = design.variables[name], design.reference_variables[name]
     # Asked where the search may have solved the contact already; in between by cubics with the known slopes.
-    values = np.unique([*scanned(space(design.question)[name], 33), here])
+    values = np.unique([*scanned(space(design.question)[name]), here])
     at = evaluated_along(design, name, values)
     on_scale, back = (np.asarray, np.asarray) if is_linear(name) else (np.log, np.exp)
     rows, x = at.rows[..., [0, 1 + list(bounds).index(name)]], on_scale(values)
-    known = (np.nan_to_num(rows[..., i], nan=most, posinf=most, neginf=-most) for i, most in enumerate((INFINITE, 0.0)))
+    value, slope = (
+        np.nan_to_num(rows[..., i], nan=most, posinf=most, neginf=-most) for i, most in enumerate((INFINITE, 0.0))
+    )
     fine = np.union1d(x, np.linspace(x[0], x[-1], 400))
-    smooth = CubicHermiteSpline(x, *known)(fine)
+    first = np.clip(np.searchsorted(x, fine, "right") - 1, 0, x.size - 2)
+    step = np.diff(x)[:, None]
+    chord, begin, end = np.diff(value, axis=0) / step, slope[:-1], slope[1:]
+    cubics = value[:-1], begin, (3.0 * chord - 2.0 * begin - end) / step, (begin + end - 2.0 * chord) / step**2
+    smooth = horner([one[first] for one in cubics], (fine - x[first])[:, None])
     smooth[np.interp(fine, x, ~np.isfinite(rows[:, 0, 0])) > 0.0] = np.nan
     curve, kept = 100.0 * (np.exp(smooth[:, 0]) * at.scale / design.reference_value - 1.0), keeps(smooth[:, 1:])
     values = back(fine)

@@ -29,7 +29,7 @@ from plgwear_jax._core.rules import (
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import PathGiven, one_line, read_text, shown
 
-from .keys import NAMES, KeyValues, OtherFileError, Reading, SceneError, json_schema
+from .keys import NAMES, ArgumentError, KeyValues, OtherFileError, Reading, SceneError, json_schema
 from .sections import (
     LOADS,
     Body,
@@ -185,7 +185,7 @@ class Scene:
         """
         if distance is not None:
             if "@" in given:
-                raise SceneError(f"{key} = {shown(given)}: has its place already; leave out the distance")
+                raise ArgumentError(f"{key} = {shown(given)}: has its place already; leave out the distance")
             given = f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
@@ -202,12 +202,12 @@ class Scene:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
             such = f", such as {name}@{','.join(['1e-6'] * len(needed))}" if law and not at else ""
-            raise SceneError(f"{error.key.replace('.', f' {name}@')}: {error.text}{such}") from None
+            raise ArgumentError(f"{error.key.replace('.', f' {name}@')}: {error.text}{such}") from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
         for place, value in places.items():
             if not domain.contains(value):
                 text = f"a finite number{'' if domain is FINITE else ' > 0'}"
-                raise SceneError(f"{key} = {shown(given)}: {PLACES[place]} must be {text}")
+                raise ArgumentError(f"{key} = {shown(given)}: {PLACES[place]} must be {text}")
         return {found: places}
 
     def minimising(self, key: str, given: str) -> "Scene":
@@ -270,7 +270,7 @@ class Scene:
         given = self if y is None else self.minimising("y", y)
         asked, kind = self.traded("x", x, distance), self.contact.kind
         ((name, places),) = asked.items()
-        arguments = designing.arguments_of(given, "distance", places.get("distance"))
+        arguments = designing.arguments_of(given, "distance", places.get("distance"), ArgumentError)
         if "scenarios" in arguments:
             raise SceneError("[design] scenarios: only plgwear design takes them")
         # A limit of x is replaced by its values; of several limits of one quantity those at other places stay.

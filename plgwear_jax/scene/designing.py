@@ -11,7 +11,7 @@ from plgwear_jax.optimise.question import with_variables
 from plgwear_jax.wear_laws import law_of
 
 from . import solving
-from .keys import OtherFileError, SceneError
+from .keys import ArgumentError, OtherFileError, SceneError
 
 if TYPE_CHECKING:
     from plgwear_jax.tables import Table
@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from . import Scene
 
 
-def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, Any]:
+def arguments_of(
+    given: "Scene", key: str, distance: float | None, refusal: type[SceneError] = SceneError
+) -> dict[str, Any]:
     """The arguments of `optimise.design`.
 
-    Refused is a distance from the stick-slip boundary, of this key, that is larger than the stick radius of the
-    reference.
+    Refused, by this error, is a distance from the stick-slip boundary, of this key, that is larger than the stick
+    radius of the reference.
     """
     space = given.asked()
     if space.free:
@@ -32,7 +34,7 @@ def arguments_of(given: "Scene", key: str, distance: float | None) -> dict[str, 
     if distance is not None:
         widest = float(contact.steady(given.load.largest).stick_radius)  # pyright: ignore
         if distance >= widest:
-            raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+            raise refusal(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
     vary, scatter = dict(space.variables), space.scatter
     window = vary.pop("modulus", None)
     if window is not None:  # within it k and E0 vary, as far as it reaches
@@ -103,8 +105,9 @@ def answer(question: str, **arguments: Any) -> Any:
     try:
         found = getattr(optimise, question)(**arguments)
     except WrongKeyError as error:
-        # x is an argument of `front`, no key of the file
-        raise SceneError(f"{'' if error.key == 'x' else '[design] '}{error}") from None
+        if error.key == "x":
+            raise ArgumentError(str(error)) from None
+        raise SceneError(f"[design] {error}") from None
     except ValueError as error:
         of_front = str(error).startswith(("larger", "points"))
         raise SceneError(f"{'' if of_front else 'some value in the input file is too extreme: '}{error}") from None

@@ -47,6 +47,12 @@ class SceneError(GivenError):
     names_file = False
 
 
+class ArgumentError(SceneError):
+    """An error in an argument of `Scene.front`, with which its line begins."""
+
+    names_argument = True
+
+
 class OtherFileError(SceneError):
     """An error in the file of a scene, or in another one that it names; its line begins with that file."""
 

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -36,7 +36,7 @@ class Piecewise(NamedTuple):
         return self.at(0.5 * (x + y))
 
 
-def horner(coefficients: Sequence[Array], x: Array) -> Array:
+def horner(coefficients: Sequence[Any], x: Any) -> Any:
     """The polynomial of x with these coefficients, the constant first."""
     return functools.reduce(lambda value, more: more + x * value, reversed(coefficients))
 

@@ -57,7 +57,7 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
         else:
             rows.append([figure])
     heights = [max(figure.size[1] for figure in row) + 0.7 for row in rows]
-    sheet = page(17.8, sum(heights), dpi=180)
+    sheet = page(17.8, sum(heights), dpi=130)
     for part, row in zip(sheet.subfigures(len(rows), 1, height_ratios=heights, squeeze=False).flat, rows, strict=True):
         parts = part.subfigures(1, round(17.8 / row[0].size[0]), squeeze=False)
         for place, figure in zip(parts.flat, row, strict=False):
