@@ -232,7 +232,9 @@ def history_of(effort: Effort, contact: Any, blocks: StageNumbers, law: WearLaw)
         end = unworn * lax.stop_gradient(end / unworn)
         after = _Grid(jnp.where(moves, stick, unworn), unworn, pressed, end, grid.last, grid.longer)
         shift = jnp.maximum(abs(after.stick - grid.stick), abs(unworn - grid.unworn)) / (unworn - after.stick)
-        shift = jnp.where(jnp.isnan(found.rate[-1]), jnp.inf, shift)  # where the scar has outgrown the cells
+        # Where the scar has outgrown the cells; once the contact would open they need not follow it.
+        pulls = jnp.any((found.least < -MOST) & ~jnp.isnan(found.rate))
+        shift = jnp.where(jnp.isnan(found.rate[-1]) & ~pulls, jnp.inf, shift)
         shift = lax.stop_gradient(jnp.where(moves & (after.stick > 0.0), shift, 0.0))
         return which + 1, shift, jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), history
 
