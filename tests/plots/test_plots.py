@@ -214,7 +214,7 @@ def test_a_coating_is_drawn_as_given_and_as_its_power_law():
     modulus, influence, worn = plots.coating_picture(fit, (z, 3e11 * z), (z, 2.0 * z), both).axes
     assert_allclose([curve(modulus, n)[1] for n in (0, 1)], [3e11 * z, law.modulus(z)])
     assert_allclose(curve(influence, 1), [z, 2.0 * z])
-    assert_allclose([axes.patches[0].get_x() for axes in (modulus, influence)], 7e-6)
+    assert_allclose([np.ravel(axes.patches[0].get_xy())[0] for axes in (modulus, influence)], 7e-6)
     assert_allclose([worn.lines[n].get_ydata()[-1] for n in (0, 3)], depths[:, 1])
 
 
