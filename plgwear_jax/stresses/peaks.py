@@ -56,8 +56,7 @@ def highest(pressed: Pressed, wanted: Wanted) -> Peak:
     ends = wanted.ends(pressed)
     first = jnp.append(jnp.asarray(_X, ends.dtype), pressed.stick)
     edges = _contact_edges(pressed)
-    graded = pressed.k is not None
-    depths = jnp.asarray(_SHALLOW if graded else _Z, ends.dtype)
+    depths = jnp.asarray(_Z if pressed.k is None else _SHALLOW, ends.dtype)
     sideways, downwards = (jnp.linspace(-1.0, 1.0, each.size, dtype=ends.dtype) for each in (first, depths))
 
     def closer(_: int, state: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -73,10 +72,7 @@ def highest(pressed: Pressed, wanted: Wanted) -> Peak:
         x, z, found = xs[x_at], zs[z_at], found[side]
         peak = Peak(found[z_at, x_at], jnp.where(side == 0, x, -x), z)
         top = top_of(xs[:-1], found[z_at, :-1]), top_of(zs[: depths.size], found[: depths.size, x_at])
-        # Nearer to the surface by smaller steps, on a power law nearer to the edges too.
-        if not graded:
-            next_z = z + jnp.minimum(step, 0.5 * z + 1e-3 * step) * downwards
-            return x + step * sideways, next_z, step / _CLOSER, peak, *top
+        # Nearer to the surface and to the edges by smaller steps.
         low = jnp.maximum(z, _LEAST)
         scale = jnp.stack([low + jnp.min(abs(abs(x) - edges)), low])
         step = jnp.arcsinh(jnp.minimum(_REACH / scale, step)) / _CLOSER
@@ -85,7 +81,7 @@ def highest(pressed: Pressed, wanted: Wanted) -> Peak:
         return next_x, next_z, step, peak, *top
 
     none = jnp.zeros_like(pressed.radius)
-    step = jnp.asarray([jnp.inf, jnp.inf] if graded else _REACH, ends.dtype)
+    step = jnp.full(2, jnp.inf, ends.dtype)
     begin = first, depths, step, Peak(none, none, none), none, none
     rounds = jnp.where(_unbounded(pressed, wanted), 0, pressed.fineness.rounds)
     return lax.fori_loop(0, rounds, closer, begin)[3]
