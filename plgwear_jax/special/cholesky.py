@@ -63,18 +63,15 @@ forward, backward = (functools.partial(_solved_by_factor, transposed) for transp
 
 
 def _substitution(transposed: bool) -> Any:
+    way = -1 if transposed else 1  # from the last row upwards, or downwards
+
     def plain(factor: Array, right: Array) -> Array:
         rows, columns = right.shape
         if rows > _ROWS:
-            upper, lower = slice(rows // 2), slice(rows // 2, rows)
-            between = factor[lower, upper]
-            if transposed:
-                below = plain(factor[lower, lower], right[lower])
-                above = plain(factor[upper, upper], right[upper] - between.T @ below)
-            else:
-                above = plain(factor[upper, upper], right[upper])
-                below = plain(factor[lower, lower], right[lower] - between @ above)
-            return jnp.concatenate([above, below])
+            first, last = (slice(rows // 2), slice(rows // 2, rows))[::way]
+            found = plain(factor[first, first], right[first])
+            below = (factor.T if transposed else factor)[last, first] @ found
+            return jnp.concatenate([found, plain(factor[last, last], right[last] - below)][::way])
         if rows * columns > _FEW * _FEW:
             inverse = _inverse(factor)
             return (inverse.T if transposed else inverse) @ right
