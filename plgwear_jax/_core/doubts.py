@@ -14,6 +14,7 @@ from .units import written
 
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 MADE, SMOOTH = (1e9, 1e12), 5e-8  # Pa, what coatings are made of; m, a depth that roughness hides
+STICKY = 3.0  # a coefficient of friction that dry metals do not reach
 SMALL, THICK = 0.3, 0.1  # of the radius of the indenter, what formulas hold for; m, what no coating has
 FELT = 0.1, 3.0  # contact radii, the range of depths that influences a contact
 
@@ -64,13 +65,16 @@ def _readable(*values: Any) -> bool:
 
 
 def of_contact(contact: Any) -> list[str]:
-    """What is doubtful of a contact: an indenter wider than a metre, and a layer thicker than its radius."""
+    """What is doubtful of a contact: an indenter wider than a metre, a layer thicker than its radius, much friction."""
     radius, found = contact.radius, []
     if not _readable(radius):
         return found
     radius = np.asarray(radius)  # while JAX traces, it would trace what is asked of its own arrays
     if np.max(radius) > WIDE:
         found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
+    friction = getattr(contact, "friction", 0.0)
+    if _readable(friction) and (most := np.max(np.asarray(friction))) > STICKY:
+        found.append(f"friction = {most:g}: in percent? friction is a force over a force, mostly below 1")
     thickness = layers(contact.material)
     if np.size(thickness) and np.max(thickness) > np.min(radius):
         sizes = f"{written(float(np.max(thickness)), 'm')}, thicker than the radius of the indenter"

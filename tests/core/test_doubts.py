@@ -55,6 +55,10 @@ ASKED = {
         lambda: fit_wear_coefficient(WIDE, 2.0, [1e4, 1e5], [1e-17, 1e-16]),
         BROAD,
     ),
+    "friction": (
+        lambda: dataclasses.replace(ONE, friction=40.0).steady(2.0),
+        "friction = 40: in percent? friction is a force over a force, mostly below 1",
+    ),
     "a layer": (
         lambda: THICK.steady(2.0),
         "thickness: a layer of 10 mm, thicker than the radius of the indenter, 5 mm? thickness is in m",
