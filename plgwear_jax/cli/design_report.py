@@ -151,8 +151,7 @@ def _tell_allowed(report: Report, found: optimise.Design, called: str, limited: 
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(found.minimum.bound_multipliers[name])
             standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
-        named = name if name in (*OF_POWER_LAW, "nu") else entry(name).name
-        rows.append((named, measured(name, value), measured(name, ends), standing))
+        rows.append((entry(name).name, measured(name, value), measured(name, ends), standing))
     for name, state in found.limits.items():
         standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:

@@ -410,13 +410,13 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
     """The value of the best candidate; where none has one, an error says why by its contact."""
     if not np.isnan(value):
         return value
-    why = " > 0"
+    why = f"{question.objective}, which is minimised, must be > 0 everywhere between the bounds"
     try:
         if question.load is not None and question.by_force:
             _ = contact.steady(np.max(np.nan_to_num(question.load.amplitudes))).wear_volume
     except RefusedError as error:
-        why = f": {error}"
-    raise WrongKeyError("vary", f"no candidate has a {question.objective}{why}")
+        why = f"no candidate has a {question.objective}: {error}"
+    raise WrongKeyError("vary", why)
 
 
 # --- the best over scenarios ------------------------------------------------------------------------------------------

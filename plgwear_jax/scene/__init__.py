@@ -51,6 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
+_LATE = f"counts after the cycles under [wear], where {one_of(tuple(BY_THEN))} is minimised"
+
 
 class Quantity(NamedTuple):
     """One result of `Scene.solve`.
@@ -119,8 +121,7 @@ class Scene:
         if space.scatter is not None and "wear_coefficient" in space.scatter.columns:
             late.append("scenarios: its wear_coefficient")
         if late and self.life is None:
-            after = f"the cycles under [wear], where {one_of(tuple(BY_THEN))} is minimised"
-            raise SceneError(f"[design] {late[0]} counts after {after}")
+            raise SceneError(f"[design] {late[0]} {_LATE}")
         return space
 
     @property
@@ -201,6 +202,8 @@ class Scene:
         try:
             found = placed_quantity(key, name, places, self.contact.kind)
         except WrongKeyError as error:
+            if error.key == "x.distance":
+                raise ArgumentError(f"distance: missing; it {error.text}, such as 1e-6") from None
             such = f", such as {name}@{','.join(['1e-6'] * len(needed))}" if law and not at else ""
             raise ArgumentError(f"{error.key.replace('.', f' {name}@')}: {error.text}{such}") from None
         domain = FINITE if {*WITHIN} & {*places} else POSITIVE
@@ -208,6 +211,8 @@ class Scene:
             if not domain.contains(value):
                 text = f"a finite number{'' if domain is FINITE else ' > 0'}"
                 raise ArgumentError(f"{key} = {shown(given)}: {PLACES[place]} must be {text}")
+        if is_after_cycles(found) and self.life is None:
+            raise ArgumentError(f"{key} = {shown(given)}: {_LATE}")
         return {found: places}
 
     def minimising(self, key: str, given: str) -> "Scene":
@@ -268,7 +273,7 @@ class Scene:
         from . import designing
 
         given = self if y is None else self.minimising("y", y)
-        asked, kind = self.traded("x", x, distance), self.contact.kind
+        asked, kind = given.traded("x", x, distance), self.contact.kind
         ((name, places),) = asked.items()
         arguments = designing.arguments_of(given, "distance", places.get("distance"), ArgumentError)
         if "scenarios" in arguments:

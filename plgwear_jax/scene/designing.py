@@ -116,6 +116,7 @@ def answer(question: str, **arguments: Any) -> Any:
         if arguments["load"] is not None and "cycles" not in arguments:
             _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
         if np.isfinite(np.hstack(values)).all():
-            raise SceneError("what is minimised is 0 somewhere between the bounds; it must be > 0")
+            name = found.y_name if question == "front" else found.objective
+            raise SceneError(f"[design] vary: {name}, which is minimised, must be > 0 everywhere between the bounds")
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found
