@@ -38,7 +38,7 @@ _QUANTITIES = ("contact_radius", "stick_radius", "worn_radius", "penetration", "
 
 
 def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
-    """The share of the material above a depth in the stiffness of a punch, to first order in changes of E.
+    """How much of the stiffness of a punch is due to the material above a depth, to first order in changes of E.
 
     By Gao, Chiu and Lee (1992).
 
