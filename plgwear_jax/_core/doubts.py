@@ -60,26 +60,25 @@ def _outside() -> int:
     return level
 
 
-def _readable(*values: Any) -> bool:
-    return not any(isinstance(value, Tracer) or not np.size(value) for value in values)
+def _readable(value: Any) -> bool:
+    return not isinstance(value, Tracer) and np.size(value) > 0
 
 
-def of_contact(contact: Any) -> list[str]:
+def of_contact(contact: Any) -> Iterator[str]:
     """What is doubtful of a contact: an indenter wider than a metre, a layer thicker than its radius, much friction."""
-    radius, found = contact.radius, []
+    radius = contact.radius
     if not _readable(radius):
-        return found
+        return
     radius = np.asarray(radius)  # while JAX traces, it would trace what is asked of its own arrays
     if np.max(radius) > WIDE:
-        found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
+        yield f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m"
     friction = getattr(contact, "friction", 0.0)
     if _readable(friction) and (most := np.max(np.asarray(friction))) > STICKY:
-        found.append(f"friction = {most:g}: in percent? friction is a force over a force, mostly below 1")
+        yield f"friction = {most:g}: in percent? friction is a force over a force, mostly below 1"
     thickness = layers(contact.material)
     if np.size(thickness) and np.max(thickness) > np.min(radius):
         sizes = f"{written(float(np.max(thickness)), 'm')}, thicker than the radius of the indenter"
-        found.append(f"thickness: a layer of {sizes}, {written(float(np.min(radius)), 'm')}? thickness is in m")
-    return found
+        yield f"thickness: a layer of {sizes}, {written(float(np.min(radius)), 'm')}? thickness is in m"
 
 
 def layers(material: Any) -> Any:
@@ -124,8 +123,8 @@ def of_onset(displacement: Any) -> str | None:
     """What is doubtful of the displacement amplitude at which gross slip begins."""
     if not _readable(displacement) or not np.max(displacement) > FAR:
         return None
-    begins = written(float(np.max(displacement)), "m")
-    return f"gross slip begins at {begins}, beyond 1 mm; are the modulus in Pa, the force in N and the radius in m?"
+    begins = f"gross slip begins at {written(float(np.max(displacement)), 'm')}, beyond 1 mm"
+    return f"{begins}; are modulus, force, radius and rig stiffness in Pa, N, m and N/m?"
 
 
 def of_wear(cycles: float, grows: bool = False) -> str | None:

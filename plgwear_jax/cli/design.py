@@ -110,7 +110,7 @@ def front(
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
     columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y, **found.variables}
     flags = fields(found, "converged", "certified")
-    reference: dict[str, Any] = {x_column: found.reference_x, found.y_name: found.reference_y}
+    reference = {x_column: found.reference_x, found.y_name: found.reference_y}
     report.write_table(columns | flags)
     report.put(
         {x_column: entry(found.x_name).unit},
@@ -138,10 +138,11 @@ def front(
     )
     report.say(amplitudes_told(given, found.y_name))
     report.table(*cells, sure)
-    if not same:
-        report.say(f"what ends the trade-off curve: {found.ends[0]} (first row); {found.ends[1]} (last row)")
-    else:
-        report.say(f"one design has both the {found.best[1]} and the {found.best[0]}: there is nothing to trade")
+    report.say(
+        f"one design has both the {found.best[1]} and the {found.best[0]}: there is nothing to trade"
+        if same
+        else f"what ends the trade-off curve: {found.ends[0]} (first row); {found.ends[1]} (last row)"
+    )
     report.end()
     if not certain.all():
         warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the trade-off curve are NOT CERTAIN")

@@ -76,7 +76,7 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
     return {name: getattr(found, name) for name in names}
 
 
-def each_with_unit(name: str, values: Iterable[float], heading: str | None = None, end: float | None = None) -> Column:
+def each_with_unit(name: str, values: Iterable[float], heading: str | None = None, end: Any = None) -> Column:
     """A column of values of a quantity, NaN for none, each with its own unit, by default below the quantity's words."""
     cells = [measured(name, value) if value == value else "" for value in values]
     return Column(heading or entry(name).words, cells, "" if end is None else measured(name, end))

@@ -149,7 +149,7 @@ def minimise(
         raise ValueError(f"space takes an Interval for at least one name, not {space!r}")
     for name, one in space.items():
         if not isinstance(one, Interval):
-            raise TypeError(f"space takes an Interval for {name}, not {one!r}")
+            raise TypeError(f"space takes optimise.Interval(lower, upper) for {name}, not {one!r}")
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
     lower, upper, logarithmic = _box_of(space, jnp, dtype)
 

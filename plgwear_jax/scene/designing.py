@@ -111,12 +111,11 @@ def answer(question: str, **arguments: Any) -> Any:
     except ValueError as error:
         of_front = str(error).startswith(("larger", "points"))
         raise SceneError(f"{'' if of_front else 'some value in the input file is too extreme: '}{error}") from None
-    values = (found.y, found.reference_y) if question == "front" else (found.value, found.reference_value)
-    if not POSITIVE.contains(np.hstack(values)).all():
+    values = np.hstack([found.y, found.reference_y] if question == "front" else [found.value, found.reference_value])
+    if not POSITIVE.contains(values).all():
         if arguments["load"] is not None and "cycles" not in arguments:
             _ = arguments["contact"].steady(arguments["load"]).wear_volume  # says where it would have to pull
-        if np.isfinite(np.hstack(values)).all():
-            name = found.y_name if question == "front" else found.objective
-            raise SceneError(f"[design] vary: {name}, which is minimised, must be > 0 everywhere between the bounds")
+        if np.isfinite(values).all():
+            raise SceneError("[design] vary: what is minimised must be > 0 everywhere between the bounds")
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found
