@@ -253,7 +253,9 @@ def test_a_design_that_breaks_limits_is_not_praised(folder, search, undrawn):
 def test_numbers_in_wrong_units_are_doubted(folder, search, undrawn):
     rewrite("E0 = 110e9", "E0 = 110")
     rewrite("z0 = 1e-4 ", "z0 = 100 ")
+    rewrite("friction = 0.4", "friction = 40")
     lines = [
+        "contact.toml: friction = 40: in percent? friction is a force over a force, mostly below 1",
         "contact.toml: the contact radius, 67.7 mm, is 14 times the radius of the indenter; the formulas hold for "
         "small ones; check the units: moduli are in Pa, all else in m and N",
         "contact.toml: [material] z0 = 100: a coating 100 m thick? z0 is in m",

@@ -254,8 +254,7 @@ def test_a_scene_asks_for_its_design_and_its_front(monkeypatch):
 
 @cases("scene/refused.toml", "designs")
 def test_a_design_that_cannot_be_looked_for_is_refused(monkeypatch, case):
-    found = SimpleNamespace(value=case.get("value", np.inf), reference_value=1.0)
-    monkeypatch.setattr(optimise, "design", lambda **given: found)
+    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=case["value"], reference_value=1.0))
     given = read(case.get("text") or changed(SINGLE_NUMBERS, *case["changes"].items()))
     assert is_told(refusal(scene.SceneError, getattr(given, case["ask"]), **case.get("given", {})), case)
 

@@ -99,10 +99,10 @@ def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, parts
     assert parts is LATER or 0.1 < share[0] < 0.5
 
 
-@parametrize("phi", [1.0 - 2.0**-53, 1e-200])
-def test_closer_than_rounding_tells_it_is_refused(phi):
-    with pytest.raises(ValueError, match=rf"F_x/\(mu F_N\) = {phi} is so close to 0 or 1"):
-        Reduced(K, np.full((5, 1), phi)).volume(np.ones((5, 16)))
+def test_closer_than_rounding_tells_it_is_refused():
+    for phi in (1.0 - 2.0**-53, 1e-200):
+        with pytest.raises(ValueError, match=rf"F_x/\(mu F_N\) = {phi} is so close to 0 or 1"):
+            Reduced(K, np.full((5, 1), phi)).volume(np.ones((5, 16)))
 
 
 @long
