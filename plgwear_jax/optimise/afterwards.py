@@ -167,15 +167,20 @@ def in_steady_state(found: Design) -> InSteadyState:
         raise ValueError("in_steady_state takes a design for one contact; each scenario has a steady state of its own")
     if question.objective not in BY_THEN:
         raise ValueError(f"in_steady_state takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
-    if load is None or question.horizon is None:
+    if question.horizon is None:
         raise ValueError("in_steady_state takes a design for a number of cycles; this one is for the steady state")
     if not question.by_force:
         raise ValueError(
             "in_steady_state takes a design under force control; under displacement control wear ends elsewhere"
         )
     # Those after the cycles have no meaning there.
-    limits = tuple(one for one in question.limits if not is_after_cycles(one.quantity))
-    best = answered(dataclasses.replace(question, horizon=None, limits=limits))
+    best = answered(
+        dataclasses.replace(
+            question,
+            horizon=None,
+            limits=tuple(one for one in question.limits if not is_after_cycles(one.quantity)),
+        )
+    )
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
 
@@ -283,8 +288,9 @@ def sensitivities(found: Design) -> Sensitivities:
         if variable in best:
             along += (np.array([*best]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
-            given = room.get(name, 1.0)
-            change = slopes_by(path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), given)
+            change = slopes_by(
+                path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), room.get(name, 1.0)
+            )
         left = residual_of(change, state.side - along, multipliers, state.side, state.active)
         dx = -solved_by_elimination(state.matrix, left)[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))

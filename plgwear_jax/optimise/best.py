@@ -345,9 +345,8 @@ def _face(punch: Any) -> Any:
 
 def _worn_by_then(question: Question, contact: Any) -> Any:
     """Under a load without a steady state: what is worn after the life."""
-    horizon, load = question.horizon, question.load
-    largest = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
-    run, radius = contact.over_cycles(largest, horizon.law), contact.steady(0.0).contact_radius
+    horizon = question.horizon
+    run, radius = contact.over_cycles(question.load.largest, horizon.law), contact.steady(0.0).contact_radius
     radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
     return {"contact_radius": radius}, radius, radii, run.depth(radii, horizon.cycles)
 

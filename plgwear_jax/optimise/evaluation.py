@@ -410,10 +410,10 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
     """The value of the best candidate; where none has one, an error says why by its contact."""
     if not np.isnan(value):
         return value
-    why = f"{question.objective}, which is minimised, must be > 0 everywhere between the bounds"
+    why, load = f"{question.objective}, which is minimised, must be > 0 everywhere between the bounds", question.load
+    alone = load and dataclasses.replace(load, load=load.largest)  # of several nothing is refused
     try:
-        if question.load is not None and question.by_force:
-            _ = contact.steady(np.max(np.nan_to_num(question.load.amplitudes))).wear_volume
+        Candidate(dataclasses.replace(question, contact=contact, load=alone), {}).amounts()
     except RefusedError as error:
         why = f"no candidate has a {question.objective}: {error}"
     raise WrongKeyError("vary", why)

@@ -157,9 +157,9 @@ class FreeDesign:
     @property
     def doubt(self) -> str | None:
         """Why nobody could make or measure the best half-space, if so; None under loads without a steady state."""
-        if self.question.load is None or not self.question.by_force:
+        if not self.question.by_force:
             return None
-        radius, deepest = self.contact_radii[0], self.contact.steady(self.question.load.amplitudes[0]).deepest_wear
+        radius, deepest = self.contact_radii[0], self.contact.steady(self.question.load.largest).deepest_wear
         depths = radius * np.geomspace(*doubts.FELT, 16)
         return doubts.of_design(depths, self.contact.material.modulus_at(depths), radius, float(deepest))
 

@@ -117,7 +117,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
         raise TypeError(f'limits takes a mapping such as {{"penetration": {{"below": 2e-6}}}}, not {given!r}')
     found: dict[str, Limit] = {}
     for name, allowed in (given or {}).items():
-        several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
+        several = allowed if isinstance(allowed, list | tuple) else [allowed]
         for place, one in enumerate(several):
             quantity, *ends, places = limited_quantity(name, one, kind)
             pairs = zip(("lowest", "highest"), ends, strict=True)
@@ -125,8 +125,7 @@ def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
             for side, value in sides.items():
                 check(f"limits: {side} {quantity}", value, POSITIVE)
             places = _checked_places(f"limits: {{}} of {quantity}", places)
-            known = len(sides) == 2 and not holds_tracers(ends)
-            if known and not np.all(np.less(*ends)):
+            if len(sides) == 2 and not holds_tracers(ends) and not np.all(np.less(*ends)):
                 raise ValueError(f"limits.{name} between {tuple(ends)}: the lowest value must be below the highest")
             stem = quantity if len(several) == 1 else f"{quantity}[{place}]"
             # The contact radius has two sides always.
@@ -351,7 +350,8 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
     limits = limits_of(keywords.get("limits"), kind)
     bounds, k = _bounds_of(contact, vary), getattr(contact.material, "k", np.nan)
     flat = not holds_tracers(k) and bool(np.any(np.equal(k, 0.0)))
-    refuse_question(bounds, hold, objective, {one.quantity for one in limits}, kind=kind, flat=flat)
+    names = [one.quantity for one in limits]
+    refuse_question(bounds, hold, objective, names, kind=kind, flat=flat)
     if hold and not hasattr(contact.material, "E0"):
         raise ValueError("hold: needs a PowerLawGraded material, which has E0")
     level = keywords.get("level", 0.0)
@@ -369,7 +369,6 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise ValueError(f"cycles: {never_steady(kept)}")
     if (cycles is None) != (law is None):
         raise TypeError("cycles and law go together: one needs the other")
-    names = [one.quantity for one in limits]
     if kept is not None:
         for name in filter(needs_force, names):
             text = f"is a limit of the steady state under one amplitude of the force, not under {_held(kept)}"
@@ -379,8 +378,8 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
         raise WrongKeyError(lasting[0], "is a quantity after a life, which needs cycles and a wear law")
     if cycles is not None:
         if objective not in BY_THEN and not lasting:
-            text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
-            raise ValueError(f"cycles: {text}")
+            after = one_of(tuple(BY_THEN))
+            raise ValueError(f"cycles: the {objective} is minimised in the steady state; after cycles {after}")
         check("cycles", cycles, POSITIVE)
     horizon = None if cycles is None else WearHorizon(cycles, law_of(law))
     weighted = None if load is None else WeightedLoad(load, keywords.get("weight"))
@@ -417,8 +416,8 @@ def _bounds_of(contact: Any, vary: Any) -> dict[str, Bounds]:
         if isinstance(own, str):
             raise ValueError(f'vary: {name} = "{own}" follows from k; give the contact a number to vary it')
         if own is None or (not holds_tracers(own) and np.asarray(own).dtype.kind not in "fiu"):
-            text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
-            raise ValueError(f"vary: {text}")
+            allowed = ", ".join(VARIABLES)
+            raise ValueError(f"vary: {name!r} is not one of {allowed}, nor another number of the contact")
         try:
             lowest, highest = given
         except (TypeError, ValueError):

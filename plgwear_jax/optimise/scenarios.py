@@ -66,6 +66,11 @@ class WeightedLoad:
         """The amplitudes in N, or in m; None of blocks."""
         return self.load.amplitude
 
+    @property
+    def largest(self) -> Load:
+        """The load of the largest amplitude; blocks as they are."""
+        return self.load if self.amplitudes is None else self.load.with_amplitude(lambda amplitudes: amplitudes[0])
+
     def with_amplitudes(self, amplitudes: Any, weight: Any) -> "WeightedLoad":
         """The same kind of load with other amplitudes."""
         return WeightedLoad(self.load.with_amplitude(lambda _: amplitudes), weight)

@@ -13,8 +13,9 @@ from plgwear_jax._core.rules import LARGER, WrongKeyError
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
+from .ask_and_tell import INFINITE
 from .best import ACTIVE, Design, of_design
-from .evaluation import Known, evaluate, reference_variables, search
+from .evaluation import Known, evaluate, reference_variables, search, valued
 from .question import (
     Bounds,
     Keywords,
@@ -177,6 +178,9 @@ def front(
     of_x = _least_within(question, known, {row: 1.0, 0: _TIE * y_side}, others)
     of_y = _least_within(question, known, {row: _TIE, 0: y_side}, others)
     first, last = evaluate(question, _joined([of_x, of_y]).variables, known).values[:, row]
+    if valued(last - first, question, contact) > 0.5 * INFINITE:
+        said = placed(name, places)
+        raise WrongKeyError("x", f"the {said} is 0 at one end of the front; a trade-off takes what stays above 0")
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [_least_within(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]
@@ -269,7 +273,7 @@ def conflict(found: Design) -> Conflict | None:
         `docs/how-to/designs.md`.
     """
     limits, known = found.question.limits, {}
-    if found.keeps_limits or not limits or found.question.scenarios is not None:
+    if found.keeps_limits or found.question.scenarios is not None:
         return None
 
     def nearest(row: int, rows: Sequence[int]) -> Minimum:

@@ -1,14 +1,15 @@
 """Questions about designs that make no sense are refused in a line, before anything is searched."""
 
+import re
+
 import numpy as np
-import pytest
 from coated import HOLD, PUNCH, RIGID, on
 from kinds import contact_of
 from marks import parametrize
-from refusals import cases
+from refusals import cases, refusal
 
 from plgwear_jax import Layered, optimise
-from plgwear_jax.loads import Displacement
+from plgwear_jax.loads import Block, Displacement
 
 NAMED = {
     "NONE": None,
@@ -16,6 +17,7 @@ NAMED = {
     "GRADED": on(RIGID, k=0.3),
     "LAYERS": contact_of(Layered([5e-6, 5e-6], [220e9, 55e9, 110e9], 0.3)),
     "GROSS": Displacement(1e-5),
+    "BLOCKS": [Block(1.0, 3e5)],
 }
 DESIGN = {"contact": RIGID, "load": 1.0, "vary": {"k": (-0.9, 0.9)}, "hold": HOLD}
 # What is asked where a case gives nothing else.
@@ -35,9 +37,7 @@ def given(case):
 
 
 def refused(ask, case, asked):
-    with pytest.raises((TypeError, ValueError), match=case["line"]) as error:
-        ask(**asked | given(case))
-    assert "\n" not in str(error.value)
+    assert re.search(case["line"], refusal((TypeError, ValueError), ask, **asked | given(case)))
 
 
 @cases("optimise/refused.toml", "asked")
@@ -54,6 +54,5 @@ def test_what_makes_no_sense_is_refused(case):
 @cases("optimise/refused.toml", "arguments")
 @parametrize("more", [{}, {"distance": 1e-6}], ids=["designs", "a front"])
 def test_what_an_argument_takes_is_said(more, case):
-    asks = (optimise.front,) if more else (optimise.design, optimise.designs)
-    for ask in asks:
+    for ask in (optimise.front,) if more else (optimise.design, optimise.designs):
         refused(ask, case, DESIGN | {"hold": None, "load": 2.0} | more)
