@@ -40,7 +40,7 @@ def read_text(path: PathGiven, wanted: str, error: type[ValueError]) -> str:
     except IsADirectoryError:
         raise error(f"{name}: is a folder; {wanted}") from None
     except UnicodeDecodeError as problem:
-        raise error(f"{name}: is not a text file in UTF-8 (byte {problem.start})") from None
+        raise error(f"{name}: is not a text file in UTF-8 (byte {problem.start}); save it as UTF-8") from None
     except (OSError, ValueError) as problem:
         raise error(f"{name}: cannot be read: {getattr(problem, 'strerror', None) or problem}") from None
 

@@ -55,9 +55,9 @@ def coating(
 ) -> None:
     """Fit a power law to a measured modulus E(z), and show what this idealisation does to contact and wear.
 
-    The fit weights each depth as it counts for the stiffness of the contact, between 0.1 and 3 contact radii. Below its
-    last row and above its first one the table is taken as constant. An indentation modulus is a mean over the depths
-    that the tip felt, and not E at one depth.
+    Between 0.1 and 3 contact radii each depth has the weight in the fit that it has in the stiffness of the contact.
+    Below the last row of the table and above the first one E is constant. An indentation modulus is a mean over the
+    depths that the tip felt, and not E at one depth.
 
     Example: plgwear coating E_of_z.csv --scene contact.toml --out power_law.toml
     """

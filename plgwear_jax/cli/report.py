@@ -82,7 +82,7 @@ def each_with_unit(name: str, values: Iterable[float], heading: str | None = Non
     return Column(heading or entry(name).words, cells, "" if end is None else measured(name, end))
 
 
-def shared(name: str, values: "np.ndarray", end: float | None = None, heading: str | None = None) -> Column:
+def shared(name: str, values: "np.ndarray", end: Any = None, heading: str | None = None) -> Column:
     """A column of values of a quantity, all in the unit that suits the largest one and ends the heading.
 
     Args:

@@ -194,7 +194,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     axes.set_ylim(volumes[0], 3.0 * end)
     label(axes, "cycles", "volume")
     for number, volume, shade in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
-        axes.plot(number, volume, "o", color=shade["color"], **DOT)
+        axes.plot(number, volume, "o", color=shade["color"], clip_on=False, **DOT)
         share = f" ({100.0 * volume / end:.0f} %)" if final else ""
         styles.append(shade | {"label": f"{float(f'{number:.2g}'):,.10g} cycles{share}"})
     if final:
