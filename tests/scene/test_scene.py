@@ -142,7 +142,9 @@ def test_refusal_of_what_is_not_toml(case):
 
 
 def test_refusal_of_what_no_reader_of_toml_can_take():
-    assert complaint(b"[material]\nE0 = '\xff'\n") == "scene.toml: is not a text file in UTF-8 (byte 17); save it as UTF-8"
+    assert (
+        complaint(b"[material]\nE0 = '\xff'\n") == "scene.toml: is not a text file in UTF-8 (byte 17); save it as UTF-8"
+    )
     for digit in "1[":
         line = complaint(f"a = {5000 * digit}\n")
         assert line == "scene.toml: is not valid TOML: a number too long or brackets too deep"
