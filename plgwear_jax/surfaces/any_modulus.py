@@ -1,17 +1,19 @@
 """Half-spaces of any E(z), or of layers, under a rigid or a homogeneous indenter."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
 from plgwear_jax._core.domains import field_nan_outside, record
+from plgwear_jax._core.sequential import sequential_vmap
 from plgwear_jax._core.xla import materialised
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solve_symmetric
-from plgwear_jax.special.elementary import clamped, in_dtype, namespace, quotient
+from plgwear_jax.special.elementary import clamped, in_dtype, namespace, quotient, value_with_slope
 from plgwear_jax.special.pchip import horner
 
 from .bodies import AnyModulus, Elastic
@@ -25,31 +27,90 @@ from .ring import RING_NODES, RingDisplacement, Worn
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
+class _Places(NamedTuple):
+    """Where distances lie in a table over log(u)."""
+
+    before: Array  # the number of the cubic
+    part: Array  # of a step, from its beginning
+
+
+def _places_of(u: Array) -> _Places:
+    cubics = round((_MOST - _LEAST) / _TABLE) - 2
+    # Materialised, or each direction of a derivative would compute it again.
+    at = materialised(clamped(0.0, (jnp.log(u) - _LEAST) / _TABLE - 1.0, cubics - 1.0))
+    before = jnp.floor(lax.stop_gradient(at))
+    return _Places(before.astype(int).astype(np.uint32), at - before)
+
+
 _CUBIC = np.linalg.inv(np.vander(np.arange(-1.0, 3.0), increasing=True))  # from values at -1, 0, 1, 2
 
 
-def _in_table(table: Array, u: Array) -> Array:
-    """What a table over log(u) has at distances u, by Lagrange's cubics between each two of its inner values."""
-    cubics = jnp.asarray(_CUBIC, table.dtype) @ jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
-    # Materialised, or each direction of a derivative would compute it again.
-    at = materialised(clamped(0.0, (jnp.log(u) - _LEAST) / _TABLE - 1.0, cubics.shape[1] - 1.0))
-    before = jnp.floor(lax.stop_gradient(at))
-    return horner(jnp.unstack(cubics[:, before.astype(int).astype(np.uint32)]), at - before)
+def _lagrange_cubics(table: Array) -> Array:
+    """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
+    return jnp.asarray(_CUBIC, table.dtype) @ jnp.stack([table[i : table.size - 3 + i] for i in range(4)])
 
 
+def _values_at(cubics: Array, places: _Places) -> Array:
+    return horner(jnp.unstack(cubics[:, places.before]), places.part)
+
+
+def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
+    """(Distances between nodes r/c, of a node to itself a mean one within its cell; sums of both)."""
+    x = jnp.sqrt(1.0 + t)
+    opposite = x[:, None] + x
+    # By the mean of a logarithm.
+    apart = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, abs(t[:, None] - t) / opposite)
+    return clamped(math.exp(_LEAST), apart), opposite
+
+
+def _of_kernel(kernel: Array, whole: Array | float, share: Array, weight: Array) -> Array:
+    weighted = share * weight
+    return weighted @ kernel @ weighted.T + (weighted * (whole - kernel @ weight)) @ share.T
+
+
+def _of_table(
+    table: Array, near: _Places, far: _Places, share: Array, weight: Array, whole: Array | float = 0.0
+) -> Array:
+    cubics = _lagrange_cubics(table)
+    return _of_kernel(_values_at(cubics, near) + _values_at(cubics, far), whole, share, weight)
+
+
+_of_each_table = sequential_vmap(_of_table)  # the matrices of all directions would not be in the cache together
+
+
+@jax.custom_jvp
 def through_springs(table: Array, whole: Array, t: Array, share: Array, weight: Array) -> Array:
     """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images.
 
     A kernel that is narrower than the distance of nodes, as of thin layers, is missed by sums over these. What its
     integral over all cells, `whole`, is more than the sum acts on the spot.
     """
-    x = jnp.sqrt(1.0 + t)
-    opposite = x[:, None] + x
-    # Of a node to itself a mean distance within its cell, by the mean of a logarithm.
-    apart = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, abs(t[:, None] - t) / opposite)
-    kernel = jnp.sum(_in_table(table, clamped(math.exp(_LEAST), jnp.stack([apart, opposite]))), 0)
-    weighted = share * weight
-    return weighted @ kernel @ weighted.T + (weighted * (whole - kernel @ weight)) @ share.T
+    near, far = map(_places_of, _distances(t, weight))
+    return _of_table(table, near, far, share, weight, whole)
+
+
+@through_springs.defjvp
+def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
+    # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
+    # each direction. With this rule and that of `half_space` derivatives of a run by 100 moduli take a fifth of the
+    # time and 0.4 of the memory.
+    (table, whole, t, share, weight), (dtable, dwhole, dt, dshare, dweight) = primals, tangents
+    distances, cubics, weighted = _distances(t, weight), _lagrange_cubics(table), share * weight
+    near, far = map(_places_of, distances)
+    (of_near, by_near), (of_far, by_far) = (
+        value_with_slope(lambda u: _values_at(cubics, _places_of(u)), u) for u in distances
+    )
+    kernel = of_near + of_far
+    by_first = by_far + by_near * jnp.sign(t[:, None] - t)
+    missed = whole - kernel @ weight
+    own = 0.11 * jnp.diagonal(by_near) * dweight
+    dx = 0.5 * dt / jnp.sqrt(1.0 + t)
+    dmissed = dwhole - kernel @ dweight - dx * (by_first @ weight) - (dx * weight) @ by_first - own * weight
+    on_the_spot = 0.5 * (dweight * missed + weight * dmissed)
+    half = (dshare * weight + share * dweight) @ (kernel @ weighted.T) + (weighted * dx) @ (by_first @ weighted.T)
+    half += (0.5 * weighted * own) @ weighted.T + (dshare * (weight * missed) + share * on_the_spot) @ share.T
+    found = _of_kernel(kernel, whole, share, weight)
+    return found, half + half.T + _of_each_table(dtable, near, far, share, weight)
 
 
 @record
@@ -210,7 +271,7 @@ class Graded(Bodies):
         begin, end = jnp.unstack(jnp.sqrt(ends))
         apart = (images.t - first) / (root + begin), (last - images.t) / (root + end), end + root, begin + root
         apart = clamped(math.exp(_LEAST), jnp.stack(apart))
-        below, above, opposite, less = jnp.unstack(_in_table(integral, apart))
+        below, above, opposite, less = jnp.unstack(_values_at(_lagrange_cubics(integral), _places_of(apart)))
         # Weights of nodes are those of 2 dr.
         added = through_springs(kernel, 2.0 * (below + above + opposite - less), *images[:3])
         # g c/(2 Gamma(3/2)^2)

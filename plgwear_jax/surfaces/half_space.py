@@ -13,6 +13,7 @@ modulus in the middle of each part, into n and into 2n parts, and extrapolated.
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
@@ -90,7 +91,7 @@ def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> A
     edges, even = depths_for(modulus, q, digits)
     h, s = _layers(modulus.between, edges, even, q)
     s = modulus.coefficients[0, 0] * s  # mu(0)/mu: no depth is above z = 0
-    total = s[0, 0, 0, 0] - _upwards(*_layer_matrices(s, nu, h))[0][1, 1, 0] / (1.0 - nu)
+    total = s[0, 0, 0, 0] - _raised(*_layer_matrices(s, nu, h))[0] / (1.0 - nu)
     least, most = total[0], total[-1]
     return most + (most - least) / 3.0 - 1.0
 
@@ -161,6 +162,28 @@ def _tractions_below(tractions: Array, down: Array) -> Array:
         return below, below
 
     return lax.scan(lower, tractions, down)[1]
+
+
+@jax.custom_jvp
+def _raised(step: Array, spread: Array, phi: Array) -> Array:
+    """Y_22 at the surface."""
+    return _upwards(step, spread, phi)[0][1, 1]
+
+
+@_raised.defjvp
+def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Array, Array]:
+    """The sum over the layers of w_b' dY w_b + x' dP x + 2 w' dPhi x.
+
+    w = (0, 1) at the surface goes down through each layer as w_b = (1 - P Y)^-1 Phi' w, and x = Y w_b.
+    """
+    top, (inside, down) = _upwards(*layers)
+    begin = jnp.stack([jnp.zeros_like(top[:1, 0]), jnp.ones_like(top[:1, 0])])
+    below = _tractions_below(begin, down)
+    above = jnp.concatenate([begin[None], below[:-1]])
+    x = jnp.sum(inside * below.swapaxes(1, 2), 2, keepdims=True)
+    step, spread, phi = along
+    moved = below * below.swapaxes(1, 2) * step + x * x.swapaxes(1, 2) * spread + 2.0 * above * x.swapaxes(1, 2) * phi
+    return top[1, 1], jnp.sum(moved, (0, 1, 2))
 
 
 # --- the way down -----------------------------------------------------------------------------------------------------
