@@ -4,11 +4,13 @@ Bodies only press on each other. A state whose pressure is negative somewhere is
 open there, and its equations would be others.
 """
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
+from jax import Array
 
 from plgwear_jax.special.elementary import ratio_where
 
@@ -32,6 +34,7 @@ class Least(NamedTuple):
     pulled: Array  # 1 where it is tension, 0 where it is none
 
 
+@jax.custom_jvp
 def least_pressures(found: Worn, phi: Array) -> Least:
     """The least pressures of both states. Before any wear not only F_N has to press, but also (1 - phi) F_N."""
     if found.bodies.never_pulls:
@@ -41,8 +44,14 @@ def least_pressures(found: Worn, phi: Array) -> Least:
     scaled = shares / usual
     which = jnp.stack([jnp.argmin(scaled[:2]), jnp.argmin(scaled[2]) + 2 * scaled[2].size]).astype(np.uint32)
     shares, places, scaled = jnp.unstack(jnp.stack([shares, places, scaled]).reshape(3, -1)[:, which])
+    return Least(shares, places, (scaled < -MOST).astype(shares.dtype))
+
+
+@functools.partial(least_pressures.defjvp, symbolic_zeros=True)
+def _without_slopes_of_least(primals: Any, tangents: Any) -> tuple[Least, Least]:
     # Nothing is differentiated by what only refuses.
-    return Least(*lax.stop_gradient((shares, places, (scaled < -MOST).astype(shares.dtype))))
+    least = least_pressures(*primals)
+    return least, jax.tree.map(jnp.zeros_like, least)
 
 
 def _of_sums(found: Worn) -> tuple[Array, Array, Array]:
