@@ -273,7 +273,7 @@ def conflict(found: Design) -> Conflict | None:
         `docs/how-to/designs.md`.
     """
     limits, known = found.question.limits, {}
-    if found.keeps_limits or found.question.scenarios is not None:
+    if found.keeps_limits or not limits or found.question.scenarios is not None:
         return None
 
     def nearest(row: int, rows: Sequence[int]) -> Minimum:
