@@ -207,7 +207,7 @@ def test_a_fit_is_drawn_with_its_interval_and_what_it_leaves():
 
 
 def test_a_coating_is_drawn_as_given_and_as_its_power_law():
-    z, law = np.array([1e-6, 1e-5, 1e-4]), PowerLawGraded(1e11, 1e-5, 0.5, 0.3)
+    z, law = np.geomspace(1e-6, 1e-4, 3), PowerLawGraded(1e11, 1e-5, 0.5, 0.3)
     radii, depths = np.arange(1.0, 9.0).reshape(2, 2, 2)
     fit = SimpleNamespace(material=law, depth=z, modulus=z, felt=(7e-6, 2e-4))
     both = SimpleNamespace(quantities={"contact_radius": radii[:, 1]}, radii=radii, wear_depth=depths)
