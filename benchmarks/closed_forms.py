@@ -309,7 +309,7 @@ def size(report: Report, quick: bool) -> None:
     table(title, "contacts", counts, ("first, s", "again, ms a contact"))
     for where in list(found)[1:]:
         mine, exact = ([np.array(x) for x in found[at]["results"]] for at in (where, "one core"))
-        report.print(f"{where}: value and slopes differ by {worst(mine, exact)} at most from those of one core")
+        report.print(f"{where}: value and slopes differ from those on one core by at most {worst(mine, exact)}")
     report.others = max(one["others"] for one in found.values())
 
 

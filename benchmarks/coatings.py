@@ -1,7 +1,7 @@
 """Which surface wears least on coatings of finite thickness, and the digits of two quantities of elastic pairs.
 
-The contact is that of the tutorial: a ball of steel, 50 N, friction 0.6, on coatings of moduli between 100 and 350 GPa.
-All have the same contact radius: each is as stiff as a whole as this needs.
+The contact is that of the tutorial: 50 N press a steel ball on coatings with moduli between 100 and 350 GPa, and the
+friction is 0.6. A factor scales the moduli of each coating, so that the contact radius is the same on all of them.
 """
 
 from collections.abc import Callable

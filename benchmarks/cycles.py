@@ -8,8 +8,8 @@ final volume: over a grid of exponents and amplitudes against a run with more ce
 
 rigs: the march of any other test. Errors of volumes are in percent of the last volume of a test; 1 % is promised, see
 `docs/explanation/accuracy.md`. They are compared with rings of constant pressure that know the Green's function
-alone (`tests/reference/march_oracle.py`), on power laws, layers and tables, and with the runs of a constant force. What
-first answers take is told by `waits.py`, and energies and the ends of tests are compared in
+alone (`tests/reference/march_oracle.py`), on power laws, layers and tables, and with the runs of a constant force.
+`waits.py` measures how long first answers take. Energies and the ends of tests are compared in
 `tests/contact/test_contract.py`.
 """
 
@@ -44,7 +44,7 @@ MOST = max(RESOLUTIONS)
 
 
 def finest(quick: bool) -> AbstractContextManager[Any]:
-    """The most digits are those of a finer run meanwhile."""
+    """Within this context a run with the most digits has more cells and steps than the library offers."""
     return mock.patch.dict(RESOLUTIONS, {} if quick else {MOST: FINEST})
 
 

@@ -27,7 +27,7 @@ from scipy_designs import Found, Problem
 
 from plgwear_jax import fretting, optimise
 
-WORSE = 1e-6  # by as much is a value not that of the optimum
+WORSE = 1e-6  # relative; a design whose value exceeds the optimum by more is worse
 BOUNDS = (-0.95, 0.95)
 DESIGNS = 10_000
 

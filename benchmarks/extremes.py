@@ -225,7 +225,7 @@ class Grid(NamedTuple):
         return Grid({name: x[chosen] for name, x in self.at.items()}, self.c[chosen], self.a_inf[chosen])
 
     def beside(self, dtype: str, units: float) -> Flags:
-        """Where r is within a few units in its last place of an edge of the ring."""
+        """Whether each r is within so many units in its last place of an edge of the ring."""
         if not {"r", "phi"} <= self.at.keys():
             return np.zeros(self.c.size, bool)
         r = self.at["r"]
@@ -312,7 +312,7 @@ def _forgiven(quantity: Quantity, here: Grid, dtype: str, truth: list[Floats]) -
 
 
 def _least(quantity: Quantity, here: Grid, dtype: str) -> Any:
-    """What no value may fall below: nothing is negatively worn, and the ring reaches out of the contact."""
+    """The lowest value allowed: wear is never negative, and the worn radius is never below the first contact radius."""
     if quantity.name == "fretting.profile":
         r = here.at["r"].astype(dtype)
         with np.errstate(over="ignore"):

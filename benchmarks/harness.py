@@ -4,7 +4,7 @@ A time is the median over rounds in which all programs of a table run in turn, s
 meets them alike; a ratio is taken within each round before its median is. A time stands next to the worst error against
 the 50-digit oracle of the tests, measured on what the timed call itself returned: the points of that call begin with a
 fresh random sample. Points are uniform in the bulk of the domain, abs(k) <= 0.97 and 0.005 <= phi <= 0.995; the sample
-crowds at both ends of phi as that of the accuracy tests does.
+crowds at both ends of phi, like that of the accuracy tests.
 """
 
 from __future__ import annotations

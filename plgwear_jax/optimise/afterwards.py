@@ -174,13 +174,8 @@ def in_steady_state(found: Design) -> InSteadyState:
             "in_steady_state takes a design under force control; under displacement control wear ends elsewhere"
         )
     # Those after the cycles have no meaning there.
-    best = answered(
-        dataclasses.replace(
-            question,
-            horizon=None,
-            limits=tuple(one for one in question.limits if not is_after_cycles(one.quantity)),
-        )
-    )
+    limits = tuple(one for one in question.limits if not is_after_cycles(one.quantity))
+    best = answered(dataclasses.replace(question, horizon=None, limits=limits))
     force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
     horizon, name, places = question.horizon, question.objective, question.places
 
@@ -288,9 +283,8 @@ def sensitivities(found: Design) -> Sensitivities:
         if variable in best:
             along += (np.array([*best]) == variable) & (side == {"lowest": -1, "highest": 1}[end])
         else:
-            change = slopes_by(
-                path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), room.get(name, 1.0)
-            )
+            given = room.get(name, 1.0)
+            change = slopes_by(path, value, lambda x, path=path: rows(with_leaf(question, path, x), best), given)
         left = residual_of(change, state.side - along, multipliers, state.side, state.active)
         dx = -solved_by_elimination(state.matrix, left)[: len(best)]
         variables[name] = dict(zip(best, dx.tolist(), strict=True))

@@ -410,10 +410,10 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
     """The value of the best candidate; where none has one, an error says why by its contact."""
     if not np.isnan(value):
         return value
-    why, load = f"{question.objective}, which is minimised, must be > 0 everywhere between the bounds", question.load
-    alone = load and dataclasses.replace(load, load=load.largest)  # of several nothing is refused
+    why = f"{question.objective}, which is minimised, must be > 0 everywhere between the bounds"
+    load = question.load and dataclasses.replace(question.load, load=question.load.largest)  # several are not refused
     try:
-        Candidate(dataclasses.replace(question, contact=contact, load=alone), {}).amounts()
+        Candidate(dataclasses.replace(question, contact=contact, load=load), {}).amounts()
     except RefusedError as error:
         why = f"no candidate has a {question.objective}: {error}"
     raise WrongKeyError("vary", why)

@@ -178,9 +178,10 @@ def front(
     of_x = _least_within(question, known, {row: 1.0, 0: _TIE * y_side}, others)
     of_y = _least_within(question, known, {row: _TIE, 0: y_side}, others)
     first, last = evaluate(question, _joined([of_x, of_y]).variables, known).values[:, row]
+    # The logarithm of 0 is -INFINITE here.
     if valued(last - first, question, contact) > 0.5 * INFINITE:
-        said = placed(name, places)
-        raise WrongKeyError("x", f"the {said} is 0 at one end of the front; a trade-off takes what stays above 0")
+        told = "is 0 at one end of the front; a trade-off takes what stays above 0"
+        raise WrongKeyError("x", f"the {placed(name, places)} {told}")
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [_least_within(question, known, {0: y_side}, {**others, row: one}) for one in allowed[1:-1]]

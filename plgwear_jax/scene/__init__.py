@@ -189,8 +189,8 @@ class Scene:
                 raise ArgumentError(f"{key} = {shown(given)}: has its place already; leave out the distance")
             given = f"{given}@{distance!r}"
         name, at, text = given.partition("@")
-        its = "edge_pressure", "pressure"  # two names of one quantity
-        its = its if name in its else (name,)
+        twins = "edge_pressure", "pressure"  # two names of one quantity
+        its = twins if name in twins else (name,)
         law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed
         needed = [place for place in PLACES if place in getattr(law, "arguments", ())] or ["r"]
         limit = next((one for own in its for one in limits.get(own, ()) if {*needed} <= {*one}), {})

@@ -180,9 +180,9 @@ def test_runs_in_rings_are_refused():
 @parametrize(
     "load",
     [
-        compiled_case(Force(0.9 * LIMIT)),
+        Force(0.9 * LIMIT),
         compiled_case(Displacement(1.4e-6)),
-        [Block(0.9 * LIMIT, 1e7)],
+        compiled_case([Block(0.9 * LIMIT, 1e7)]),
     ],
     ids=("force", "displacement", "block"),
 )
