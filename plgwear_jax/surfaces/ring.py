@@ -247,7 +247,7 @@ def worn(bodies: Bodies, load: Array, phi: Array) -> Worn:
     rise, wears = punch.force / punch.stiffness, phi > 0.0
     further, v = rise * phi / (1.0 - phi), bodies.ring_displacement(punch)
     # Without an amplitude there is no ring; a narrow one tells how rings begin.
-    few = 4096.0 * jnp.finfo(phi.dtype).eps
+    few = math.sqrt(jnp.finfo(phi.dtype).eps)
     ring = ring_of(v.deficit(lax.select(wears, further, few * rise)))
     end = jnp.exp(ring.log_y) * jnp.where(wears, 1.0, phi / few)
     return Worn(bodies, unworn, punch, further, v, end, lax.select(wears, jnp.pi * ring.volume, 0.0 * phi))
