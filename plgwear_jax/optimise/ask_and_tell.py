@@ -185,7 +185,7 @@ def all_done(plan: SearchPlan, done: Any) -> Any:
 
 
 # The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
-# evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
+# evaluates steps of several lengths at once, and takes that to the lowest merit of those at which it falls enough.
 
 
 _LIGHTEST, _HEAVIEST = 300.0, 1e8  # penalties: with which a descent begins, and beyond which none goes on
@@ -232,9 +232,9 @@ def descended(plan: SearchPlan, state: SearchState, rows: Any) -> SearchState:
     after = _merit(at, rows)
     wanted = 1e-4 * (_merit_slope(at) * (trials - at.u)).sum(-1)
     falls = (after <= _merit(at, at.rows) + wanted + plan.noise * xp.abs(after)) & ~at.done
-    taken, longest = falls.any(0), falls.argmax(0)
+    taken, lowest = falls.any(0), xp.where(falls, after, np.inf).argmin(0)
     u, rows = (
-        select(taken, new[longest, np.arange(plan.starts)], old) for new, old in ((trials, at.u), (rows, at.rows))
+        select(taken, new[lowest, np.arange(plan.starts)], old) for new, old in ((trials, at.u), (rows, at.rows))
     )
     shortest = plan.lengths()[-1] * at.step
     stuck = ~at.done & ~taken & (xp.abs(shortest).max(1) < enough)
