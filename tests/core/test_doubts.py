@@ -29,7 +29,6 @@ WIDE = dataclasses.replace(ONE, radius=2.0)
 THICK = dataclasses.replace(ONE, material=DepthGraded([1e-2, 1e-2], [200e9, 100e9], 0.3))
 SOFT = FrettingContact(PowerLawGraded(1e4, 1e-4, 0.2, 0.3), radius=0.5, normal_force=10.0, friction=0.4)
 BROAD = "radius = 2: is the indenter wider than 1 m? radius is in m"
-SOON = "99 % is worn after "
 
 
 def ask_all(run):
@@ -39,7 +38,7 @@ def ask_all(run):
 ASKED = {
     "the steady state": (lambda: WIDE.steady(2.0).wear_volume, BROAD),
     "several quantities": (
-        lambda: [getattr(steady, name) for steady in [WIDE.steady(2.0)] for name in ("stick_radius", "worn_radius")],
+        lambda: (steady := WIDE.steady(2.0)).stick_radius + steady.worn_radius,
         BROAD,
     ),
     "a run with its steady state": (
@@ -62,7 +61,7 @@ ASKED = {
     ),
     "the onset": (lambda: SOFT.steady(0.0).gross_slip_displacement, "gross slip begins at "),
     "regimes": (lambda: slip_regimes(SOFT, [1e-3, 1e-2], [9.0, 10.0]), "gross slip begins at "),
-    "a scar": (lambda: ask_all(ONE.over_cycles(2.0, 1e-9)), SOON),
+    "a scar": (lambda: ask_all(ONE.over_cycles(2.0, 1e-9)), "99 % is worn after "),
     "a scar of gross slip": (
         lambda: ask_all(ONE.over_cycles(Displacement(1e-5), 1e-8)),
         "the scar is ten times as wide as the contact after ",

@@ -15,7 +15,6 @@ from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise.question import with_variables
 
 NAMES = data("optimise/numbers.toml")["names"]
-LOG_SHARE = st.floats(-3.0, 0.0)
 
 
 @dataclasses.dataclass
@@ -94,7 +93,7 @@ def compared(question, objective, limits, kept, rounding=1e-8):
 
 
 def asks_at_random(variables, points):
-    sides = st.tuples(st.booleans(), LOG_SHARE, st.booleans())
+    sides = st.tuples(st.booleans(), st.floats(-3.0, 0.0), st.booleans())
     names = st.lists(st.sampled_from(NAMES), min_size=2, max_size=3, unique=True)
 
     @given(asked(variables, points), names, st.lists(sides, min_size=2, max_size=2))

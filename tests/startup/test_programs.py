@@ -167,9 +167,8 @@ def test_poissons_ratio_does_not_enter_where_it_follows_from_the_exponent():
 
 # --- scenes ---------------------------------------------------------------------------------------------------------
 
-LOAD = {"tangential_force": 0.32}
 SCENES = {
-    FrettingContact: {"contact": {"kind": "fretting", **FRETTING}, "load": LOAD},
+    FrettingContact: {"contact": {"kind": "fretting", **FRETTING}, "load": {"tangential_force": 0.32}},
     GrossSlipContact: {"contact": {"kind": "gross-slip", **GROSS_SLIP}},
 }
 OF_SCENES = [one for one in ASKED if one[1] not in ("amplitude", "edge_pressure", "force_drop")]
