@@ -44,7 +44,7 @@ def asked(draw, variables, points):
         return 10.0 ** draw(st.floats(low, high))
 
     E0, z0, nu = log_float(9.5, 11.5), log_float(-5.0, -3.0), draw(st.floats(0.0, 0.49))
-    radius, normal_force, friction = log_float(-3.0, -1.0), log_float(0.0, 2.0), draw(st.floats(0.1, 0.9))
+    radius, normal_force, friction = log_float(-3.0, -1.0), log_float(0.0, 2.0), draw(st.floats(0.1, 0.3))
     phi = draw(st.floats(0.001, 0.99))
     width = log_float(np.log10(0.02), np.log10(1.8))
     lowest = -0.95 + (1.9 - width) * draw(st.floats(0.0, 1.0))
