@@ -303,8 +303,8 @@ def fit_wear_coefficient(
         rise = float(quantile) ** 2
         low, high = (_exceeded_at(lambda log: misfit(log) - least - rise, best, some) for some in (tried[::-1], tried))
         said = None
-        if relative and np.max(deviation) > 1.0:
-            said = f"a deviation of {np.max(deviation):g} times the volume: in percent? it is a share, such as 0.05"
+        if relative and (largest := np.asarray(deviation, float).max()) > 1.0:
+            said = f"a deviation of {largest:g} times the volume: in percent? it is a share, such as 0.05"
         elif math.isnan(rise):
             low = high = math.nan
             said = "one point and one unknown: without its deviation there is no interval"
