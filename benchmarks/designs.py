@@ -135,7 +135,8 @@ def problems(report: Report, quick: bool) -> None:
     report.print(
         f"worst excess: of plgwear's value over SciPy's best, relative. SciPy's best worse: by more than {WORSE:.0e}.\n"
         "wrong optimum: worse than the best known, or a limit missed, by more than 1e-6; unnoticed: and said to have\n"
-        "converged. ms: median time a problem, compiled."
+        "converged. ms: median time of a problem, asked once before. plgwear runs its programs by NumPy until it\n"
+        "would have taken less time to compile them."
     )
     for number, one in enumerate(outcomes):
         said = ", ".join(name for name in ("converged", "certified") if not getattr(one.design, name))
