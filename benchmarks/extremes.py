@@ -225,7 +225,7 @@ class Grid(NamedTuple):
         return Grid({name: x[chosen] for name, x in self.at.items()}, self.c[chosen], self.a_inf[chosen])
 
     def beside(self, dtype: str, units: float) -> Flags:
-        """Whether each r is within so many units in its last place of an edge of the ring."""
+        """Whether each r lies so close to an edge of the ring: within so many units in the last place of r."""
         if not {"r", "phi"} <= self.at.keys():
             return np.zeros(self.c.size, bool)
         r = self.at["r"]

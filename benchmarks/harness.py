@@ -4,7 +4,7 @@ A time is the median over rounds in which all programs of a table run in turn, s
 meets them alike; a ratio is taken within each round before its median is. A time stands next to the worst error against
 the 50-digit oracle of the tests, measured on what the timed call itself returned: the points of that call begin with a
 fresh random sample. Points are uniform in the bulk of the domain, abs(k) <= 0.97 and 0.005 <= phi <= 0.995; the sample
-crowds at both ends of phi, like that of the accuracy tests.
+crowds at both ends of phi, as the sample of the accuracy tests does.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def interleave(calls: Mapping[Any, Callable[[], Any]], rounds: int) -> dict[Any,
     return taken
 
 
-_clocks: list[tuple[float, float]] = []  # what the clock on the wall and that of the process say of each table
+_clocks: list[tuple[float, float]] = []  # of each table: seconds on the wall, seconds of the process
 
 
 def taken_by_others() -> float:
@@ -214,14 +214,14 @@ class Program:
 
 @dataclasses.dataclass(frozen=True)
 class Compared:
-    """Time and worst errors of one program."""
+    """The time that one program takes, and its worst errors."""
 
     timing: Timing
     errors: dict[int, float]  # the worst, by order of derivative
 
 
 def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
-    """Time and error of all programs."""
+    """Time all programs and measure their errors."""
     found = {name: errors(program(), program.exact, program.orders) for name, program in programs.items()}
     seconds = interleave(programs, rounds)
     return {

@@ -10,11 +10,12 @@ first two contacts have closed forms; the others are held to more digits than th
 random_contacts: bodies are power laws, 1 to 12 layers and tables of 3 to 12 rows, with moduli within a ratio of up to
 20, thicknesses from 1e-8 to 10 contact radii and Poisson's ratios from 0 to 0.49; indenters are rigid or of steel and
 have all shapes; the amplitude goes from 1e-6 to 0.999 mu F_N. Contacts of one kind are solved by one compiled program,
-one after the other. They are held to more digits, to balances and to float32. An error of a pressure is relative to the
-mean pressure F_N/(pi a_0^2), that of a derivative of log(V) to 1 or itself, whichever is larger, and every other one to
-the quantity. Balances are the integral of the pressure over the force, before any wear and worn, that of the depth over
-the volume, that of pressure and slip over the energy of a cycle, a contact of 1.1 times the size, one whose layers are
-each divided in two, the last volume of a march, and derivatives by differences.
+one after the other. They are held to more digits, to balances and to float32. Errors of pressures are
+relative to the mean pressure F_N/(pi a_0^2), and all others to the quantity, but errors of derivatives of log(V) to 1
+where the derivative is below 1. Balances compare the integral of the pressure with the force, before any wear and worn;
+the integral of the depth with the volume; the integral of pressure times slip with the energy of a cycle; the contact
+with one of 1.1 times the size, and with one whose layers are each divided in two; the last volume of a march with that
+of the steady state; derivatives with differences.
 The worst contacts and those that are refused are printed as Python expressions.
 """
 

@@ -185,7 +185,7 @@ def all_done(plan: SearchPlan, done: Any) -> Any:
 
 
 # The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
-# evaluates steps of several lengths at once, and takes that to the lowest merit of those at which it falls enough.
+# evaluates steps of several lengths at once. Of those at which the merit falls enough, it takes that with the lowest.
 
 
 _LIGHTEST, _HEAVIEST = 300.0, 1e8  # penalties: with which a descent begins, and beyond which none goes on

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from kinds import STEEL, dome
 from marks import compiled, parametrize
 from numpy.testing import assert_allclose
-from refusals import data
+from refusals import cases, data
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise.question import with_variables
@@ -132,13 +132,10 @@ def test_a_limit_that_is_not_monotone(lowest):
     assert_allclose(found.value, 2.66768e-12, rtol=1e-5)
 
 
-def test_a_lower_valley_that_breaks_the_limit_is_left_alone():
-    assert optimise.design(
-        FrettingContact(PowerLawGraded(177.83e9, 1.54e-4, 0.0, 0.375), 0.01, 5.6234, 0.5),
-        1.4059,
-        {"k": (-0.556, 0.444)},
-        limits={"edge_intensity": {"below": 2.4373e8}},
-    ).certified
+@cases("optimise/valleys.toml", "valleys", "name")
+def test_lower_valleys_are_left_alone_and_hills_are_not_crossed(case):
+    contact = FrettingContact(PowerLawGraded(*case["material"]), *case["contact"])
+    assert optimise.design(contact, case["force"], case["vary"], **case["question"]).certified
 
 
 def test_a_limit_next_to_the_bound_to_which_the_objective_pulls():

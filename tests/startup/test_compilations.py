@@ -29,7 +29,6 @@ CONTACT = dome()
 OTHER = FrettingContact(PowerLawGraded(90e9, 2e-4, 0.1, 0.2), radius=6e-3, normal_force=11.0, friction=0.5)
 HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius"}
 ALLOWED = {"edge_pressure": {"below": 5.5e8, "distance": 1e-6}}
-TOO_LOW = {"edge_pressure": {"below": 1e6, "distance": 1e-6}}
 FORCE = [0.2, 0.5, 1.0]
 LIFE = {"cycles": 4e5, "law": 1e-14}
 
@@ -60,7 +59,7 @@ def questions():
         "under_other_load": lambda: optimise.under_other_load(found[1], 1.1),
         "along": lambda: optimise.along(found[0], "k", np.linspace(-0.5, 0.5, 50)),
         "limits that cannot be kept": lambda: optimise.conflict(
-            optimise.design(CONTACT, FORCE, **HELD, limits=TOO_LOW)
+            optimise.design(CONTACT, FORCE, **HELD, limits={"edge_pressure": {"below": 1e6, "distance": 1e-6}})
         ),
         "a front": lambda: optimise.front(CONTACT, FORCE, **HELD, distance=1e-6, points=3),
         "a design for a life": lambda: optimise.design(CONTACT, 0.5, {"k": (-0.5, 0.5)}, **LIFE),
